@@ -1,0 +1,1 @@
+//! Measuring: running scenes, metrics, reference answers.

@@ -1,0 +1,57 @@
+//! What the step tells the rest of a game. All are messages that any system can poll with a
+//! `MessageReader`; those with an event target are also triggered as entity events.
+
+use bevy::math::DVec3;
+use bevy::prelude::*;
+
+use super::body::QuarantineReason;
+
+/// Two bodies touch that did not in the step before. As an entity event it is triggered for
+/// each of the two that has [`super::ObserveContacts`], with that one as `a`.
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ContactStarted {
+    /// One body.
+    #[event_target]
+    pub a: Entity,
+    /// The other.
+    pub b: Entity,
+}
+
+/// Two bodies no longer touch, or one of them is gone. As an entity event like
+/// [`ContactStarted`].
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ContactEnded {
+    /// One body.
+    #[event_target]
+    pub a: Entity,
+    /// The other.
+    pub b: Entity,
+}
+
+/// One contact point of one step, written for bodies with [`super::ReportCollisions`].
+#[derive(Message, Clone, Copy, Debug, PartialEq)]
+pub struct Collision {
+    /// One body.
+    pub a: Entity,
+    /// The other.
+    pub b: Entity,
+    /// World position, m.
+    pub point: DVec3,
+    /// Unit normal from A to B.
+    pub normal: DVec3,
+    /// Overlap along the normal, m.
+    pub depth: f64,
+    /// Velocity of B's point relative to A's when the contact was found, m/s.
+    pub relative_velocity: DVec3,
+    /// Simulation time at which the contact was found, s.
+    pub time: f64,
+}
+
+/// A body (or joint) made no sense and was frozen; the rest goes on. Also an entity event.
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BodyQuarantined {
+    /// The body or joint.
+    pub entity: Entity,
+    /// What was wrong.
+    pub reason: QuarantineReason,
+}

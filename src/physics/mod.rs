@@ -1,0 +1,167 @@
+//! The headless physics plugin: components, the step and its solver, on Bevy's ECS alone.
+//!
+//! A step runs [`PhysicsSchedule`], whose sets ([`PhysicsSystems`]) are, in order:
+//! 1. `Prepare`: gather what changed into packed arrays, sum forces;
+//! 2. `BroadPhase`: which bodies may touch;
+//! 3. `NarrowPhase`: where they touch;
+//! 4. `Islands`: which bodies can influence each other in this step;
+//! 5. `Solve`: rows, substeps, the chosen method, integration;
+//! 6. `WriteBack`: poses, velocities, joint loads;
+//! 7. `Events`: messages and entity events;
+//! 8. `Diagnose`: energy, momentum, errors, only where somebody reads them.
+//!
+//! The schedule runs on the single-threaded executor, because starting systems on several
+//! threads costs more than most scenes take; threads are used inside the heavy phases.
+
+mod bodies;
+mod body;
+pub mod collider;
+mod collision;
+mod constraint;
+pub mod diagnostics;
+mod events;
+mod integrator;
+mod island;
+pub mod joint;
+mod messages;
+mod prepare;
+mod settings;
+mod solver;
+mod threads;
+mod transform;
+mod write_back;
+
+pub use body::{
+    CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, ObserveContacts,
+    Position, QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, SurfaceMaterial, Velocity,
+};
+pub use collider::{Collider, MassProperties, Shape};
+pub use diagnostics::{ContactForce, ContactForces, Diagnostics, StepStats};
+pub use joint::{BallJoint, JointLoad, Softness};
+pub use messages::{BodyQuarantined, Collision, ContactEnded, ContactStarted};
+pub use settings::{
+    ContactModel, FrictionModel, Gravity, Integrator, Method, Precision, SettingsError, SolverSettings,
+};
+pub use transform::RenderOrigin;
+
+use bevy::app::{RunFixedMainLoop, RunFixedMainLoopSystems};
+use bevy::ecs::intern::Interned;
+use bevy::ecs::message::{MessageRegistry, message_update_system};
+use bevy::ecs::schedule::{ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
+use bevy::prelude::*;
+
+/// The schedule of one physics step.
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct PhysicsSchedule;
+
+/// The phases of [`PhysicsSchedule`], chained in this order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PhysicsSystems {
+    /// Gathers what changed, sums forces.
+    Prepare,
+    /// Finds the pairs that may touch.
+    BroadPhase,
+    /// Finds contacts.
+    NarrowPhase,
+    /// Finds the groups of bodies that touch or are joined.
+    Islands,
+    /// Builds and solves rows, integrates.
+    Solve,
+    /// Writes poses, velocities and joint loads to the ECS.
+    WriteBack,
+    /// Writes messages, triggers entity events.
+    Events,
+    /// Measures energy, momentum and errors if somebody reads them.
+    Diagnose,
+}
+
+/// Rigid bodies for a Bevy app: adds [`PhysicsSchedule`] and runs it once a fixed step.
+pub struct PhysicsPlugin {
+    schedule: Interned<dyn ScheduleLabel>,
+}
+
+impl Default for PhysicsPlugin {
+    /// Steps in `FixedPostUpdate`, so that game code in `FixedUpdate` acts before the step.
+    fn default() -> Self {
+        Self::in_schedule(FixedPostUpdate)
+    }
+}
+
+impl PhysicsPlugin {
+    /// Steps once whenever `schedule` runs.
+    pub fn in_schedule(schedule: impl ScheduleLabel) -> Self {
+        Self { schedule: schedule.intern() }
+    }
+}
+
+impl Plugin for PhysicsPlugin {
+    fn build(&self, app: &mut App) {
+        use PhysicsSystems::{BroadPhase, Diagnose, Events, Islands, NarrowPhase, Prepare, Solve, WriteBack};
+        app.init_resource::<SolverSettings>()
+            .init_resource::<Gravity>()
+            .init_resource::<RenderOrigin>()
+            .init_resource::<StepStats>()
+            .add_message::<ContactStarted>()
+            .add_message::<ContactEnded>()
+            .add_message::<Collision>()
+            .add_message::<BodyQuarantined>()
+            .init_schedule(PhysicsSchedule)
+            .edit_schedule(PhysicsSchedule, |schedule| {
+                schedule.set_executor(SingleThreadedExecutor::new());
+                schedule.set_build_settings(ScheduleBuildSettings { auto_insert_apply_deferred: false, ..default() });
+                schedule.configure_sets(
+                    (Prepare, BroadPhase, NarrowPhase, Islands, Solve, WriteBack, Events, Diagnose).chain(),
+                );
+            })
+            .add_systems(self.schedule, run_step)
+            .add_systems(
+                RunFixedMainLoop,
+                (
+                    set_fixed_timestep.in_set(RunFixedMainLoopSystems::BeforeFixedMainLoop),
+                    transform::write_transforms.in_set(RunFixedMainLoopSystems::AfterFixedMainLoop),
+                ),
+            )
+            .add_plugins((
+                prepare::plugin,
+                collision::plugin,
+                island::plugin,
+                solver::plugin,
+                write_back::plugin,
+                events::plugin,
+                diagnostics::plugin,
+            ));
+    }
+}
+
+fn run_step(world: &mut World) {
+    world.run_schedule(PhysicsSchedule);
+}
+
+/// `Time<Fixed>` only decides when to step; the step itself is `1/hz`.
+fn set_fixed_timestep(settings: Res<SolverSettings>, fixed: Option<ResMut<Time<Fixed>>>) {
+    if settings.is_changed()
+        && settings.validate().is_ok()
+        && let Some(mut fixed) = fixed
+    {
+        fixed.set_timestep_seconds(settings.step());
+    }
+}
+
+/// An app with the physics plugin and nothing else: no window, no clock. Drive it with [`step`].
+pub fn headless_app() -> App {
+    let mut app = App::new();
+    app.add_plugins((TaskPoolPlugin::default(), PhysicsPlugin::default()));
+    app.finish();
+    app.cleanup();
+    app
+}
+
+/// One physics step of a headless world, with the housekeeping that Bevy's main loop would do:
+/// message buffers advance and change trackers are cleared (without it both grow for ever).
+pub fn step(world: &mut World) {
+    world.run_schedule(PhysicsSchedule);
+    if world.contains_resource::<MessageRegistry>() {
+        let _ = world.run_system_cached(message_update_system);
+    }
+    world.clear_trackers();
+}

@@ -1,0 +1,224 @@
+//! Every number and choice of the step, with its unit and range, and the presets.
+
+use bevy::math::DVec3;
+use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Acceleration of gravity, m/s² (default 9.81 downwards, y up).
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Deref, DerefMut)]
+#[reflect(Resource, Debug, Default, PartialEq)]
+pub struct Gravity(pub DVec3);
+
+impl Default for Gravity {
+    fn default() -> Self {
+        Self(DVec3::new(0.0, -9.81, 0.0))
+    }
+}
+
+/// How contact and joint rows are solved.
+#[derive(Reflect, Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// Projected Gauss–Seidel on the force-level rows with λ from zero (Catto 2005).
+    #[default]
+    #[serde(rename = "pgs")]
+    ProjectedGaussSeidel,
+}
+
+/// How velocities become poses.
+#[derive(Reflect, Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[serde(rename_all = "snake_case")]
+pub enum Integrator {
+    /// v += h a, then x += h v with the new v. One solve a (sub)step.
+    #[default]
+    Euler,
+    /// Kick by h/2, drift by h, kick by h/2. Two solves a (sub)step.
+    VelocityVerlet,
+}
+
+/// How the points of a contact are found once the separating axis test has given a normal.
+#[derive(Reflect, Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[serde(rename_all = "snake_case")]
+pub enum ContactModel {
+    /// The extreme vertices of each shape toward the other, moved onto the contact plane, all
+    /// with the same depth: the 2009 engine's.
+    ExtremeVertices,
+    /// The incident face clipped to the reference face, each point with its own depth; at most
+    /// 4 points, chosen to keep the deepest one and the area.
+    #[default]
+    Clipping,
+}
+
+/// How friction is solved.
+#[derive(Reflect, Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[serde(rename_all = "snake_case")]
+pub enum FrictionModel {
+    /// No friction rows.
+    Off,
+    /// One row along the slip at the start of the step, |λ| ≤ μ m_c g: the 2009 engine's.
+    OneTangent,
+    /// Two rows, each bounded by μ times the contact's own normal force, which is updated each
+    /// sweep.
+    #[default]
+    TwoTangents,
+}
+
+/// The scalar in which rows are built and solved. Poses are `f64` either way.
+#[derive(Reflect, Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[serde(rename_all = "snake_case")]
+pub enum Precision {
+    /// Single precision, on quantities relative to each body.
+    #[default]
+    F32,
+    /// Double precision.
+    F64,
+}
+
+/// Every setting of the step. [`SolverSettings::default`] is [`SolverSettings::steady`].
+#[derive(Resource, Reflect, Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
+#[reflect(Resource, Debug, Default, PartialEq)]
+#[serde(default, deny_unknown_fields)]
+pub struct SolverSettings {
+    /// Steps per second; the step is h = 1/hz. Positive.
+    pub hz: f64,
+    /// How rows are solved.
+    pub method: Method,
+    /// How velocities become poses.
+    pub integrator: Integrator,
+    /// Equal parts a step is cut into, at least 1. Collision is found once a step; contact
+    /// depths, joints and rows are brought up to date each substep.
+    pub substeps: u32,
+    /// Sweeps over all rows in each (sub)step, at least 1.
+    pub iterations: u32,
+    /// Scalar of rows and solver.
+    pub precision: Precision,
+    /// Share of a position error that one (sub)step aims to remove, 0 to 1 (Baumgarte's β·h,
+    /// or ODE's error reduction parameter).
+    pub baumgarte: f64,
+    /// Depth that contacts leave alone, m, ≥ 0.
+    pub slop: f64,
+    /// Greatest speed at which a contact pushes bodies apart to mend its depth, m/s; none: no
+    /// limit.
+    pub push_out_speed: Option<f64>,
+    /// How friction is solved.
+    pub friction: FrictionModel,
+    /// Drag on every body, 1/s, ≥ 0: v ← v/(1 + c h), ω likewise.
+    pub drag: f64,
+    /// Approach speed above which contacts bounce, m/s, ≥ 0; none: no contact bounces.
+    pub restitution_speed: Option<f64>,
+    /// How contact points are found.
+    pub contacts: ContactModel,
+    /// L1 distance within which two candidate axes of the separating axis test count as one, ≥ 0.
+    pub axis_epsilon: f64,
+    /// Whether n and −n count as one candidate axis.
+    pub merge_opposite_axes: bool,
+    /// Whether the broad phase also prunes on y.
+    pub prune_y: bool,
+    /// Steps by which the solver's contacts lag behind the poses: 0, or 1 as in the 2009
+    /// engine's threaded loop.
+    pub contact_lag: u32,
+    /// Most threads a step uses, the calling one included; results do not depend on it.
+    /// At least 1.
+    pub threads: u32,
+}
+
+impl Default for SolverSettings {
+    fn default() -> Self {
+        Self::steady()
+    }
+}
+
+impl SolverSettings {
+    /// The 2009 engine to the letter: 4 sweeps of projected Gauss–Seidel, β = 0.7/(2h), slop
+    /// 1 cm, extreme-vertex contacts, one friction tangent with its documented flaw, Euler.
+    pub fn classic() -> Self {
+        Self {
+            hz: 60.0,
+            method: Method::ProjectedGaussSeidel,
+            integrator: Integrator::Euler,
+            substeps: 1,
+            iterations: 4,
+            precision: Precision::F32,
+            baumgarte: 0.35,
+            slop: 0.01,
+            push_out_speed: None,
+            friction: FrictionModel::OneTangent,
+            drag: 0.0,
+            restitution_speed: None,
+            contacts: ContactModel::ExtremeVertices,
+            axis_epsilon: 1e-3,
+            merge_opposite_axes: false,
+            prune_y: false,
+            contact_lag: 0,
+            threads: 1,
+        }
+    }
+
+    /// The default: the parts that hold up best under a person's hands. Clipped manifolds,
+    /// friction bounded by the contact's own normal force, restitution, and substeps, which
+    /// do more for joints than sweeps of the same cost.
+    pub fn steady() -> Self {
+        Self {
+            substeps: 4,
+            iterations: 10,
+            baumgarte: 0.2,
+            slop: 0.002,
+            push_out_speed: Some(3.0),
+            friction: FrictionModel::TwoTangents,
+            restitution_speed: Some(0.5),
+            contacts: ContactModel::Clipping,
+            merge_opposite_axes: true,
+            prune_y: true,
+            ..Self::classic()
+        }
+    }
+
+    /// The presets by name, the default first.
+    pub const PRESETS: [(&'static str, fn() -> Self); 2] = [("steady", Self::steady), ("classic", Self::classic)];
+
+    /// The preset of that name.
+    pub fn preset(name: &str) -> Option<Self> {
+        Self::PRESETS.iter().find(|(known, _)| *known == name).map(|(_, preset)| preset())
+    }
+
+    /// The step h, s.
+    pub fn step(&self) -> f64 {
+        1.0 / self.hz
+    }
+
+    /// Checks every range that the fields' docs state.
+    ///
+    /// # Errors
+    /// The first field that is out of its range, with the range.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        let check = |field, value: f64, range, holds: bool| {
+            if value.is_finite() && holds { Ok(()) } else { Err(SettingsError { field, value, range }) }
+        };
+        check("hz", self.hz, "greater than 0 and at most 1e9", self.hz > 0.0 && self.hz <= 1e9)?;
+        check("substeps", f64::from(self.substeps), "at least 1", self.substeps >= 1)?;
+        check("iterations", f64::from(self.iterations), "at least 1", self.iterations >= 1)?;
+        check("baumgarte", self.baumgarte, "0 to 1", (0.0..=1.0).contains(&self.baumgarte))?;
+        check("slop", self.slop, "at least 0", self.slop >= 0.0)?;
+        if let Some(speed) = self.push_out_speed {
+            check("push_out_speed", speed, "at least 0", speed >= 0.0)?;
+        }
+        check("drag", self.drag, "at least 0", self.drag >= 0.0)?;
+        if let Some(speed) = self.restitution_speed {
+            check("restitution_speed", speed, "at least 0", speed >= 0.0)?;
+        }
+        check("axis_epsilon", self.axis_epsilon, "0 to 0.5", (0.0..=0.5).contains(&self.axis_epsilon))?;
+        check("contact_lag", f64::from(self.contact_lag), "0 or 1", self.contact_lag <= 1)?;
+        check("threads", f64::from(self.threads), "at least 1", self.threads >= 1)
+    }
+}
+
+/// A setting out of its range.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{field}: {value} is out of range, must be {range}")]
+pub struct SettingsError {
+    /// The field's name.
+    pub field: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// What it may be.
+    pub range: &'static str,
+}

@@ -1,0 +1,64 @@
+//! `Transform` as output and as input.
+//!
+//! Out: after the fixed loop, each body's `Transform` is its pose interpolated between the last
+//! two steps, minus [`RenderOrigin`]. In: Plumb remembers the bits it last wrote; a `Transform`
+//! that differs in any bit is the user's and teleports the body (velocity kept, no
+//! interpolation).
+
+use bevy::math::{DQuat, DVec3};
+use bevy::prelude::*;
+
+use super::body::{Position, RigidBody, Rotation};
+
+/// The point of the world, m, that is drawn at Bevy's origin. Near the camera, `f32` transforms
+/// stay exact however far from the origin a scene lies.
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut)]
+#[reflect(Resource, Debug, Default, PartialEq)]
+pub struct RenderOrigin(pub DVec3);
+
+/// The pose before the last step, and the transform last written.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub(crate) struct PoseHistory {
+    /// `None` until the body's first step: nothing to interpolate from.
+    pub previous: Option<(DVec3, DQuat)>,
+    /// `None` until a transform has been written.
+    pub written: Option<Transform>,
+}
+
+impl PoseHistory {
+    /// Whether `transform` is the user's: not what was last written, bit by bit. Before the
+    /// first write it is what the body was spawned with, already taken over.
+    pub fn is_foreign(&self, transform: &Transform) -> bool {
+        self.written.is_some_and(|written| bits(&written) != bits(transform))
+    }
+}
+
+/// Scale is the user's own: physics neither reads nor writes it.
+fn bits(transform: &Transform) -> [u32; 7] {
+    let (t, r) = (transform.translation, transform.rotation);
+    [t.x, t.y, t.z, r.x, r.y, r.z, r.w].map(f32::to_bits)
+}
+
+/// Writes interpolated transforms; runs after the fixed loop.
+pub(super) fn write_transforms(
+    fixed: Option<Res<Time<Fixed>>>,
+    origin: Res<RenderOrigin>,
+    mut bodies: Query<(&Position, &Rotation, &mut PoseHistory, &mut Transform), With<RigidBody>>,
+) {
+    let alpha = fixed.map_or(1.0, |fixed| fixed.overstep_fraction_f64());
+    for (position, rotation, mut history, mut transform) in &mut bodies {
+        if history.is_foreign(&transform) {
+            continue; // taken over, and written again, by the next step
+        }
+        let (from_position, from_rotation) = history.previous.unwrap_or((position.0, rotation.0));
+        let pose = Transform {
+            translation: (from_position.lerp(position.0, alpha) - origin.0).as_vec3(),
+            rotation: from_rotation.slerp(rotation.0, alpha).as_quat(),
+            scale: transform.scale,
+        };
+        if bits(&pose) != bits(&transform) {
+            *transform = pose;
+        }
+        history.written = Some(pose);
+    }
+}

@@ -1,0 +1,1 @@
+//! The window: picture, camera, drag, panel.

@@ -1,0 +1,1 @@
+//! Tests of scenes, measuring and the command line, one module a subject.

@@ -1,0 +1,1 @@
+//! Headless system tests of the physics plugin, one module a subject.
