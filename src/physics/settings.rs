@@ -96,9 +96,9 @@ pub struct SolverSettings {
     pub baumgarte: f64,
     /// Depth that contacts leave alone, m, ≥ 0.
     pub slop: f64,
-    /// Greatest speed at which a contact pushes bodies apart to mend its depth, m/s; none: no
+    /// Greatest speed at which a contact or joint mends a position error, m/s, ≥ 0; none: no
     /// limit.
-    pub push_out_speed: Option<f64>,
+    pub correction_speed: Option<f64>,
     /// How friction is solved.
     pub friction: FrictionModel,
     /// Drag on every body, 1/s, ≥ 0: v ← v/(1 + c h), ω likewise.
@@ -140,7 +140,7 @@ impl SolverSettings {
             precision: Precision::F32,
             baumgarte: 0.35,
             slop: 0.01,
-            push_out_speed: None,
+            correction_speed: None,
             friction: FrictionModel::OneTangent,
             drag: 0.0,
             restitution_speed: None,
@@ -162,7 +162,7 @@ impl SolverSettings {
             iterations: 10,
             baumgarte: 0.2,
             slop: 0.002,
-            push_out_speed: Some(3.0),
+            correction_speed: Some(3.0),
             friction: FrictionModel::TwoTangents,
             restitution_speed: Some(0.5),
             contacts: ContactModel::Clipping,
@@ -198,8 +198,8 @@ impl SolverSettings {
         check("iterations", f64::from(self.iterations), "at least 1", self.iterations >= 1)?;
         check("baumgarte", self.baumgarte, "0 to 1", (0.0..=1.0).contains(&self.baumgarte))?;
         check("slop", self.slop, "at least 0", self.slop >= 0.0)?;
-        if let Some(speed) = self.push_out_speed {
-            check("push_out_speed", speed, "at least 0", speed >= 0.0)?;
+        if let Some(speed) = self.correction_speed {
+            check("correction_speed", speed, "at least 0", speed >= 0.0)?;
         }
         check("drag", self.drag, "at least 0", self.drag >= 0.0)?;
         if let Some(speed) = self.restitution_speed {
