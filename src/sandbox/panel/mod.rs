@@ -1,0 +1,3 @@
+//! The panel: scenes, settings, read-outs.
+
+pub(super) fn plugin(_app: &mut bevy::prelude::App) {}

@@ -1,0 +1,3 @@
+//! Live plots.
+
+pub(super) fn plugin(_app: &mut bevy::prelude::App) {}
