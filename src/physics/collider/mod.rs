@@ -1,9 +1,26 @@
 //! Shapes: their volume, inertia, bounding sphere and geometry. One file a shape.
 //!
-//! A collider is centred on its body's centre of mass, in principal axes.
+//! A collider is centred on its body's centre of mass, in principal axes. Each shape file gives
+//! closed forms of its volume (m³), its principal moments per kilogram (m²), its bounding radius
+//! about the centre of mass (m) and its [`Geometry`]. What touches what is not here: see
+//! `collision`.
+
+mod cone;
+mod cuboid;
+mod half_space;
+mod hull;
+mod sphere;
+
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
+use nalgebra::Vector3;
+
+pub(crate) use hull::{Face, Hull};
 
 /// The shape of a body, one per body, centred on its centre of mass. Sizes are full and in m.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
@@ -71,8 +88,78 @@ impl Collider {
     pub fn shape(&self) -> Shape {
         self.shape
     }
+
+    /// Whether every size is finite and greater than zero.
+    pub fn is_valid(&self) -> bool {
+        let valid = |size: f64| size.is_finite() && size > 0.0;
+        match self.shape {
+            Shape::HalfSpace => true,
+            Shape::Sphere { radius } => valid(radius),
+            Shape::Cuboid { size } => size.to_array().into_iter().all(valid),
+            Shape::Cone { radius, height } => valid(radius) && valid(height),
+        }
+    }
+
+    /// Volume, m³; infinite for a half-space.
+    pub fn volume(&self) -> f64 {
+        match self.shape {
+            Shape::HalfSpace => half_space::VOLUME,
+            Shape::Sphere { radius } => sphere::volume(radius),
+            Shape::Cuboid { size } => cuboid::volume(size),
+            Shape::Cone { radius, height } => cone::volume(radius, height),
+        }
+    }
+
+    /// Mass and inertia at a density in kg/m³, the mass spread evenly; infinite for a half-space.
+    pub fn mass_properties(&self, density: f64) -> MassProperties {
+        self.mass_properties_of_mass(density * self.volume())
+    }
+
+    /// Inertia of that mass in kg, spread evenly; infinite for a half-space.
+    pub fn mass_properties_of_mass(&self, mass: f64) -> MassProperties {
+        let moments = match self.shape {
+            Shape::HalfSpace => half_space::MOMENTS,
+            Shape::Sphere { radius } => sphere::moments(radius),
+            Shape::Cuboid { size } => cuboid::moments(size),
+            Shape::Cone { radius, height } => cone::moments(radius, height),
+        };
+        MassProperties { mass, inertia: mass * moments }
+    }
+
+    /// Radius of the smallest sphere about the centre of mass that holds the shape, m; infinite
+    /// for a half-space.
+    pub fn bounding_radius(&self) -> f64 {
+        match self.shape {
+            Shape::HalfSpace => half_space::BOUNDING_RADIUS,
+            Shape::Sphere { radius } => radius,
+            Shape::Cuboid { size } => cuboid::bounding_radius(size),
+            Shape::Cone { radius, height } => cone::bounding_radius(radius, height),
+        }
+    }
+
+    /// The shape ready for collision. Of a valid collider only.
+    pub(crate) fn geometry(&self) -> Geometry {
+        match self.shape {
+            Shape::HalfSpace => Geometry::HalfSpace,
+            Shape::Sphere { radius } => Geometry::Sphere { radius },
+            Shape::Cuboid { size } => Geometry::Cuboid { half: Vector3::from(size.to_array()) / 2.0 },
+            Shape::Cone { radius, height } => Geometry::Hull(Arc::new(cone::hull(radius, height))),
+        }
+    }
 }
 
-/// A shape ready for collision.
+/// A shape ready for collision, in body axes about the centre of mass. Cheap to clone.
 #[derive(Clone, Debug)]
-pub(crate) enum Geometry {}
+pub(crate) enum Geometry {
+    /// y ≤ 0.
+    HalfSpace,
+    Sphere {
+        radius: f64,
+    },
+    Cuboid {
+        /// Half extents.
+        half: Vector3<f64>,
+    },
+    /// A convex polyhedron.
+    Hull(Arc<Hull>),
+}

@@ -4,6 +4,8 @@
 //! [`Contacts`]. Everything here is `f64` and computed relative to body A of each pair, so that
 //! it does not depend on the distance from the origin.
 
+pub(crate) mod vector_set;
+
 use bevy::prelude::*;
 use nalgebra::Vector3;
 

@@ -1,0 +1,114 @@
+//! The *vector set* of the 2009 engine: a set of vectors that differ from each other.
+//!
+//! A vector within L1 distance |Δx| + |Δy| + |Δz| ≤ ε of a kept one is dropped; the L1 norm
+//! bounds the Euclidean one and needs no square root. It thins the candidate axes of the
+//! separating axis test, where vectors near zero (cross products of parallel edges) are dropped
+//! too and the others normalised, and the vertices of a shape when it is made.
+//!
+//! Vectors are chained by their x, so that the thousand axes of two fine hulls cost no million
+//! comparisons.
+
+use nalgebra::Vector3;
+
+/// Euclidean length below which a cross product of unit vectors is that of parallels: its
+/// direction would be off by more than 1e-10.
+const NEAR_ZERO: f64 = 1e-6;
+
+/// Chains by x.
+const CHAINS: usize = 64;
+
+/// End of a chain.
+const END: u32 = u32::MAX;
+
+/// A set of vectors in which no two are within ε of each other.
+#[derive(Clone, Debug)]
+pub(crate) struct VectorSet {
+    epsilon: f64,
+    merge_opposites: bool,
+    /// Chains in a unit of x.
+    scale: f64,
+    vectors: Vec<Vector3<f64>>,
+    /// Next in the chain of the vector of the same index.
+    next: Vec<u32>,
+    /// First in each chain.
+    first: [u32; CHAINS],
+}
+
+impl Default for VectorSet {
+    /// Empty, of directions, ε = 0.
+    fn default() -> Self {
+        Self {
+            epsilon: 0.0,
+            merge_opposites: false,
+            scale: CHAINS as f64 / 2.0,
+            vectors: Vec::new(),
+            next: Vec::new(),
+            first: [END; CHAINS],
+        }
+    }
+}
+
+impl VectorSet {
+    /// Empties it, keeping its memory. With `merge_opposites` v and −v count as one; `reach` is
+    /// about the length of the longest vector to come (a longer one is only slower to find).
+    pub fn reset(&mut self, epsilon: f64, merge_opposites: bool, reach: f64) {
+        self.epsilon = epsilon;
+        self.merge_opposites = merge_opposites;
+        self.scale = CHAINS as f64 / (2.0 * reach);
+        self.vectors.clear();
+        self.next.clear();
+        self.first = [END; CHAINS];
+    }
+
+    /// What was kept, in the order of insertion.
+    pub fn vectors(&self) -> &[Vector3<f64>] {
+        &self.vectors
+    }
+
+    /// Keeps a vector unless one within ε is there; whether it was kept.
+    #[inline]
+    pub fn insert(&mut self, vector: Vector3<f64>) -> bool {
+        if self.contains_near(&vector) || (self.merge_opposites && self.contains_near(&-vector)) {
+            return false;
+        }
+        let chain = self.chain(vector.x);
+        self.next.push(self.first[chain]);
+        self.first[chain] = self.vectors.len() as u32;
+        self.vectors.push(vector);
+        true
+    }
+
+    /// Normalises a vector and keeps it, unless it is near zero or one within ε is there. The
+    /// direction if it was kept.
+    #[inline]
+    pub fn insert_direction(&mut self, vector: Vector3<f64>) -> Option<Vector3<f64>> {
+        let length = vector.norm();
+        if length < NEAR_ZERO {
+            return None;
+        }
+        let direction = vector / length;
+        self.insert(direction).then_some(direction)
+    }
+
+    #[inline]
+    fn contains_near(&self, vector: &Vector3<f64>) -> bool {
+        (self.chain(vector.x - self.epsilon)..=self.chain(vector.x + self.epsilon)).any(|chain| {
+            let mut index = self.first[chain];
+            while index != END {
+                let apart = self.vectors[index as usize] - vector;
+                if apart.x.abs() + apart.y.abs() + apart.z.abs() <= self.epsilon {
+                    return true;
+                }
+                index = self.next[index as usize];
+            }
+            false
+        })
+    }
+
+    /// Chain of an x; those beyond the reach fall in the outermost.
+    #[inline]
+    fn chain(&self, x: f64) -> usize {
+        let chain = x * self.scale + CHAINS as f64 / 2.0;
+        (chain.max(0.0) as usize).min(CHAINS - 1)
+    }
+}
