@@ -17,8 +17,8 @@ use super::transform::PoseHistory;
 /// A body that has no [`Position`] takes its pose from its `Transform`.
 #[derive(Component, Reflect, Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Debug, Default, PartialEq)]
-#[require(Transform, Velocity, PoseHistory, BodyIndex)]
-#[component(on_add = take_pose_from_transform)]
+#[require(Transform, Velocity, PoseHistory, BodySlot)]
+#[component(on_add = enter_world)]
 pub enum RigidBody {
     /// Moved by forces, contacts and joints.
     #[default]
@@ -29,9 +29,13 @@ pub enum RigidBody {
     Static,
 }
 
-/// `Position` and `Rotation` are not required components: only so can a body that was given
-/// a pose be told from one that was not.
-fn take_pose_from_transform(mut world: DeferredWorld, context: HookContext) {
+/// Numbers the body and gives it a pose. `Position` and `Rotation` are not required components:
+/// only so can a body that was given a pose be told from one that was not.
+fn enter_world(mut world: DeferredWorld, context: HookContext) {
+    let born = world.get_resource_mut::<BirthCounter>().map_or(0, |mut counter| counter.next());
+    if let Some(mut slot) = world.get_mut::<BodySlot>(context.entity) {
+        *slot = BodySlot { index: u32::MAX, born };
+    }
     let body = world.entity(context.entity);
     let transform = body.get::<Transform>().copied().unwrap_or_default();
     let has_position = body.contains::<Position>();
@@ -226,16 +230,28 @@ pub enum QuarantineReason {
     BadJoint,
 }
 
-/// Where the body stands in the solver's packed arrays; `u32::MAX` until its first step.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct BodyIndex(pub u32);
-
-impl BodyIndex {
-    pub(crate) const NONE: Self = Self(u32::MAX);
+/// Where the body stands in the solver's packed arrays.
+#[derive(Component, Clone, Copy, Debug)]
+pub(crate) struct BodySlot {
+    /// Index; `u32::MAX` until the body's first step.
+    pub index: u32,
+    /// Bodies are packed in this order, which no change of components disturbs.
+    pub born: u64,
 }
 
-impl Default for BodyIndex {
+impl Default for BodySlot {
     fn default() -> Self {
-        Self::NONE
+        Self { index: u32::MAX, born: 0 }
+    }
+}
+
+/// Numbers bodies and joints in the order in which they are made.
+#[derive(Resource, Default)]
+pub(crate) struct BirthCounter(u64);
+
+impl BirthCounter {
+    pub fn next(&mut self) -> u64 {
+        self.0 += 1;
+        self.0
     }
 }

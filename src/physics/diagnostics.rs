@@ -3,8 +3,18 @@
 //! [`StepStats`] is always there. [`Diagnostics`] and [`ContactForces`] are filled in only
 //! while the resource exists: insert it to read it.
 
+use std::hash::Hasher;
+
 use bevy::math::DVec3;
 use bevy::prelude::*;
+use nalgebra::Vector3;
+
+use super::bodies::{Bodies, Joints};
+use super::body::{GravityScale, Position, Rotation, Velocity};
+use super::collision::Contacts;
+use super::settings::{Gravity, SolverSettings};
+use super::solver::{IslandSolvers, LaggedContacts};
+use super::{PhysicsSchedule, PhysicsSystems};
 
 /// Counts and times of the last step.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq)]
@@ -32,8 +42,22 @@ pub struct StepStats {
     pub row_updates: u64,
     /// Groups of bodies that touch or are joined.
     pub islands: u32,
-    /// Bodies and joints quarantined now.
+    /// Bodies quarantined now.
     pub quarantined: u32,
+    /// Where `time` was when the step last changed, and the step.
+    since: (u64, f64, f64),
+}
+
+impl StepStats {
+    /// Steps × h, without the drift of a running sum; a change of the step starts a new product.
+    pub(super) fn count_step(&mut self, settings: &SolverSettings) {
+        let h = settings.step();
+        if self.since.2 != h {
+            self.since = (self.steps, self.time, h);
+        }
+        self.steps += 1;
+        self.time = self.since.1 + (self.steps - self.since.0) as f64 * h;
+    }
 }
 
 /// Conserved quantities and errors of the state after the last step. Filled in while present.
@@ -84,4 +108,96 @@ pub struct ContactForce {
     pub force: DVec3,
 }
 
-pub(super) fn plugin(_app: &mut App) {}
+pub(super) fn plugin(app: &mut App) {
+    app.add_systems(
+        PhysicsSchedule,
+        (
+            measure.run_if(resource_exists::<Diagnostics>),
+            collect_contact_forces.run_if(resource_exists::<ContactForces>),
+        )
+            .in_set(PhysicsSystems::Diagnose),
+    );
+}
+
+fn measure(
+    bodies: Res<Bodies>,
+    joints: Res<Joints>,
+    contacts: Res<Contacts>,
+    gravity: Res<Gravity>,
+    scales: Query<&GravityScale>,
+    mut diagnostics: ResMut<Diagnostics>,
+) {
+    let mut sum = Diagnostics::default();
+    let g = Vector3::from(gravity.0);
+    let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
+    for body in bodies.list.iter().filter(|body| body.is_dynamic()) {
+        // Body axes, where the inertia is diagonal; about a locked axis nothing turns.
+        let spin = body.rotation.inverse() * body.angular;
+        let inertia = body.inverse_inertia_body.map(f64::recip);
+        let body_momentum = inertia.component_mul(&spin);
+        let scale = scales.get(body.entity).map_or(1.0, |scale| scale.0);
+        sum.kinetic_energy += 0.5 * (body.mass * body.linear.norm_squared() + spin.dot(&body_momentum));
+        sum.potential_energy -= body.mass * scale * g.dot(&body.position);
+        linear += body.linear * body.mass;
+        angular += body.position.cross(&(body.linear * body.mass)) + body.rotation * body_momentum;
+    }
+    sum.linear_momentum = linear.into();
+    sum.angular_momentum = angular.into();
+    for joint in joints.list.iter().filter(|joint| joint.softness.is_none()) {
+        let (a, b) = (&bodies.list[joint.a as usize], &bodies.list[joint.b as usize]);
+        let error = b.position - a.position + b.rotation * joint.anchor_b - a.rotation * joint.anchor_a;
+        sum.joint_error = sum.joint_error.max(error.norm());
+    }
+    sum.penetration = contacts.points.iter().fold(0.0, |deepest, point| point.depth.max(deepest));
+    *diagnostics = sum;
+}
+
+fn collect_contact_forces(
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    lagged: Res<LaggedContacts>,
+    settings: Res<SolverSettings>,
+    solvers: Res<IslandSolvers>,
+    mut forces: ResMut<ContactForces>,
+) {
+    let contacts = lagged.active(&settings, &contacts);
+    forces.0.clear();
+    for (manifold, index, force) in solvers.list[..solvers.used].iter().flat_map(|solver| solver.contact_forces()) {
+        let manifold = &contacts.manifolds[manifold as usize];
+        let point = contacts.points_of(manifold)[index];
+        forces.0.push(ContactForce {
+            a: bodies.list[manifold.pair.a as usize].entity,
+            b: bodies.list[manifold.pair.b as usize].entity,
+            point: point.point.into(),
+            normal: manifold.normal.into(),
+            depth: point.depth,
+            force: force.into(),
+        });
+    }
+}
+
+/// Feeds every bit that the next step depends on to a hasher: poses and velocities of all bodies
+/// in the order in which they became bodies, and contacts that wait for a lagged solve.
+pub fn hash_state<H: Hasher>(world: &World, hasher: &mut H) {
+    let mut feed = |value: f64| hasher.write_u64(value.to_bits());
+    let Some(bodies) = world.get_resource::<Bodies>() else { return };
+    for body in &bodies.list {
+        if let (Some(position), Some(rotation), Some(velocity)) =
+            (world.get::<Position>(body.entity), world.get::<Rotation>(body.entity), world.get::<Velocity>(body.entity))
+        {
+            position.0.to_array().into_iter().for_each(&mut feed);
+            rotation.0.to_array().into_iter().for_each(&mut feed);
+            velocity.linear.to_array().into_iter().for_each(&mut feed);
+            velocity.angular.to_array().into_iter().for_each(&mut feed);
+        }
+    }
+    if let Some(lagged) = world.get_resource::<LaggedContacts>() {
+        for manifold in &lagged.pending().manifolds {
+            manifold.normal.iter().copied().for_each(&mut feed);
+            for point in lagged.pending().points_of(manifold) {
+                point.point.iter().copied().for_each(&mut feed);
+                feed(point.depth);
+            }
+        }
+    }
+}

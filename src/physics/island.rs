@@ -1,2 +1,206 @@
-//! stub
-pub(super) fn plugin(_app: &mut bevy::prelude::App) {}
+//! Islands: bodies that can influence each other in this step, through contacts or joints.
+//!
+//! Union–find over the bodies that move; static and kinematic bodies connect nobody. Small
+//! islands are packed together into [`Islands`]' groups, so that one unit of work is worth a
+//! claim; a group's constraints keep the order in which contacts and joints were found.
+
+use bevy::prelude::*;
+
+use super::bodies::{Bodies, Joints};
+use super::body::RigidBody;
+use super::collision::Contacts;
+use super::diagnostics::StepStats;
+use super::settings::SolverSettings;
+use super::solver::LaggedContacts;
+use super::{PhysicsSchedule, PhysicsSystems};
+
+/// Islands are packed until a group has this many bodies.
+const BODIES_PER_GROUP: u32 = 64;
+
+pub(super) fn plugin(app: &mut App) {
+    app.init_resource::<Islands>().add_systems(PhysicsSchedule, find_islands.in_set(PhysicsSystems::Islands));
+}
+
+/// The islands of this step, packed into groups that share no body that moves.
+#[derive(Resource, Default)]
+pub(crate) struct Islands {
+    /// Group of each body; [`Islands::NONE`] for static ones.
+    group_of: Vec<u32>,
+    /// Position of each body in its group.
+    local_of: Vec<u32>,
+    bodies: Grouped,
+    manifolds: Grouped,
+    joints: Grouped,
+    parent: Vec<u32>,
+    size: Vec<u32>,
+    constrained: Vec<bool>,
+    scratch: Vec<u32>,
+}
+
+/// Items sorted by group, stable.
+#[derive(Default)]
+struct Grouped {
+    items: Vec<u32>,
+    /// Group g has `items[starts[g]..starts[g + 1]]`.
+    starts: Vec<u32>,
+}
+
+impl Grouped {
+    fn rebuild(&mut self, groups: u32, group_of_item: &[u32]) {
+        self.starts.clear();
+        self.starts.resize(groups as usize + 1, 0);
+        for &group in group_of_item.iter().filter(|&&group| group != Islands::NONE) {
+            self.starts[group as usize + 1] += 1;
+        }
+        for group in 0..groups as usize {
+            self.starts[group + 1] += self.starts[group];
+        }
+        self.items.clear();
+        self.items.resize(self.starts[groups as usize] as usize, 0);
+        // Filling moves each start to its end; walking backwards would put it back, but a shift
+        // afterwards is simpler.
+        for (item, &group) in group_of_item.iter().enumerate().filter(|&(_, &group)| group != Islands::NONE) {
+            let slot = &mut self.starts[group as usize];
+            self.items[*slot as usize] = item as u32;
+            *slot += 1;
+        }
+        self.starts.rotate_right(1);
+        self.starts[0] = 0;
+    }
+
+    fn of(&self, group: usize) -> &[u32] {
+        &self.items[self.starts[group] as usize..self.starts[group + 1] as usize]
+    }
+}
+
+impl Islands {
+    const NONE: u32 = u32::MAX;
+
+    /// Groups to solve.
+    pub fn count(&self) -> usize {
+        self.bodies.starts.len().saturating_sub(1)
+    }
+
+    /// The bodies that move in a group, in their order.
+    pub fn bodies(&self, group: usize) -> &[u32] {
+        self.bodies.of(group)
+    }
+
+    /// The manifolds of a group, in the order in which they were found.
+    pub fn manifolds(&self, group: usize) -> &[u32] {
+        self.manifolds.of(group)
+    }
+
+    /// The joints of a group, in their order.
+    pub fn joints(&self, group: usize) -> &[u32] {
+        self.joints.of(group)
+    }
+
+    /// Where a body stands in a group, if it moves there.
+    pub fn local_of(&self, body: u32, group: usize) -> Option<u32> {
+        (self.group_of[body as usize] == group as u32).then(|| self.local_of[body as usize])
+    }
+
+    fn root(&mut self, mut body: u32) -> u32 {
+        while self.parent[body as usize] != body {
+            let grandparent = self.parent[self.parent[body as usize] as usize];
+            self.parent[body as usize] = grandparent;
+            body = grandparent;
+        }
+        body
+    }
+
+    /// The lower index becomes the root, so that roots do not depend on the order of unions.
+    fn union(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
+
+    /// Groups of islands in the order of their first body. Returns how many islands have a
+    /// constraint.
+    fn pack(&mut self, bodies: &Bodies) -> u32 {
+        let n = bodies.list.len();
+        self.size.clear();
+        self.size.resize(n, 0);
+        for body in 0..n as u32 {
+            let root = self.root(body);
+            self.size[root as usize] += 1;
+        }
+        self.group_of.clear();
+        self.group_of.resize(n, Self::NONE);
+        self.local_of.clear();
+        self.local_of.resize(n, 0);
+        let (mut group, mut filled, mut constrained) = (0, 0, 0);
+        for body in 0..n as u32 {
+            if bodies.list[body as usize].kind == RigidBody::Static {
+                continue;
+            }
+            let root = self.root(body);
+            if root == body {
+                constrained += u32::from(self.constrained[body as usize]);
+                let size = self.size[body as usize];
+                if filled > 0 && filled + size > BODIES_PER_GROUP {
+                    group += 1;
+                    filled = 0;
+                }
+                filled += size;
+            }
+            // The root has the lowest index, so its group is known already.
+            self.group_of[body as usize] = if root == body { group } else { self.group_of[root as usize] };
+        }
+        let groups = if filled > 0 { group + 1 } else { 0 };
+        self.bodies.rebuild(groups, &self.group_of);
+        for group in 0..groups as usize {
+            for (local, &body) in self.bodies.of(group).iter().enumerate() {
+                self.local_of[body as usize] = local as u32;
+            }
+        }
+        constrained
+    }
+}
+
+fn find_islands(
+    bodies: Res<Bodies>,
+    joints: Res<Joints>,
+    contacts: Res<Contacts>,
+    lagged: Res<LaggedContacts>,
+    settings: Res<SolverSettings>,
+    mut islands: ResMut<Islands>,
+    mut stats: ResMut<StepStats>,
+) {
+    let contacts = lagged.active(&settings, &contacts);
+    let islands = &mut *islands;
+    islands.parent.clear();
+    islands.parent.extend(0..bodies.list.len() as u32);
+    islands.constrained.clear();
+    islands.constrained.resize(bodies.list.len(), false);
+    let dynamic = |body: u32| bodies.list[body as usize].is_dynamic();
+    let contact_pairs = contacts.manifolds.iter().map(|manifold| (manifold.pair.a, manifold.pair.b));
+    let joint_pairs = joints.list.iter().map(|joint| (joint.a, joint.b));
+    for (a, b) in contact_pairs.clone().chain(joint_pairs.clone()) {
+        if dynamic(a) && dynamic(b) {
+            islands.union(a, b);
+        }
+    }
+    for (a, b) in contact_pairs.clone().chain(joint_pairs.clone()) {
+        if dynamic(a) || dynamic(b) {
+            let root = islands.root(if dynamic(a) { a } else { b });
+            islands.constrained[root as usize] = true;
+        }
+    }
+    stats.islands = islands.pack(&bodies);
+
+    let groups = islands.count() as u32;
+    let group_of_pair = |islands: &Islands, (a, b): (u32, u32)| {
+        let moved = [a, b].into_iter().find(|&body| dynamic(body));
+        moved.map_or(Islands::NONE, |body| islands.group_of[body as usize])
+    };
+    let mut scratch = std::mem::take(&mut islands.scratch);
+    scratch.clear();
+    scratch.extend(contact_pairs.map(|pair| group_of_pair(islands, pair)));
+    islands.manifolds.rebuild(groups, &scratch);
+    scratch.clear();
+    scratch.extend(joint_pairs.map(|pair| group_of_pair(islands, pair)));
+    islands.joints.rebuild(groups, &scratch);
+    islands.scratch = scratch;
+}

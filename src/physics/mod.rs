@@ -44,6 +44,8 @@ pub use settings::{
 };
 pub use transform::RenderOrigin;
 
+use std::time::Instant;
+
 use bevy::app::{RunFixedMainLoop, RunFixedMainLoopSystems};
 use bevy::ecs::intern::Interned;
 use bevy::ecs::message::{MessageRegistry, message_update_system};
@@ -133,8 +135,11 @@ impl Plugin for PhysicsPlugin {
     }
 }
 
+/// Runs the schedule and times it, the ECS included.
 fn run_step(world: &mut World) {
+    let start = Instant::now();
     world.run_schedule(PhysicsSchedule);
+    world.resource_mut::<StepStats>().step_seconds = start.elapsed().as_secs_f64();
 }
 
 /// `Time<Fixed>` only decides when to step; the step itself is `1/hz`.
@@ -159,7 +164,7 @@ pub fn headless_app() -> App {
 /// One physics step of a headless world, with the housekeeping that Bevy's main loop would do:
 /// message buffers advance and change trackers are cleared (without it both grow for ever).
 pub fn step(world: &mut World) {
-    world.run_schedule(PhysicsSchedule);
+    run_step(world);
     if world.contains_resource::<MessageRegistry>() {
         let _ = world.run_system_cached(message_update_system);
     }

@@ -1,1 +1,3 @@
 //! Headless system tests of the physics plugin, one module a subject.
+
+mod smoke;

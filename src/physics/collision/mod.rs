@@ -64,4 +64,6 @@ impl Contacts {
     }
 }
 
-pub(super) fn plugin(_app: &mut App) {}
+pub(super) fn plugin(app: &mut App) {
+    app.init_resource::<Contacts>();
+}

@@ -1,6 +1,6 @@
 //! The ball joint: a point of one body stays at a point of another (3 rows).
 
-use bevy::ecs::entity::MapEntities;
+use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
@@ -23,6 +23,8 @@ use bevy::prelude::*;
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, PartialEq)]
+#[component(map_entities, on_add = super::number_joint)]
+#[require(super::JointSlot)]
 pub struct BallJoint {
     /// One body.
     pub body_a: Entity,

@@ -1,11 +1,17 @@
 //! Joints: entities of their own that hold two bodies together. One file a kind.
 
 mod ball;
+mod pairs;
 
 pub use ball::{BallJoint, Softness};
+pub(crate) use pairs::JoinedPairs;
 
+use bevy::ecs::lifecycle::HookContext;
+use bevy::ecs::world::DeferredWorld;
 use bevy::math::DVec3;
 use bevy::prelude::*;
+
+use super::body::BirthCounter;
 
 /// What a joint carried in the last step, measured from its multipliers λ. Add it to a joint
 /// entity to have it filled in.
@@ -18,4 +24,17 @@ pub struct JointLoad {
     pub torque: DVec3,
     /// Euclidean norm |λ| of the joint's multipliers, N.
     pub lambda: f64,
+}
+
+/// When the joint was made: joints are packed in this order.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub(crate) struct JointSlot {
+    pub born: u64,
+}
+
+fn number_joint(mut world: DeferredWorld, context: HookContext) {
+    let born = world.get_resource_mut::<BirthCounter>().map_or(0, |mut counter| counter.next());
+    if let Some(mut slot) = world.get_mut::<JointSlot>(context.entity) {
+        slot.born = born;
+    }
 }

@@ -1,2 +1,78 @@
-//! stub
-pub(super) fn plugin(_app: &mut bevy::prelude::App) {}
+//! The `Solve` phase: each island is taken through all its substeps on its own.
+//!
+//! A substep, whatever the method: rows from the present poses ([`rows`]) → the method's solve
+//! (one file each: [`pgs`]) → integration (`super::integrator`). Islands share no body that moves,
+//! so threads take whole islands and the result does not depend on their number.
+
+mod island_solver;
+mod lag;
+mod pgs;
+mod rows;
+
+pub(crate) use island_solver::{IslandSolver, LocalBody, StepTerms};
+pub(crate) use lag::LaggedContacts;
+
+use bevy::prelude::*;
+
+use super::bodies::{Bodies, Joints};
+use super::collision::Contacts;
+use super::diagnostics::{ContactForces, StepStats};
+use super::island::Islands;
+use super::settings::{Gravity, SolverSettings};
+use super::{PhysicsSchedule, PhysicsSystems, threads};
+
+pub(super) fn plugin(app: &mut App) {
+    app.init_resource::<LaggedContacts>()
+        .init_resource::<IslandSolvers>()
+        .add_systems(
+            PhysicsSchedule,
+            lag::swap_contacts.after(PhysicsSystems::NarrowPhase).before(PhysicsSystems::Islands),
+        )
+        .add_systems(PhysicsSchedule, solve_islands.in_set(PhysicsSystems::Solve));
+}
+
+/// One solver per island, kept with its buffers from step to step.
+#[derive(Resource, Default)]
+pub(crate) struct IslandSolvers {
+    pub list: Vec<IslandSolver>,
+    /// How many of them the last step used.
+    pub used: usize,
+}
+
+fn solve_islands(
+    mut bodies: ResMut<Bodies>,
+    mut joints: ResMut<Joints>,
+    contacts: Res<Contacts>,
+    lagged: Res<LaggedContacts>,
+    islands: Res<Islands>,
+    mut solvers: ResMut<IslandSolvers>,
+    settings: Res<SolverSettings>,
+    gravity: Res<Gravity>,
+    forces: Option<Res<ContactForces>>,
+    mut stats: ResMut<StepStats>,
+) {
+    let contacts = lagged.active(&settings, &contacts);
+    let terms = StepTerms::new(&settings, gravity.length(), forces.is_some());
+    let count = islands.count();
+    if solvers.list.len() < count {
+        solvers.list.resize_with(count, IslandSolver::default);
+    }
+    solvers.used = count;
+    for (island, solver) in solvers.list[..count].iter_mut().enumerate() {
+        solver.begin(island);
+    }
+    {
+        let (bodies, joints) = (&*bodies, &*joints);
+        threads::for_each_block(settings.threads, &mut solvers.list[..count], |solver| {
+            solver.gather(&islands, bodies, joints, contacts);
+            solver.step(&terms);
+        });
+    }
+    stats.rows = 0;
+    stats.row_updates = 0;
+    for solver in &solvers.list[..count] {
+        stats.rows += solver.row_count();
+        stats.row_updates += solver.row_updates();
+        solver.scatter(&mut bodies.list, &mut joints.list);
+    }
+}

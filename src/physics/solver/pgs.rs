@@ -1,0 +1,44 @@
+//! Projected Gauss–Seidel (Catto 2005, pp. 14–17).
+//!
+//! With a = M⁻¹Jᵀλ kept up to date, one update of row i is
+//!
+//! λ_i ← clamp(λ_i + (η_i − γ_i λ_i − J_i a) / d_i), a ← a + (M⁻¹Jᵀ)_i Δλ_i,
+//!
+//! with η the row's target and d_i = J_i M⁻¹ J_iᵀ + γ_i. Rows are taken in their order, λ starts
+//! from zero.
+
+use nalgebra::SimdRealField;
+
+use crate::physics::constraint::row::{Bounds, Row, RowPair, Twist};
+
+/// Sweeps `iterations` times over the rows, from λ = 0. `accelerations` holds a = M⁻¹Jᵀλ of each
+/// body afterwards.
+pub(crate) fn solve<N: SimdRealField + Copy>(rows: &mut [Row<N>], accelerations: &mut [Twist<N>], iterations: u32) {
+    accelerations.fill(Twist::zero());
+    for _ in 0..iterations {
+        for index in 0..rows.len() {
+            update(rows, index, accelerations);
+        }
+    }
+}
+
+fn update<N: SimdRealField + Copy>(rows: &mut [Row<N>], index: usize, accelerations: &mut [Twist<N>]) {
+    let (lower, upper) = match rows[index].bounds {
+        Bounds::Fixed(lower, upper) => (lower, upper),
+        Bounds::Friction { coefficient, normal_rows_back } => {
+            let limit = coefficient * rows[index - normal_rows_back as usize].lambda;
+            (-limit, limit)
+        }
+    };
+    let row = &mut rows[index];
+    let (a, b) = (row.a as usize, row.b as usize);
+    let residual = row.target - row.softness * row.lambda - row.jacobian.dot(&accelerations[a], &accelerations[b]);
+    let lambda = (row.lambda + residual * row.inverse_diagonal).simd_clamp(lower, upper);
+    let change = lambda - row.lambda;
+    row.lambda = lambda;
+    let RowPair { linear_a, angular_a, linear_b, angular_b } = row.response;
+    accelerations[a].linear += linear_a * change;
+    accelerations[a].angular += angular_a * change;
+    accelerations[b].linear += linear_b * change;
+    accelerations[b].angular += angular_b * change;
+}
