@@ -171,9 +171,6 @@ fn gather_body(
     commands: &mut Commands,
 ) -> Result<(), QuarantineReason> {
     body.kind = *item.kind;
-    if item.parent.is_some() {
-        return Err(QuarantineReason::HasParent);
-    }
     let force = item.force.copied().unwrap_or_default();
     let finite = item.position.is_finite()
         && item.rotation.is_finite()
@@ -187,6 +184,9 @@ fn gather_body(
     }
     body.position = item.position.0.into();
     body.rotation = unit(item.rotation.0);
+    if item.parent.is_some() {
+        return Err(QuarantineReason::HasParent);
+    }
     let moves = body.kind != RigidBody::Static;
     body.linear = if moves { item.velocity.linear.into() } else { Vector3::zeros() };
     body.angular = if moves { item.velocity.angular.into() } else { Vector3::zeros() };

@@ -43,7 +43,7 @@ fn bits(transform: &Transform) -> [u32; 7] {
 pub(super) fn write_transforms(
     fixed: Option<Res<Time<Fixed>>>,
     origin: Res<RenderOrigin>,
-    mut bodies: Query<(&Position, &Rotation, &mut PoseHistory, &mut Transform), With<RigidBody>>,
+    mut bodies: Query<(&Position, &Rotation, &mut PoseHistory, &mut Transform), (With<RigidBody>, Without<ChildOf>)>,
 ) {
     let alpha = fixed.map_or(1.0, |fixed| fixed.overstep_fraction_f64());
     for (position, rotation, mut history, mut transform) in &mut bodies {
