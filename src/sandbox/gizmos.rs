@@ -1,3 +1,266 @@
 //! Contacts, joints, bounds and velocities, drawn over the picture.
+//!
+//! All are drawn where the bodies are drawn: interpolated, relative to
+//! [`RenderOrigin`](crate::physics::RenderOrigin). What the solver must report for them is asked
+//! for only while it is shown.
 
-pub(super) fn plugin(_app: &mut bevy::prelude::App) {}
+use bevy::math::DVec3;
+use bevy::prelude::*;
+use bevy_egui::egui;
+
+use super::panel::palette;
+use crate::physics::{BallJoint, Collider, ContactForces, Gravity, JointLoad, Mass, RenderOrigin, RigidBody, Velocity};
+
+/// What is drawn over the picture.
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, Debug, Default, PartialEq)]
+pub struct ShownGizmos {
+    /// Contact points with normals and forces.
+    pub contacts: bool,
+    /// Joints, colored by what they carry.
+    pub joints: bool,
+    /// Bounding spheres.
+    pub bounds: bool,
+    /// Linear and angular velocities.
+    pub velocities: bool,
+}
+
+/// Lines in front of all bodies.
+#[derive(Default, Reflect, GizmoConfigGroup)]
+struct Overlay;
+
+pub(super) fn plugin(app: &mut App) {
+    app.insert_gizmo_config(
+        Overlay,
+        GizmoConfig { depth_bias: -1.0, line: GizmoLineConfig { width: 1.8, ..default() }, ..default() },
+    )
+    .init_resource::<ShownGizmos>()
+    .add_systems(PreUpdate, (switch_contact_forces, switch_joint_loads))
+    .add_systems(
+        PostUpdate,
+        (
+            draw_contacts.run_if(|shown: Res<ShownGizmos>| shown.contacts),
+            draw_joints.run_if(|shown: Res<ShownGizmos>| shown.joints),
+            draw_bounds.run_if(|shown: Res<ShownGizmos>| shown.bounds),
+            draw_velocities.run_if(|shown: Res<ShownGizmos>| shown.velocities),
+        ),
+    );
+}
+
+fn switch_contact_forces(mut commands: Commands, shown: Res<ShownGizmos>, forces: Option<Res<ContactForces>>) {
+    match (shown.contacts, forces.is_some()) {
+        (true, false) => commands.init_resource::<ContactForces>(),
+        (false, true) => commands.remove_resource::<ContactForces>(),
+        _ => {}
+    }
+}
+
+fn switch_joint_loads(
+    mut commands: Commands,
+    shown: Res<ShownGizmos>,
+    without: Query<Entity, (With<BallJoint>, Without<JointLoad>)>,
+    with: Query<Entity, (With<BallJoint>, With<JointLoad>)>,
+) {
+    if shown.joints {
+        for joint in &without {
+            commands.entity(joint).insert(JointLoad::default());
+        }
+    } else if shown.is_changed() {
+        for joint in &with {
+            commands.entity(joint).remove::<JointLoad>();
+        }
+    }
+}
+
+/// The section of the panel.
+pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut shown: ResMut<ShownGizmos>) {
+    let mut edited = *shown;
+    ui.columns(2, |columns| {
+        let [left, right] = columns else { return };
+        left.checkbox(&mut edited.contacts, "contacts").on_hover_text(
+            "each contact point with its normal (blue) and the force through it (red), the impulse of the step over \
+             its length",
+        );
+        left.checkbox(&mut edited.joints, "joints").on_hover_text(
+            "each joint with lines to its bodies' centers of mass; size and color by what it carries: green nothing, \
+             red ten times an average body's weight",
+        );
+        right.checkbox(&mut edited.bounds, "bounding spheres").on_hover_text("what the broad phase sees");
+        right.checkbox(&mut edited.velocities, "velocities").on_hover_text(
+            "linear (yellow), the way of a quarter second; angular (purple), along the axis, a radius per half turn \
+             a second",
+        );
+    });
+    shown.set_if_neq(edited);
+}
+
+/// What lengths and forces are measured against, so that arrows fit the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Measure {
+    /// Mean bounding radius of the moving bodies, m.
+    size: f32,
+    /// Mean weight of the moving bodies, N; without gravity what they would weigh on Earth.
+    weight: f64,
+}
+
+impl Measure {
+    fn of(bodies: &Query<(&RigidBody, &Collider, &Mass)>, gravity: &Gravity) -> Self {
+        let mut count = 0.0;
+        let (mut radii, mut masses) = (0.0, 0.0);
+        for (kind, collider, mass) in bodies {
+            if *kind == RigidBody::Dynamic {
+                count += 1.0;
+                radii += collider.bounding_radius();
+                masses += mass.0;
+            }
+        }
+        if count == 0.0 {
+            return Self { size: 0.5, weight: 9.81 };
+        }
+        let g = if gravity.length() > 0.0 { gravity.length() } else { 9.81 };
+        Self { size: (radii / count) as f32, weight: masses / count * g }
+    }
+
+    /// The arrow of a force: as long as a body is wide where it equals a body's weight, and never
+    /// more than a dozen bodies long.
+    fn arrow(&self, force: DVec3) -> Vec3 {
+        (force / self.weight * 2.0).clamp_length_max(24.0).as_vec3() * self.size
+    }
+
+    /// How loaded something is, 0 to 1: 1 at ten times an average weight, where the square root
+    /// leaves small loads visible.
+    fn load(&self, force: f64) -> f32 {
+        (force / (10.0 * self.weight)).sqrt().clamp(0.0, 1.0) as f32
+    }
+}
+
+/// Shorter than this, an arrow has no direction to draw, m.
+const SHORTEST: f32 = 1e-4;
+
+fn arrow(gizmos: &mut Gizmos<Overlay>, from: Vec3, along: Vec3, color: Color, tip: f32) {
+    if along.is_finite() && along.length() > SHORTEST {
+        gizmos.arrow(from, from + along, color).with_tip_length(tip.min(along.length() * 0.4));
+    }
+}
+
+fn color([r, g, b]: [u8; 3]) -> Color {
+    Color::srgb_u8(r, g, b)
+}
+
+fn draw_contacts(
+    mut gizmos: Gizmos<Overlay>,
+    forces: Option<Res<ContactForces>>,
+    origin: Res<RenderOrigin>,
+    gravity: Res<Gravity>,
+    bodies: Query<(&RigidBody, &Collider, &Mass)>,
+) {
+    let Some(forces) = forces else { return };
+    let measure = Measure::of(&bodies, &gravity);
+    for contact in &forces.0 {
+        let point = (contact.point - origin.0).as_vec3();
+        let normal = contact.normal.as_vec3();
+        let facing = Isometry3d::new(point, Quat::from_rotation_arc(Vec3::Z, normal));
+        gizmos.circle(facing, 0.06 * measure.size, color(palette::SKY)).resolution(10);
+        gizmos.line(point, point + normal * 0.3 * measure.size, color(palette::SKY));
+        arrow(&mut gizmos, point, measure.arrow(contact.force), color(palette::VERMILION), 0.12 * measure.size);
+    }
+}
+
+fn draw_joints(
+    mut gizmos: Gizmos<Overlay>,
+    joints: Query<(&BallJoint, &JointLoad)>,
+    poses: Query<&Transform, With<RigidBody>>,
+    gravity: Res<Gravity>,
+    bodies: Query<(&RigidBody, &Collider, &Mass)>,
+) {
+    let measure = Measure::of(&bodies, &gravity);
+    let (idle, loaded) = (color(palette::GREEN).to_linear(), color(palette::VERMILION).to_linear());
+    for (joint, carried) in &joints {
+        let Ok([a, b]) = poses.get_many([joint.body_a, joint.body_b]) else { continue };
+        let load = measure.load(carried.force.length());
+        let tint = Color::from(idle.mix(&loaded, load));
+        let anchor = |pose: &Transform, anchor: DVec3| pose.translation + pose.rotation * anchor.as_vec3();
+        let (at_a, at_b) = (anchor(a, joint.anchor_a), anchor(b, joint.anchor_b));
+        gizmos.sphere(at_b, measure.size * (0.08 + 0.16 * load), tint).resolution(12);
+        gizmos.line(a.translation, at_a, tint);
+        gizmos.line(at_a, at_b, color(palette::PURPLE)); // as long as the joint is torn apart
+        gizmos.line(at_b, b.translation, tint);
+    }
+}
+
+fn draw_bounds(mut gizmos: Gizmos<Overlay>, bodies: Query<(&Collider, &Transform), With<RigidBody>>) {
+    for (collider, pose) in &bodies {
+        let radius = collider.bounding_radius();
+        if radius.is_finite() {
+            gizmos.sphere(pose.to_isometry(), radius as f32, color(palette::SKY).with_alpha(0.35)).resolution(24);
+        }
+    }
+}
+
+fn draw_velocities(mut gizmos: Gizmos<Overlay>, bodies: Query<(&RigidBody, &Collider, &Velocity, &Transform)>) {
+    for (kind, collider, velocity, pose) in &bodies {
+        if *kind == RigidBody::Static {
+            continue;
+        }
+        let radius = collider.bounding_radius() as f32;
+        let linear = velocity.linear.as_vec3() * 0.25;
+        arrow(&mut gizmos, pose.translation, linear, color(palette::YELLOW), 0.25 * radius);
+        let angular = velocity.angular.as_vec3() * radius / std::f32::consts::PI;
+        arrow(&mut gizmos, pose.translation, angular, color(palette::PURPLE), 0.25 * radius);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn switches() -> App {
+        let mut app = App::new();
+        app.init_resource::<ShownGizmos>().add_systems(PreUpdate, (switch_contact_forces, switch_joint_loads));
+        app
+    }
+
+    #[test]
+    fn contact_forces_exist_only_while_shown() {
+        let mut app = switches();
+        for shown in [false, true, false] {
+            app.world_mut().resource_mut::<ShownGizmos>().contacts = shown;
+            app.update();
+            assert_eq!(app.world().contains_resource::<ContactForces>(), shown);
+        }
+    }
+
+    #[test]
+    fn joints_carry_their_load_only_while_shown_and_so_do_later_ones() {
+        let mut app = switches();
+        let spawn =
+            |app: &mut App| app.world_mut().spawn(BallJoint::new(Entity::PLACEHOLDER, Entity::PLACEHOLDER)).id();
+        let first = spawn(&mut app);
+        app.update();
+        assert!(!app.world().entity(first).contains::<JointLoad>());
+
+        app.world_mut().resource_mut::<ShownGizmos>().joints = true;
+        app.update();
+        let second = spawn(&mut app);
+        app.update();
+        for joint in [first, second] {
+            assert!(app.world().entity(joint).contains::<JointLoad>());
+        }
+
+        app.world_mut().resource_mut::<ShownGizmos>().joints = false;
+        app.update();
+        for joint in [first, second] {
+            assert!(!app.world().entity(joint).contains::<JointLoad>());
+        }
+    }
+
+    #[test]
+    fn arrows_grow_with_the_force_and_stay_in_the_picture() {
+        let measure = Measure { size: 0.5, weight: 100.0 };
+        assert!(measure.arrow(DVec3::Y * 100.0).abs_diff_eq(Vec3::Y, 1e-6));
+        assert!(measure.arrow(DVec3::Y * 1e9).abs_diff_eq(Vec3::Y * 12.0, 1e-5));
+        assert_eq!(measure.arrow(DVec3::ZERO), Vec3::ZERO);
+        assert_eq!(measure.load(0.0), 0.0);
+        assert_eq!(measure.load(1e12), 1.0);
+    }
+}

@@ -1,3 +1,286 @@
-//! Live plots.
+//! Live plots of energy, errors and cost over the last ten seconds of simulation time.
 
-pub(super) fn plugin(_app: &mut bevy::prelude::App) {}
+use std::collections::VecDeque;
+
+use bevy::prelude::*;
+use bevy_egui::egui;
+use egui_plot::{Corner, Legend, Line, Plot, PlotPoints};
+
+use super::CurrentScene;
+use super::panel::{Quantity, palette};
+use crate::physics::{Diagnostics, PhysicsSchedule, PhysicsSystems, StepStats};
+
+/// Simulation time on view, s.
+const WINDOW: f64 = 10.0;
+/// Most samples kept. Steps that come faster are merged into one sample.
+const CAPACITY: usize = 1200;
+
+/// Whether somebody sees the plots. [`Diagnostics`] are measured only while this holds.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Watched(pub bool);
+
+pub(super) fn plugin(app: &mut App) {
+    app.init_resource::<Watched>()
+        .init_resource::<History>()
+        .add_systems(PreUpdate, (clear_on_load, switch_diagnostics))
+        .add_systems(PhysicsSchedule, record.after(PhysicsSystems::Diagnose));
+}
+
+/// What is plotted of one step, or of several that came close together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Sample {
+    /// Simulation time, s.
+    time: f64,
+    /// J.
+    kinetic: f64,
+    /// J.
+    potential: f64,
+    /// m.
+    joint_error: f64,
+    /// m.
+    penetration: f64,
+    /// s.
+    step_seconds: f64,
+}
+
+impl Sample {
+    /// The newer state, and the larger of each error and cost, so that no peak is lost.
+    fn merge(&mut self, newer: Self) {
+        *self = Self {
+            time: self.time,
+            joint_error: self.joint_error.max(newer.joint_error),
+            penetration: self.penetration.max(newer.penetration),
+            step_seconds: self.step_seconds.max(newer.step_seconds),
+            ..newer
+        };
+    }
+}
+
+/// The samples of the last [`WINDOW`] seconds.
+#[derive(Resource, Default)]
+pub(super) struct History {
+    samples: VecDeque<Sample>,
+    /// Potential energy of the first sample since the scene was loaded: where its plot has 0.
+    potential_at_start: Option<f64>,
+}
+
+impl History {
+    fn push(&mut self, sample: Sample) {
+        if self.samples.back().is_some_and(|last| sample.time < last.time) {
+            self.clear();
+        }
+        self.potential_at_start.get_or_insert(sample.potential);
+        // Short of the spacing by a rounding error is not short of it.
+        let spacing = WINDOW / CAPACITY as f64 * (1.0 - 1e-6);
+        if let Some(last) = self.samples.back_mut().filter(|last| sample.time - last.time < spacing) {
+            last.merge(sample);
+            return;
+        }
+        while self.samples.len() >= CAPACITY
+            || self.samples.front().is_some_and(|oldest| oldest.time < sample.time - WINDOW)
+        {
+            self.samples.pop_front();
+        }
+        self.samples.push_back(sample);
+    }
+
+    fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Largest magnitude of a plotted value.
+    fn largest(&self, value: impl Fn(&Sample) -> f64) -> f64 {
+        self.samples.iter().map(|sample| value(sample).abs()).filter(|size| size.is_finite()).fold(0.0, f64::max)
+    }
+}
+
+/// Runs in the step itself: one sample per step, however many there are in a frame.
+fn record(stats: Res<StepStats>, diagnostics: Option<Res<Diagnostics>>, mut history: ResMut<History>) {
+    if let Some(diagnostics) = diagnostics {
+        history.push(Sample {
+            time: stats.time,
+            kinetic: diagnostics.kinetic_energy,
+            potential: diagnostics.potential_energy,
+            joint_error: diagnostics.joint_error,
+            penetration: diagnostics.penetration,
+            step_seconds: stats.step_seconds,
+        });
+    }
+}
+
+fn clear_on_load(scene: Option<Res<CurrentScene>>, mut history: ResMut<History>) {
+    if scene.is_some_and(|scene| scene.is_changed()) {
+        history.clear();
+    }
+}
+
+/// Nothing is measured that nobody looks at; and a plot with a gap in it would lie.
+fn switch_diagnostics(mut commands: Commands, watched: Res<Watched>, mut history: ResMut<History>) {
+    if !watched.is_changed() {
+        return;
+    }
+    history.clear();
+    if watched.0 {
+        commands.init_resource::<Diagnostics>();
+    } else {
+        commands.remove_resource::<Diagnostics>();
+    }
+}
+
+/// One curve: its name, color and value in the plain unit.
+type Curve<'a> = (&'static str, [u8; 3], &'a dyn Fn(&Sample) -> f64);
+
+/// The section of the panel.
+pub(super) fn show(InMut(ui): InMut<egui::Ui>, history: Res<History>) {
+    let start = history.potential_at_start.unwrap_or_default();
+    let potential = |sample: &Sample| sample.potential - start;
+    let total = |sample: &Sample| sample.kinetic + potential(sample);
+    chart(
+        ui,
+        &history,
+        "energy",
+        "J",
+        "kinetic, potential (from the first sample) and their sum",
+        &[
+            ("kinetic", palette::SKY, &|sample| sample.kinetic),
+            ("potential", palette::ORANGE, &potential),
+            ("total", [240; 3], &total),
+        ],
+    );
+    chart(
+        ui,
+        &history,
+        "error",
+        "m",
+        "largest distance between the two points of a joint, and largest depth of a contact",
+        &[
+            ("joint", palette::PURPLE, &|sample| sample.joint_error),
+            ("contact", palette::YELLOW, &|sample| sample.penetration),
+        ],
+    );
+    chart(
+        ui,
+        &history,
+        "step time",
+        "s",
+        "wall-clock time of a step",
+        &[("step", palette::GREEN, &|sample| sample.step_seconds)],
+    );
+}
+
+/// A caption with the newest values, and the curves below.
+fn chart(ui: &mut egui::Ui, history: &History, title: &str, unit: &str, about: &str, curves: &[Curve]) {
+    let largest = curves.iter().map(|(_, _, value)| history.largest(value)).fold(0.0, f64::max);
+    let scale = Quantity::suiting(largest, unit);
+    let newest = history.samples.back();
+    ui.horizontal(|ui| {
+        ui.label(format!("{title}, {}", scale.unit)).on_hover_text(about);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            for (name, [r, g, b], value) in curves.iter().rev() {
+                let text = newest.map_or_else(|| "–".into(), |sample| Quantity::text(value(sample), unit));
+                ui.colored_label(egui::Color32::from_rgb(*r, *g, *b), text).on_hover_text(*name);
+            }
+        });
+    });
+    let end = newest.map_or(WINDOW, |sample| sample.time.max(WINDOW));
+    Plot::new(title)
+        .height(88.0)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_drag(false)
+        .allow_boxed_zoom(false)
+        .allow_axis_zoom_drag(false)
+        .allow_double_click_reset(false)
+        .include_y(0.0)
+        .include_y(if largest > 0.0 { 0.0 } else { 1.0 })
+        .default_x_bounds(end - WINDOW, end)
+        .y_axis_min_width(34.0)
+        .set_margin_fraction(egui::vec2(0.0, 0.08))
+        .x_axis_formatter(|mark, _| format!("{} s", mark.value))
+        .label_formatter(move |position| match position {
+            egui_plot::HoverPosition::NearDataPoint { plot_name, position, .. } => {
+                Some(format!("{plot_name} {:.4}\nat {:.3} s", position.y, position.x))
+            }
+            egui_plot::HoverPosition::Elsewhere { .. } => None,
+        })
+        .legend(
+            Legend::default()
+                .position(Corner::LeftTop)
+                .text_style(egui::TextStyle::Small)
+                .background_alpha(0.3)
+                .follow_insertion_order(true),
+        )
+        .show(ui, |plot| {
+            for (name, [r, g, b], value) in curves {
+                let points: PlotPoints =
+                    history.samples.iter().map(|sample| [sample.time, value(sample) * scale.factor]).collect();
+                plot.line(Line::new(*name, points).color(egui::Color32::from_rgb(*r, *g, *b)).width(1.5));
+            }
+            plot.set_plot_bounds_x(end - WINDOW..=end);
+        });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(time: f64) -> Sample {
+        Sample { time, kinetic: 0.0, potential: 0.0, joint_error: 0.0, penetration: 0.0, step_seconds: 0.0 }
+    }
+
+    #[test]
+    fn ten_seconds_are_kept_at_any_rate_in_bounded_memory() {
+        for hz in [30.0, 60.0, 120.0, 1000.0, 50_000.0] {
+            let mut history = History::default();
+            for step in 0..(25.0 * hz) as usize {
+                history.push(at(step as f64 / hz));
+                assert!(history.samples.len() <= CAPACITY);
+            }
+            let span = history.samples.back().unwrap().time - history.samples.front().unwrap().time;
+            assert!((span - WINDOW).abs() < 0.1 + 1.0 / hz, "{span} s at {hz} Hz");
+        }
+    }
+
+    #[test]
+    fn merging_keeps_peaks() {
+        let mut history = History::default();
+        history.push(Sample { penetration: 0.1, ..at(0.0) });
+        history.push(Sample { penetration: 0.5, ..at(1e-4) });
+        history.push(Sample { penetration: 0.2, kinetic: 3.0, ..at(2e-4) });
+        assert_eq!(history.samples.len(), 1);
+        assert_eq!(history.samples[0], Sample { penetration: 0.5, kinetic: 3.0, ..at(0.0) });
+    }
+
+    #[test]
+    fn going_back_in_time_starts_over() {
+        let mut history = History::default();
+        history.push(Sample { potential: 7.0, ..at(5.0) });
+        history.push(Sample { potential: 2.0, ..at(1.0) });
+        assert_eq!(history.samples.len(), 1);
+        assert_eq!(history.potential_at_start, Some(2.0));
+    }
+
+    #[test]
+    fn diagnostics_exist_only_while_watched_and_the_history_has_no_gap() {
+        let mut app = crate::physics::headless_app();
+        plugin(&mut app);
+        let frame = |app: &mut App| {
+            app.world_mut().run_schedule(PreUpdate);
+            crate::physics::step(app.world_mut());
+        };
+        frame(&mut app);
+        assert!(!app.world().contains_resource::<Diagnostics>());
+        assert!(app.world().resource::<History>().samples.is_empty());
+
+        app.world_mut().resource_mut::<Watched>().0 = true;
+        frame(&mut app);
+        frame(&mut app);
+        assert!(app.world().contains_resource::<Diagnostics>());
+        assert_eq!(app.world().resource::<History>().samples.len(), 2);
+
+        app.world_mut().resource_mut::<Watched>().0 = false;
+        frame(&mut app);
+        assert!(!app.world().contains_resource::<Diagnostics>());
+        assert!(app.world().resource::<History>().samples.is_empty());
+    }
+}

@@ -1,3 +1,118 @@
-//! The panel: scenes, settings, read-outs.
+//! The panel at the right: playback, scenes, solver, plots, gizmos, read-outs.
+//!
+//! Each section is a system that is handed egui's `Ui`, so that it names the resources it shows
+//! and nothing else. What a section asks of the sandbox it writes as a
+//! [`SandboxAction`](super::SandboxAction); physics resources it edits in place.
 
-pub(super) fn plugin(_app: &mut bevy::prelude::App) {}
+mod playback;
+mod readouts;
+mod scenes;
+mod selection;
+mod solver;
+mod theme;
+mod toast;
+mod world;
+
+pub(super) use theme::{Quantity, palette};
+
+use bevy::prelude::*;
+use bevy_egui::{EguiContext, EguiPrimaryContextPass, PrimaryEguiContext, egui};
+
+use super::{gizmos, plots};
+
+/// Whether the panel is open. Closed by dragging its edge to the side of the window.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PanelOpen(pub bool);
+
+pub(super) fn plugin(app: &mut App) {
+    app.insert_resource(PanelOpen(true))
+        .add_plugins((playback::plugin, scenes::plugin, toast::plugin))
+        .add_systems(EguiPrimaryContextPass, (theme::apply, show).chain());
+}
+
+const DEFAULT_WIDTH: f32 = 330.0;
+const WIDTHS: std::ops::RangeInclusive<f32> = 280.0..=560.0;
+
+/// Draws the panel. It lies in an `Area`, because egui counts a panel of the background layer as
+/// part of the picture: the pointer over it would pick the bodies behind it.
+fn show(world: &mut World) -> Result {
+    let Ok(mut context) = world.query_filtered::<&mut EguiContext, With<PrimaryEguiContext>>().single_mut(world) else {
+        return Ok(());
+    };
+    let context = context.get_mut().clone();
+    let screen = context.content_rect();
+    let id = egui::Id::new("panel");
+    let last = egui::PanelState::load(&context, id).map_or(screen, |state| state.outer_rect);
+    let mut open = world.resource::<PanelOpen>().0;
+    let mut drawn = Ok(false);
+    egui::Area::new(id.with("area")).fixed_pos(last.min).movable(false).constrain(false).fade_in(false).show(
+        &context,
+        |ui| {
+            let layer = egui::UiBuilder::new().layer_id(ui.layer_id()).max_rect(screen);
+            let mut root = egui::Ui::new(context.clone(), id.with("root"), layer);
+            let panel = egui::Panel::right(id).default_size(DEFAULT_WIDTH).size_range(WIDTHS);
+            let shown = panel.show_collapsible(&mut root, &mut open, |ui| drawn = sections(ui, world));
+            if let Some(shown) = shown {
+                ui.expand_to_include_rect(shown.response.rect);
+            }
+        },
+    );
+    if !open {
+        reopen_button(&context, &mut open);
+    }
+    world.resource_mut::<PanelOpen>().set_if_neq(PanelOpen(open));
+    let watched = drawn? && open;
+    world.resource_mut::<plots::Watched>().set_if_neq(plots::Watched(watched));
+    Ok(())
+}
+
+/// The sections, top to bottom. Tells whether the plots are on view.
+fn sections(ui: &mut egui::Ui, world: &mut World) -> Result<bool> {
+    run(ui, world, playback::show)?;
+    ui.separator();
+    egui::ScrollArea::vertical()
+        .auto_shrink([false, false])
+        .show(ui, |ui| {
+            section(ui, world, "Scene", true, scenes::show)?;
+            section(ui, world, "Solver", true, solver::show)?;
+            let plots_open = section(ui, world, "Plots", true, plots::show)?;
+            section(ui, world, "Gizmos", true, gizmos::show)?;
+            section(ui, world, "Read-outs", true, readouts::show)?;
+            section(ui, world, "Selected body", true, selection::show)?;
+            section(ui, world, "World", false, world::show)?;
+            Ok(plots_open)
+        })
+        .inner
+}
+
+/// A collapsible section. Tells whether it is open.
+fn section<M, S>(ui: &mut egui::Ui, world: &mut World, title: &str, open: bool, contents: S) -> Result<bool>
+where
+    S: IntoSystem<InMut<'static, egui::Ui>, (), M> + 'static,
+{
+    let shown =
+        egui::CollapsingHeader::new(egui::RichText::new(title).strong()).default_open(open).show_unindented(ui, |ui| {
+            let result = run(ui, world, contents);
+            ui.add_space(6.0);
+            result
+        });
+    let is_open = shown.body_returned.is_some();
+    shown.body_returned.transpose()?;
+    Ok(is_open)
+}
+
+fn run<M, S>(ui: &mut egui::Ui, world: &mut World, contents: S) -> Result
+where
+    S: IntoSystem<InMut<'static, egui::Ui>, (), M> + 'static,
+{
+    Ok(world.run_system_cached_with(contents, ui)?)
+}
+
+/// A tab at the edge of the window, where the panel was.
+fn reopen_button(context: &egui::Context, open: &mut bool) {
+    egui::Area::new(egui::Id::new("panel tab")).anchor(egui::Align2::RIGHT_TOP, [-8.0, 8.0]).show(context, |ui| {
+        if ui.button("☰").on_hover_text("show the panel").clicked() {
+            *open = true;
+        }
+    });
+}

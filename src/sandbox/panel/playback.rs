@@ -1,0 +1,128 @@
+//! Play, pause, step and the other things a user does, and how time runs.
+
+use bevy::prelude::*;
+use bevy_egui::egui;
+
+use super::super::controls::BINDINGS;
+use super::super::{CurrentScene, Playback, SandboxAction};
+use super::theme::Quantity;
+use crate::physics::{SolverSettings, StepStats};
+
+pub(super) fn plugin(app: &mut App) {
+    app.init_resource::<Pace>()
+        .init_resource::<SceneStart>()
+        .add_systems(Update, measure_pace)
+        .add_systems(PostUpdate, note_scene_start);
+}
+
+/// The step count and the time at which the scene on view started.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub(super) struct SceneStart {
+    steps: u64,
+    time: f64,
+}
+
+fn note_scene_start(scene: Option<Res<CurrentScene>>, stats: Res<StepStats>, mut start: ResMut<SceneStart>) {
+    let replaced = scene.is_some_and(|scene| scene.is_changed());
+    if replaced || stats.steps < start.steps {
+        *start = SceneStart { steps: stats.steps, time: stats.time };
+    }
+}
+
+/// Simulated seconds per second of the clock, over the last half second or so.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub(super) struct Pace {
+    /// What was measured last.
+    factor: f64,
+    /// Since when the next measurement runs: clock and simulation time, s.
+    since: Option<(f64, f64)>,
+}
+
+fn measure_pace(clock: Res<Time<Real>>, stats: Res<StepStats>, mut pace: ResMut<Pace>) {
+    const SPAN: f64 = 0.5;
+    let now = (clock.elapsed_secs_f64(), stats.time);
+    let Some(since) = pace.since.filter(|since| since.1 <= now.1) else {
+        pace.since = Some(now);
+        return;
+    };
+    if now.0 - since.0 >= SPAN {
+        *pace = Pace { factor: (now.1 - since.1) / (now.0 - since.0), since: Some(now) };
+    }
+}
+
+pub(super) fn show(
+    InMut(ui): InMut<egui::Ui>,
+    playback: Res<Playback>,
+    stats: Res<StepStats>,
+    settings: Res<SolverSettings>,
+    start: Res<SceneStart>,
+    pace: Res<Pace>,
+    mut actions: MessageWriter<SandboxAction>,
+) {
+    ui.add_space(4.0);
+    let play = if playback.paused { "▶ Play" } else { "⏸ Pause" };
+    let rows = [
+        [
+            (play, SandboxAction::TogglePause, playback.paused),
+            ("⏭ Step", SandboxAction::StepOnce, false),
+            ("⟲ Reset", SandboxAction::Reset, false),
+            ("🐢 Slow", SandboxAction::ToggleSlowMotion, playback.slow),
+        ],
+        [
+            ("● Ball", SandboxAction::ThrowBall, false),
+            ("🗑 Delete", SandboxAction::DeletePicked, false),
+            ("📷 Photo", SandboxAction::Screenshot, false),
+            ("❓ Help", SandboxAction::ToggleHelp, false),
+        ],
+    ];
+    for row in rows {
+        ui.columns(4, |columns| {
+            for (column, (label, action, lit)) in columns.iter_mut().zip(row) {
+                let button =
+                    egui::Button::new(label).selected(lit).min_size(egui::vec2(column.available_width(), 24.0));
+                if column.add(button).on_hover_text(tooltip(&action)).clicked() {
+                    actions.write(action);
+                }
+            }
+        });
+    }
+    ui.horizontal(|ui| {
+        ui.label(format!("{:.2} s", stats.time - start.time)).on_hover_text("simulation time since the scene began");
+        ui.separator();
+        ui.label(format!("step {}", stats.steps.saturating_sub(start.steps)))
+            .on_hover_text(format!("of {} each", Quantity::text(settings.step(), "s")));
+        ui.separator();
+        let speed = if playback.paused { "paused".into() } else { format!("{:.2}× real time", pace.factor) };
+        ui.label(speed).on_hover_text("simulated seconds per second: below 1 where a step takes longer than it lasts");
+    });
+}
+
+/// What the key of an action does, and the key.
+fn tooltip(action: &SandboxAction) -> String {
+    BINDINGS
+        .iter()
+        .find(|binding| binding.action == *action)
+        .map(|binding| format!("{} ({})", binding.about, binding.label))
+        .unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_button_names_its_key() {
+        for action in [
+            SandboxAction::TogglePause,
+            SandboxAction::StepOnce,
+            SandboxAction::Reset,
+            SandboxAction::ToggleSlowMotion,
+            SandboxAction::ThrowBall,
+            SandboxAction::DeletePicked,
+            SandboxAction::Screenshot,
+            SandboxAction::ToggleHelp,
+        ] {
+            assert!(tooltip(&action).contains('('), "{action:?} has no key");
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! The last word to the user, over the picture for a few seconds.
+
+use bevy::prelude::*;
+use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
+
+use super::super::Notice;
+
+/// How long a notice stays, s.
+const SECONDS: f64 = 6.0;
+
+pub(super) fn plugin(app: &mut App) {
+    app.add_systems(EguiPrimaryContextPass, show);
+}
+
+fn show(mut contexts: EguiContexts, notice: Res<Notice>, clock: Res<Time<Real>>, mut until: Local<f64>) -> Result {
+    let now = clock.elapsed_secs_f64();
+    if notice.is_changed() {
+        *until = now + SECONDS;
+    }
+    if now > *until {
+        return Ok(());
+    }
+    let context = contexts.ctx_mut()?;
+    let (text, color) = match &*notice {
+        Notice::None => return Ok(()),
+        Notice::Info(text) => (text, egui::Color32::from_gray(225)),
+        Notice::Error(text) => (text, context.global_style().visuals.error_fg_color),
+    };
+    egui::Area::new(egui::Id::new("notice")).anchor(egui::Align2::LEFT_BOTTOM, [12.0, -12.0]).interactable(false).show(
+        context,
+        |ui| {
+            egui::Frame::popup(ui.style()).show(ui, |ui| {
+                ui.set_max_width(560.0);
+                ui.colored_label(color, text);
+            });
+        },
+    );
+    Ok(())
+}
