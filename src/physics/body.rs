@@ -132,6 +132,7 @@ impl SurfaceMaterial {
 /// Which bodies may touch: each must be a member of a layer that the other filters for.
 #[derive(Component, Reflect, Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Debug, Default, PartialEq)]
+#[serde(default, deny_unknown_fields)]
 pub struct CollisionLayers {
     /// The layers this body is in, one bit each.
     pub memberships: u32,

@@ -4,12 +4,22 @@
 //! ([`catalog`]); a user's own comes from a RON file ([`SceneSpec::from_ron`]); both are checked by
 //! [`SceneSpec::validate`] and become entities through [`SceneSpec::spawn`].
 
+mod builtin;
 mod catalog;
 mod error;
+mod format;
+mod number;
 mod spawn;
 mod spec;
+mod validate;
 
 pub use catalog::{Parameter, SceneInfo, catalog, find, load};
 pub use error::SceneError;
 pub use spawn::{SceneEntity, SpawnedScene};
 pub use spec::{BodySpec, JointSpec, MaterialSpec, SceneSpec, ShapeSpec, ViewSpec};
+
+/// Most bodies that a scene may have.
+pub const MAX_BODIES: usize = 100_000;
+
+/// Largest scene file that is read, bytes: several times what [`MAX_BODIES`] take.
+pub const MAX_FILE_BYTES: u64 = 64 << 20;

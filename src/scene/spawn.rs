@@ -1,8 +1,14 @@
 //! From data to entities.
 
+use std::collections::HashMap;
+
 use bevy::prelude::*;
 
-use super::SceneSpec;
+use super::{BodySpec, JointSpec, SceneSpec, ShapeSpec};
+use crate::physics::{
+    BallJoint, Collider, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia, Mass, Position, RenderOrigin,
+    Rotation, SurfaceMaterial, Velocity,
+};
 
 /// Marks what a scene spawned (bodies and joints), so that a reset can despawn it.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
@@ -21,7 +27,78 @@ pub struct SpawnedScene {
 impl SceneSpec {
     /// Spawns every body (with its `Name`) and joint into a world and sets its gravity. The scene
     /// must be valid.
-    pub fn spawn(&self, _world: &mut World) -> SpawnedScene {
-        SpawnedScene::default()
+    ///
+    /// # Panics
+    /// A joint names a body that the scene does not have.
+    pub fn spawn(&self, world: &mut World) -> SpawnedScene {
+        world.insert_resource(Gravity(self.gravity));
+        let origin = world.get_resource::<RenderOrigin>().copied().unwrap_or_default();
+        let bodies: Vec<Entity> = self.bodies.iter().map(|body| spawn_body(body, origin, world)).collect();
+        let by_name: HashMap<&str, Entity> =
+            self.bodies.iter().map(|body| body.name.as_str()).zip(bodies.iter().copied()).collect();
+        let joints = self.joints.iter().map(|joint| spawn_joint(joint, &by_name, world)).collect();
+        SpawnedScene { bodies, joints }
     }
+}
+
+/// Components that have a default are left out where the body has it, so that what a scene does
+/// not need costs it nothing.
+fn spawn_body(body: &BodySpec, origin: RenderOrigin, world: &mut World) -> Entity {
+    let mut entity = world.spawn((
+        Name::new(body.name.clone()),
+        SceneEntity,
+        body.kind,
+        Position(body.position),
+        Rotation(body.rotation),
+        Velocity { linear: body.linear_velocity, angular: body.angular_velocity },
+        Transform::from_translation((body.position - origin.0).as_vec3()).with_rotation(body.rotation.as_quat()),
+    ));
+    if let Some(shape) = body.shape {
+        entity.insert(collider(shape));
+        insert_unless_default(
+            &mut entity,
+            SurfaceMaterial { friction: body.material.friction, restitution: body.material.restitution },
+        );
+        insert_unless_default(&mut entity, body.layers);
+    }
+    match body.mass {
+        Some(mass) => _ = entity.insert(Mass(mass)),
+        None => insert_unless_default(&mut entity, Density(body.density)),
+    }
+    if let Some(inertia) = body.inertia {
+        entity.insert(Inertia(inertia));
+    }
+    insert_unless_default(&mut entity, ExternalForce { force: body.force, torque: body.torque });
+    insert_unless_default(&mut entity, body.locked);
+    insert_unless_default(&mut entity, GravityScale(body.gravity_scale));
+    let (linear, angular) = body.damping;
+    insert_unless_default(&mut entity, Damping { linear, angular });
+    entity.id()
+}
+
+fn insert_unless_default<C: Component + Default + PartialEq>(entity: &mut EntityWorldMut, component: C) {
+    if component != C::default() {
+        entity.insert(component);
+    }
+}
+
+fn collider(shape: ShapeSpec) -> Collider {
+    match shape {
+        ShapeSpec::HalfSpace => Collider::half_space(),
+        ShapeSpec::Sphere { radius } => Collider::sphere(radius),
+        ShapeSpec::Cuboid { size } => Collider::cuboid(size.x, size.y, size.z),
+        ShapeSpec::Cone { radius, height } => Collider::cone(radius, height),
+    }
+}
+
+fn spawn_joint(joint: &JointSpec, bodies: &HashMap<&str, Entity>, world: &mut World) -> Entity {
+    let ball = BallJoint {
+        body_a: bodies[joint.body_a.as_str()],
+        body_b: bodies[joint.body_b.as_str()],
+        anchor_a: joint.anchor_a,
+        anchor_b: joint.anchor_b,
+        collide: joint.collide,
+        softness: joint.softness,
+    };
+    world.spawn((Name::new(format!("{} to {}", joint.body_a, joint.body_b)), SceneEntity, ball)).id()
 }

@@ -1,5 +1,7 @@
 //! The data of a scene. Plain numbers in SI; [`SceneSpec::validate`] says what they may be.
 
+use std::f64::consts::PI;
+
 use bevy::math::{DQuat, DVec3};
 
 use crate::physics::{CollisionLayers, LockedAxes, RigidBody, Softness};
@@ -119,6 +121,13 @@ pub struct ViewSpec {
     pub target: DVec3,
 }
 
+impl SceneSpec {
+    /// An empty scene.
+    pub fn new(name: impl Into<String>, gravity: DVec3) -> Self {
+        Self { name: name.into(), gravity, bodies: Vec::new(), joints: Vec::new(), view: None }
+    }
+}
+
 impl BodySpec {
     /// A dynamic body of that name, shape and centre of mass, all else at its default.
     pub fn new(name: impl Into<String>, shape: ShapeSpec, position: DVec3) -> Self {
@@ -142,5 +151,104 @@ impl BodySpec {
             damping: (0.0, 0.0),
             color: None,
         }
+    }
+
+    /// A static body without a shape, to join others to: a point of the world.
+    pub fn pin(name: impl Into<String>, position: DVec3) -> Self {
+        Self { kind: RigidBody::Static, shape: None, ..Self::new(name, ShapeSpec::HalfSpace, position) }
+    }
+
+    /// The ground: a static half-space, level, its surface through the origin, named "ground".
+    pub fn ground() -> Self {
+        Self { kind: RigidBody::Static, ..Self::new("ground", ShapeSpec::HalfSpace, DVec3::ZERO) }
+    }
+
+    /// Makes it static.
+    pub fn fixed(self) -> Self {
+        Self { kind: RigidBody::Static, ..self }
+    }
+
+    /// Sets the mass, kg.
+    pub fn with_mass(self, mass: f64) -> Self {
+        Self { mass: Some(mass), ..self }
+    }
+
+    /// Sets the orientation.
+    pub fn with_rotation(self, rotation: DQuat) -> Self {
+        Self { rotation, ..self }
+    }
+
+    /// Sets the linear velocity, m/s, and the angular, rad/s, both in world axes.
+    pub fn with_velocity(self, linear: DVec3, angular: DVec3) -> Self {
+        Self { linear_velocity: linear, angular_velocity: angular, ..self }
+    }
+
+    /// Sets friction and restitution.
+    pub fn with_material(self, friction: f64, restitution: f64) -> Self {
+        Self { material: MaterialSpec { friction, restitution }, ..self }
+    }
+
+    /// Sets the colour, sRGB, 0 to 1 each.
+    pub fn with_color(self, color: [f32; 3]) -> Self {
+        Self { color: Some(color), ..self }
+    }
+
+    /// Makes it touch nothing: its shape gives mass, inertia and a picture.
+    pub fn without_collision(self) -> Self {
+        Self { layers: CollisionLayers::NONE, ..self }
+    }
+
+    /// A point of the world, m, as this body's anchor: from its centre of mass, in body axes.
+    pub fn anchor(&self, point: DVec3) -> DVec3 {
+        self.rotation.inverse() * (point - self.position)
+    }
+
+    /// A point of this body, from its centre of mass in body axes, as a point of the world, m.
+    pub fn point(&self, anchor: DVec3) -> DVec3 {
+        self.position + self.rotation * anchor
+    }
+}
+
+impl JointSpec {
+    /// A rigid ball joint of two bodies that holds an anchor of A at an anchor of B.
+    pub fn new(a: &BodySpec, anchor_a: DVec3, b: &BodySpec, anchor_b: DVec3) -> Self {
+        Self { body_a: a.name.clone(), body_b: b.name.clone(), anchor_a, anchor_b, collide: false, softness: None }
+    }
+
+    /// A rigid ball joint of two bodies at a point of the world, m.
+    pub fn at(a: &BodySpec, b: &BodySpec, point: DVec3) -> Self {
+        Self::new(a, a.anchor(point), b, b.anchor(point))
+    }
+}
+
+impl ShapeSpec {
+    /// m³; a half-space's is infinite.
+    pub fn volume(self) -> f64 {
+        match self {
+            Self::HalfSpace => f64::INFINITY,
+            Self::Sphere { radius } => 4.0 / 3.0 * PI * radius.powi(3),
+            Self::Cuboid { size } => size.x * size.y * size.z,
+            Self::Cone { radius, height } => PI / 3.0 * radius * radius * height,
+        }
+    }
+
+    /// Radius of the smallest ball about the centre of mass that holds the shape, m; a
+    /// half-space's is infinite.
+    pub fn bounding_radius(self) -> f64 {
+        match self {
+            Self::HalfSpace => f64::INFINITY,
+            Self::Sphere { radius } => radius,
+            Self::Cuboid { size } => size.length() / 2.0,
+            Self::Cone { radius, height } => radius.hypot(height / 4.0).max(0.75 * height),
+        }
+    }
+}
+
+impl ViewSpec {
+    /// Looks at `target` from the side that `direction` points to, from as far as it takes to see
+    /// a ball of that radius whole through a lens of 45°.
+    pub fn framing(target: DVec3, radius: f64, direction: DVec3) -> Self {
+        let distance = radius / (PI / 8.0).sin();
+        Self { eye: target + distance * direction.normalize(), target }
     }
 }

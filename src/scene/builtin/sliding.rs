@@ -1,0 +1,94 @@
+//! Friction: `incline`, `slide_roll`, `rolling`.
+
+use bevy::math::DVec3;
+
+use super::{EARTH, EARTH_G, palette};
+use crate::scene::catalog::Parameter;
+use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+
+pub(super) const INCLINE: SceneInfo = SceneInfo {
+    name: "incline",
+    about: "a box 2 x 0.5 x 1 m at rest, its long side down a slope (level ground, gravity turned toward +x)",
+    truth: "closed form: sticks if tan theta < mu, else s = 1/2 g (sin theta - mu cos theta) t^2",
+    parameters: &[
+        Parameter::real("theta", "angle of the slope, degrees", 30.0, 0.0, 85.0),
+        Parameter::real("mu", "friction of the pair", 0.4, 0.0, 10.0),
+    ],
+    seconds: 2.0,
+    bodies: |_| 2.0,
+    build: |values| {
+        let (sin, cos) = values[0].to_radians().sin_cos();
+        let friction = values[1];
+        let mut scene = SceneSpec::new("incline", EARTH_G * DVec3::new(sin, -cos, 0.0));
+        let shape = ShapeSpec::Cuboid { size: DVec3::new(2.0, 0.5, 1.0) };
+        scene.bodies.push(BodySpec::ground().with_material(friction, 0.0).with_color(palette::GROUND));
+        scene.bodies.push(
+            BodySpec::new("box", shape, DVec3::new(0.0, 0.25, 0.0))
+                .with_material(friction, 0.0)
+                .with_color(palette::ORANGE),
+        );
+        scene.view = Some(ViewSpec::framing(DVec3::new(2.0, 0.25, 0.0), 3.5, DVec3::new(0.2, 0.35, 1.0)));
+        scene
+    },
+};
+
+pub(super) const SLIDE_ROLL: SceneInfo = SceneInfo {
+    name: "slide_roll",
+    about: "a ball of radius 0.5 m thrown along the ground at 5 m/s without spin, friction 0.3",
+    truth: "closed form: rolls from t = 2 v0 / (7 mu g) on at 5/7 v0",
+    parameters: &[],
+    seconds: 2.0,
+    bodies: |_| 2.0,
+    build: |_| {
+        const RADIUS: f64 = 0.5;
+        let mut scene = SceneSpec::new("slide_roll", EARTH);
+        scene.bodies.push(BodySpec::ground().with_material(0.3, 0.0).with_color(palette::GROUND));
+        scene.bodies.push(
+            BodySpec::new("ball", ShapeSpec::Sphere { radius: RADIUS }, RADIUS * DVec3::Y)
+                .with_velocity(5.0 * DVec3::X, DVec3::ZERO)
+                .with_material(0.3, 0.0)
+                .with_color(palette::RED),
+        );
+        scene.view = Some(ViewSpec::framing(DVec3::new(3.0, 0.5, 0.0), 4.5, DVec3::new(0.1, 0.35, 1.0)));
+        scene
+    },
+};
+
+pub(super) const ROLLING: SceneInfo = SceneInfo {
+    name: "rolling",
+    about: "a slab 20 x 1 x 20 m of 10 kg with 25 balls of 1 kg on it, pushed at its centre with 150 N",
+    truth: "closed form: a_slab = (150 - 0.4 * 35 g) / (10 + 50/7), a_ball = 2/7 a_slab",
+    parameters: &[Parameter::real("angle", "of the push to the x axis, toward +z, degrees", 0.0, 0.0, 90.0)],
+    seconds: 4.0,
+    bodies: |_| 27.0,
+    build: |values| build_rolling(values[0]),
+};
+
+fn build_rolling(angle: f64) -> SceneSpec {
+    const PUSH: f64 = 150.0;
+    // √(0.8·0.8) between ball and slab, √(0.8·0.2) = 0.4 between slab and ground.
+    const UPPER_FRICTION: f64 = 0.8;
+    const GROUND_FRICTION: f64 = 0.2;
+    let (sin, cos) = angle.to_radians().sin_cos();
+    let mut scene = SceneSpec::new("rolling", EARTH);
+    scene.bodies.push(BodySpec::ground().with_material(GROUND_FRICTION, 0.0).with_color(palette::GROUND));
+    let slab = ShapeSpec::Cuboid { size: DVec3::new(20.0, 1.0, 20.0) };
+    scene.bodies.push(BodySpec {
+        force: PUSH * DVec3::new(cos, 0.0, sin),
+        ..BodySpec::new("slab", slab, 0.5 * DVec3::Y)
+            .with_mass(10.0)
+            .with_material(UPPER_FRICTION, 0.0)
+            .with_color(palette::WOOD)
+    });
+    for i in 0..25 {
+        let (x, z) = (2.0 * f64::from(i / 5) - 4.0, 2.0 * f64::from(i % 5) - 4.0);
+        scene.bodies.push(
+            BodySpec::new(format!("ball {i}"), ShapeSpec::Sphere { radius: 0.5 }, DVec3::new(x, 1.5, z))
+                .with_mass(1.0)
+                .with_material(UPPER_FRICTION, 0.0)
+                .with_color(palette::bright(i as usize)),
+        );
+    }
+    scene.view = Some(ViewSpec::framing(DVec3::new(2.0, 0.5, 0.0), 14.0, DVec3::new(0.4, 0.6, 1.0)));
+    scene
+}

@@ -1,0 +1,292 @@
+//! The scene file: RON, with a default for whatever a scene does not say.
+//!
+//! What a number may be is held by the types it is read through (`number.rs`), so that the parser
+//! names line and column; what only the whole scene shows is named by its path in it.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use bevy::math::{DQuat, DVec3, EulerRot};
+use ron::extensions::Extensions;
+use serde::Deserialize;
+
+use super::error::Flaw;
+use super::number::{Color, Finite, Fraction, NonNegative, Positive, PositiveVector, Quaternion, Vector};
+use super::{
+    BodySpec, JointSpec, MAX_BODIES, MAX_FILE_BYTES, MaterialSpec, SceneError, SceneSpec, ShapeSpec, ViewSpec, validate,
+};
+use crate::physics::{CollisionLayers, LockedAxes, RigidBody, Softness};
+
+/// What joints call the fixed world.
+const WORLD: &str = "world";
+
+#[derive(Deserialize)]
+#[serde(rename = "Scene", deny_unknown_fields)]
+struct SceneEntry {
+    gravity: Option<Vector>,
+    #[serde(default)]
+    bodies: Vec<BodyEntry>,
+    #[serde(default)]
+    joints: Vec<JointEntry>,
+    view: Option<ViewEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Body", deny_unknown_fields)]
+struct BodyEntry {
+    name: String,
+    kind: Option<RigidBody>,
+    shape: Option<ShapeEntry>,
+    density: Option<Positive>,
+    mass: Option<Positive>,
+    inertia: Option<PositiveVector>,
+    position: Option<Vector>,
+    rotation: Option<Quaternion>,
+    rotation_degrees: Option<Vector>,
+    velocity: Option<Vector>,
+    angular_velocity: Option<Vector>,
+    force: Option<Vector>,
+    torque: Option<Vector>,
+    friction: Option<NonNegative>,
+    restitution: Option<Fraction>,
+    layers: Option<CollisionLayers>,
+    locked: Option<LockedAxes>,
+    gravity_scale: Option<Finite>,
+    linear_damping: Option<NonNegative>,
+    angular_damping: Option<NonNegative>,
+    color: Option<Color>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Shape", deny_unknown_fields)]
+enum ShapeEntry {
+    HalfSpace,
+    Sphere { radius: Positive },
+    Cuboid { size: PositiveVector },
+    Cone { radius: Positive, height: Positive },
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Joint", deny_unknown_fields)]
+struct JointEntry {
+    body_a: String,
+    body_b: String,
+    at: Option<Vector>,
+    anchor_a: Option<Vector>,
+    anchor_b: Option<Vector>,
+    #[serde(default)]
+    collide: bool,
+    softness: Option<SoftnessEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Softness", deny_unknown_fields)]
+struct SoftnessEntry {
+    frequency: Positive,
+    damping_ratio: Option<NonNegative>,
+    max_force: Positive,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "View", deny_unknown_fields)]
+struct ViewEntry {
+    eye: Vector,
+    target: Vector,
+}
+
+impl SceneSpec {
+    /// A scene from the text of a RON file. `source` is what errors call it, a path or just a name;
+    /// the scene is named after its stem.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the text or with the scene in it.
+    pub fn from_ron(text: &str, source: &str) -> Result<Self, SceneError> {
+        let entry: SceneEntry = ron::Options::default()
+            .with_default_extension(Extensions::IMPLICIT_SOME)
+            .from_str(text)
+            .map_err(|error| parse_error(&error, source))?;
+        let scene = entry.into_scene(source)?;
+        scene.validate_as(source)?;
+        Ok(scene)
+    }
+}
+
+/// The scene in the file at `path`.
+pub(super) fn read(path: &str) -> Result<SceneSpec, SceneError> {
+    let unreadable = |problem: String| SceneError::Unreadable { path: path.to_owned(), problem };
+    let file = File::open(path).map_err(|error| unreadable(format!("cannot be read: {error}")))?;
+    if file.metadata().is_ok_and(|metadata| metadata.is_dir()) {
+        return Err(unreadable("is a folder, not a scene file".to_owned()));
+    }
+    // One byte more than allowed tells a file that is too large from one that just fits.
+    let mut bytes = Vec::new();
+    let limit = MAX_FILE_BYTES + 1;
+    file.take(limit).read_to_end(&mut bytes).map_err(|error| unreadable(format!("cannot be read: {error}")))?;
+    if bytes.len() as u64 == limit {
+        return Err(unreadable(format!("is larger than {} MiB, the limit for a scene", MAX_FILE_BYTES >> 20)));
+    }
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let line = 1 + error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|&&b| b == b'\n').count();
+        unreadable(format!("is not UTF-8 text (line {line}); a scene is a RON text file"))
+    })?;
+    SceneSpec::from_ron(&text, path)
+}
+
+fn parse_error(error: &ron::error::SpannedError, source: &str) -> SceneError {
+    let problem = error.code.to_string();
+    SceneError::Parse {
+        path: source.to_owned(),
+        line: error.span.start.line,
+        column: error.span.start.col,
+        problem: problem.split_whitespace().collect::<Vec<_>>().join(" "),
+    }
+}
+
+impl SceneEntry {
+    fn into_scene(self, source: &str) -> Result<SceneSpec, SceneError> {
+        if self.bodies.len() > MAX_BODIES {
+            return Err(SceneError::TooManyBodies { scene: source.to_owned(), bodies: self.bodies.len() as u64 });
+        }
+        let flawed = |flaw: Flaw| flaw.of(source);
+        let mut bodies = Vec::with_capacity(self.bodies.len());
+        for (i, entry) in self.bodies.into_iter().enumerate() {
+            bodies.push(entry.into_body(i).map_err(flawed)?);
+        }
+        let name = Path::new(source).file_stem().map_or(source.into(), |stem| stem.to_string_lossy());
+        let gravity = self.gravity.map_or(DVec3::new(0.0, -9.81, 0.0), DVec3::from);
+        let mut scene = SceneSpec { bodies, ..SceneSpec::new(name, gravity) };
+        scene.view = self.view.map(|view| ViewSpec { eye: view.eye.into(), target: view.target.into() });
+        add_joints(&mut scene, self.joints).map_err(flawed)?;
+        Ok(scene)
+    }
+}
+
+impl BodyEntry {
+    fn into_body(self, index: usize) -> Result<BodySpec, Flaw> {
+        if self.name == WORLD || self.name.starts_with("world:") {
+            let problem = format!("'{}' is kept for what does not move; choose another", self.name);
+            return Err(Flaw::new(format!("bodies[{index}].name"), problem));
+        }
+        let rotation = match (self.rotation, self.rotation_degrees) {
+            (Some(_), Some(_)) => {
+                let problem = "give either 'rotation' or 'rotation_degrees', not both";
+                return Err(Flaw::new(format!("bodies[{index}].rotation"), problem));
+            }
+            (Some(rotation), None) => rotation.into(),
+            (None, Some(degrees)) => rotation_about_world_axes(degrees.into()),
+            (None, None) => DQuat::IDENTITY,
+        };
+        let shape = self.shape.map(ShapeSpec::from);
+        let usual = BodySpec::new(self.name, ShapeSpec::HalfSpace, self.position.map_or(DVec3::ZERO, DVec3::from));
+        let usual_kind = if shape == Some(ShapeSpec::HalfSpace) { RigidBody::Static } else { RigidBody::Dynamic };
+        Ok(BodySpec {
+            kind: self.kind.unwrap_or(usual_kind),
+            shape,
+            density: self.density.map_or(usual.density, f64::from),
+            mass: self.mass.map(f64::from),
+            inertia: self.inertia.map(DVec3::from),
+            rotation,
+            linear_velocity: self.velocity.map_or(DVec3::ZERO, DVec3::from),
+            angular_velocity: self.angular_velocity.map_or(DVec3::ZERO, DVec3::from),
+            force: self.force.map_or(DVec3::ZERO, DVec3::from),
+            torque: self.torque.map_or(DVec3::ZERO, DVec3::from),
+            material: MaterialSpec {
+                friction: self.friction.map_or(usual.material.friction, f64::from),
+                restitution: self.restitution.map_or(usual.material.restitution, f64::from),
+            },
+            layers: self.layers.unwrap_or_default(),
+            locked: self.locked.unwrap_or_default(),
+            gravity_scale: self.gravity_scale.map_or(1.0, f64::from),
+            damping: (self.linear_damping.map_or(0.0, f64::from), self.angular_damping.map_or(0.0, f64::from)),
+            color: self.color.map(Into::into),
+            ..usual
+        })
+    }
+}
+
+/// First about x, then y, then z, all world axes.
+fn rotation_about_world_axes(degrees: DVec3) -> DQuat {
+    let DVec3 { x, y, z } = DVec3::from_array(degrees.to_array().map(f64::to_radians));
+    DQuat::from_euler(EulerRot::XYZEx, x, y, z)
+}
+
+impl From<ShapeEntry> for ShapeSpec {
+    fn from(entry: ShapeEntry) -> Self {
+        match entry {
+            ShapeEntry::HalfSpace => Self::HalfSpace,
+            ShapeEntry::Sphere { radius } => Self::Sphere { radius: radius.into() },
+            ShapeEntry::Cuboid { size } => Self::Cuboid { size: size.into() },
+            ShapeEntry::Cone { radius, height } => Self::Cone { radius: radius.into(), height: height.into() },
+        }
+    }
+}
+
+impl From<SoftnessEntry> for Softness {
+    fn from(entry: SoftnessEntry) -> Self {
+        Self {
+            frequency: entry.frequency.into(),
+            damping_ratio: entry.damping_ratio.map_or(1.0, f64::from),
+            max_force: entry.max_force.into(),
+        }
+    }
+}
+
+/// Where a joint holds a body.
+#[derive(Clone, Copy)]
+enum Hold {
+    /// At a point of the world, m.
+    At(DVec3),
+    /// At a point from the centre of mass, body axes, m.
+    Anchor(DVec3),
+}
+
+fn add_joints(scene: &mut SceneSpec, entries: Vec<JointEntry>) -> Result<(), Flaw> {
+    let by_name: HashMap<String, usize> =
+        scene.bodies.iter().enumerate().map(|(index, body)| (body.name.clone(), index)).collect();
+    for (i, entry) in entries.into_iter().enumerate() {
+        let (hold_a, hold_b) = entry.holds().map_err(|problem| Flaw::new(format!("joints[{i}]"), problem))?;
+        let find = |field: &str, name: &String| match by_name.get(name) {
+            Some(&body) => Ok(Some(body)),
+            None if name == WORLD => Ok(None),
+            None => Err(Flaw::new(format!("joints[{i}].{field}"), validate::no_body(name))),
+        };
+        let (a, b) = (find("body_a", &entry.body_a)?, find("body_b", &entry.body_b)?);
+        if a.is_none() && b.is_none() {
+            let problem = "joins the world to itself; one of the two must be a dynamic body";
+            return Err(Flaw::new(format!("joints[{i}].body_b"), problem));
+        }
+        let (body_a, anchor_a) = scene.hold(a, hold_a, i);
+        let (body_b, anchor_b) = scene.hold(b, hold_b, i);
+        let softness = entry.softness.map(Softness::from);
+        scene.joints.push(JointSpec { body_a, body_b, anchor_a, anchor_b, collide: entry.collide, softness });
+    }
+    Ok(())
+}
+
+impl JointEntry {
+    fn holds(&self) -> Result<(Hold, Hold), &'static str> {
+        match (self.at, self.anchor_a, self.anchor_b) {
+            (Some(at), None, None) => Ok((Hold::At(at.into()), Hold::At(at.into()))),
+            (None, Some(a), Some(b)) => Ok((Hold::Anchor(a.into()), Hold::Anchor(b.into()))),
+            _ => Err("give either 'at' or both 'anchor_a' and 'anchor_b'"),
+        }
+    }
+}
+
+impl SceneSpec {
+    /// The name and anchor of one side of joint `joint`. The world becomes a body of its own at
+    /// the very point held, so that lever arms stay short however far from the origin it is.
+    fn hold(&mut self, body: Option<usize>, hold: Hold, joint: usize) -> (String, DVec3) {
+        match (body, hold) {
+            (Some(body), Hold::At(point)) => (self.bodies[body].name.clone(), self.bodies[body].anchor(point)),
+            (Some(body), Hold::Anchor(anchor)) => (self.bodies[body].name.clone(), anchor),
+            (None, Hold::At(point) | Hold::Anchor(point)) => {
+                let name = format!("{WORLD}:{joint}");
+                self.bodies.push(BodySpec::pin(&name, point));
+                (name, DVec3::ZERO)
+            }
+        }
+    }
+}
