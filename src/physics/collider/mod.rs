@@ -20,7 +20,7 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-pub(crate) use hull::{Face, Hull};
+pub(crate) use hull::Hull;
 
 /// The shape of a body, one per body, centred on its centre of mass. Sizes are full and in m.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]

@@ -1,16 +1,34 @@
 //! Collision detection: which bodies may touch, where, along which normal and how deep.
 //!
-//! Broad phase ([`sweep_and_sort`]) → candidate pairs → narrow phase ([`narrow_phase`]) →
-//! [`Contacts`]. Everything here is `f64` and computed relative to body A of each pair, so that
-//! it does not depend on the distance from the origin.
+//! 1. [`sweep_and_sort`] finds the pairs whose bounding spheres overlap: [`CandidatePairs`].
+//! 2. [`narrow_phase`] takes each pair through the separating axis test ([`sat`], whose axes a
+//!    [`vector_set`] thins) and, where they touch, finds the points: by [`extreme_vertices`], as
+//!    the 2009 engine did, or by [`clipping`]. The result is [`Contacts`].
+//!
+//! Everything is `f64` and computed relative to body A of each pair, so that it does not depend
+//! on the distance from the origin. What contacts do to bodies is the constraints' business, and
+//! who is told of them that of the events.
 
+mod clipping;
+mod extreme_vertices;
+mod narrow_phase;
+mod placed;
+mod sat;
+mod sweep_and_sort;
 pub(crate) mod vector_set;
 
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-/// Two bodies that may touch, as indices into [`super::bodies::Bodies`]. A is the one found
-/// first.
+use super::PhysicsSystems;
+
+/// Gaps up to this share of the bounding radii count as touching: rounding could have made them
+/// of a gap of zero.
+const CONTACT_TOLERANCE: f64 = 1e-9;
+
+/// Two bodies that may touch, as indices into [`super::bodies::Bodies`]. A is the half-space if
+/// one is, else the one of lower index: the same from step to step, as normals and feature ids
+/// are told from A.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Pair {
     pub a: u32,
@@ -21,6 +39,25 @@ pub(crate) struct Pair {
 /// (faces, edges, vertices) made it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) struct FeatureId(pub u32);
+
+impl FeatureId {
+    /// A vertex of A, or of B.
+    fn of_vertex(of_b: bool, vertex: u32) -> Self {
+        Self(u32::from(of_b) << 29 | (vertex & 0x1fff_ffff))
+    }
+
+    /// The crossing of two edges.
+    fn of_edges(edge_a: u32, edge_b: u32) -> Self {
+        Self(1 << 30 | (edge_a & 0x7fff) << 15 | (edge_b & 0x7fff))
+    }
+
+    /// A corner of the incident face clipped to the reference face: the faces, seven bits each,
+    /// and the two sides that meet there.
+    fn of_clipping(reference_is_b: bool, reference: u32, incident: u32, before: u8, after: u8) -> Self {
+        let sides = u32::from(before) << 8 | u32::from(after);
+        Self((2 | u32::from(reference_is_b)) << 30 | (reference & 0x7f) << 23 | (incident & 0x7f) << 16 | sides)
+    }
+}
 
 /// One point of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,6 +101,18 @@ impl Contacts {
     }
 }
 
+/// The pairs that the narrow phase looks at, half-space pairs first.
+#[derive(Resource, Default)]
+pub(crate) struct CandidatePairs {
+    pub pairs: Vec<Pair>,
+}
+
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<Contacts>();
+    app.init_resource::<CandidatePairs>().init_resource::<Contacts>().add_systems(
+        super::PhysicsSchedule,
+        (
+            sweep_and_sort::find_candidate_pairs.in_set(PhysicsSystems::BroadPhase),
+            narrow_phase::find_contacts.in_set(PhysicsSystems::NarrowPhase),
+        ),
+    );
 }

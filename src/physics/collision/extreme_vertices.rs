@@ -1,0 +1,32 @@
+//! Contact points of the 2009 engine: the extreme vertices of each shape toward the other, moved
+//! onto the plane where they should end up, by the depth along the normal.
+//!
+//! Each point is a contact of its own with the depth of the separating axis test. A vertex of a
+//! coarse shape may lie far from where a fine one touches it, and a tilted shape's vertices all
+//! get the depth of the deepest: the method's documented weakness, kept as it was.
+
+use nalgebra::Vector3;
+
+use super::placed::Placed;
+use super::sat::Overlap;
+use super::{ContactPoint, FeatureId};
+use crate::physics::collider::Geometry;
+
+/// Vertices within this share of the bounding radius of the farthest are extreme too.
+const EXTREME_SHARE: f64 = 1e-3;
+
+/// Adds the contact points of an overlap, relative to body A: A's first, then B's.
+pub(super) fn contact_points(a: &Placed, b: &Placed, overlap: &Overlap, points: &mut Vec<ContactPoint>) {
+    let Overlap { normal, depth, .. } = *overlap;
+    let mut add = |point: Vector3<f64>, feature| points.push(ContactPoint { point, depth, feature });
+    // Two balls have no vertices and touch in one point, not in one of each.
+    let two_balls = [a, b].iter().all(|shape| matches!(shape.geometry, Geometry::Sphere { .. }));
+    if !two_balls {
+        a.for_each_extreme(&normal, EXTREME_SHARE * a.radius, |index, vertex| {
+            add(vertex - normal * depth, FeatureId::of_vertex(false, index));
+        });
+    }
+    b.for_each_extreme(&-normal, EXTREME_SHARE * b.radius, |index, vertex| {
+        add(vertex + normal * depth, FeatureId::of_vertex(true, index));
+    });
+}

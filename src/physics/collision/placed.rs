@@ -1,0 +1,249 @@
+//! A shape placed in the world, relative to body A of a pair, and the questions that the narrow
+//! phase asks of it: how far it reaches along an axis, which of its faces, edges or vertices is
+//! foremost, which of its points is nearest. Boxes and balls answer in closed form.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::physics::bodies::Body;
+use crate::physics::collider::{Geometry, Hull};
+
+/// A body's shape, its centre relative to body A of the pair, in world axes.
+pub(super) struct Placed<'a> {
+    pub geometry: &'a Geometry,
+    pub center: Vector3<f64>,
+    /// Columns are the body's axes.
+    pub rotation: Matrix3<f64>,
+    /// Bounding sphere about the centre.
+    pub radius: f64,
+}
+
+/// A face of a placed shape; its corners go to a buffer of the caller's.
+pub(super) struct PlacedFace {
+    pub index: u32,
+    /// Unit, outward.
+    pub normal: Vector3<f64>,
+}
+
+/// An edge of a placed shape.
+pub(super) struct PlacedEdge {
+    pub index: u32,
+    pub ends: [Vector3<f64>; 2],
+}
+
+impl<'a> Placed<'a> {
+    /// A body's shape relative to `origin`, unless it has none.
+    pub fn new(body: &'a Body, origin: &Vector3<f64>) -> Option<Self> {
+        Some(Self {
+            geometry: body.geometry.as_ref()?,
+            center: body.position - origin,
+            rotation: body.rotation.to_rotation_matrix().into_inner(),
+            radius: body.radius,
+        })
+    }
+
+    fn axis(&self, index: usize) -> Vector3<f64> {
+        self.rotation.column(index).into_owned()
+    }
+
+    fn to_body(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation.tr_mul(direction)
+    }
+
+    fn to_world(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.center + self.rotation * point
+    }
+
+    /// The outward normal of a half-space's plane, which its centre lies on.
+    pub fn plane_normal(&self) -> Vector3<f64> {
+        self.axis(1)
+    }
+
+    /// The interval that the shape covers along a unit axis.
+    #[inline]
+    pub fn project(&self, axis: &Vector3<f64>) -> [f64; 2] {
+        let middle = self.center.dot(axis);
+        match self.geometry {
+            Geometry::HalfSpace => [f64::NEG_INFINITY, middle],
+            Geometry::Sphere { radius } => [middle - radius, middle + radius],
+            Geometry::Cuboid { half } => {
+                let reach = self.to_body(axis).abs().dot(half);
+                [middle - reach, middle + reach]
+            }
+            Geometry::Hull(hull) => {
+                let direction = self.to_body(axis);
+                let [low, high] =
+                    hull.vertices.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], vertex| {
+                        let along = vertex.dot(&direction);
+                        [low.min(along), high.max(along)]
+                    });
+                [middle + low, middle + high]
+            }
+        }
+    }
+
+    /// The outward normals of the faces.
+    pub fn face_normals(&self, normals: &mut Vec<Vector3<f64>>) {
+        normals.clear();
+        match self.geometry {
+            Geometry::HalfSpace => normals.push(self.plane_normal()),
+            Geometry::Sphere { .. } => {}
+            Geometry::Cuboid { .. } => normals.extend((0..3).flat_map(|axis| [self.axis(axis), -self.axis(axis)])),
+            Geometry::Hull(hull) => normals.extend(hull.faces.iter().map(|face| self.rotation * face.normal)),
+        }
+    }
+
+    /// The unit directions of the edges, each once up to sign.
+    pub fn edge_directions(&self, directions: &mut Vec<Vector3<f64>>) {
+        directions.clear();
+        match self.geometry {
+            Geometry::HalfSpace | Geometry::Sphere { .. } => {}
+            Geometry::Cuboid { .. } => directions.extend((0..3).map(|axis| self.axis(axis))),
+            Geometry::Hull(hull) => {
+                directions.extend(hull.edge_directions.iter().map(|direction| self.rotation * direction));
+            }
+        }
+    }
+
+    /// The point of the shape that is nearest to `point`, which is itself if it lies inside.
+    pub fn nearest(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        let local = self.to_body(&(point - self.center));
+        match self.geometry {
+            Geometry::HalfSpace => point - self.plane_normal() * local.y.max(0.0),
+            Geometry::Sphere { radius } => {
+                let distance = local.norm();
+                if distance <= *radius { *point } else { self.to_world(&(local * (radius / distance))) }
+            }
+            Geometry::Cuboid { half } => self.to_world(&local.zip_map(half, |along, half| along.clamp(-half, half))),
+            Geometry::Hull(hull) => self.to_world(&nearest_on_hull(hull, &local)),
+        }
+    }
+
+    /// The face whose normal is nearest to `direction`. Its corners, counter-clockwise seen from
+    /// outside, replace those in `corners`. Of cuboids and hulls only.
+    pub fn face_toward(&self, direction: &Vector3<f64>, corners: &mut Vec<Vector3<f64>>) -> PlacedFace {
+        let local = self.to_body(direction);
+        corners.clear();
+        match self.geometry {
+            Geometry::Cuboid { half } => {
+                let axis = local.iamax();
+                let sign = local[axis].signum();
+                let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+                // Turns about +axis; on the opposite face `sign` mirrors v, and so the turn.
+                for [along_u, along_v] in [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]] {
+                    let mut corner = Vector3::zeros();
+                    corner[axis] = sign * half[axis];
+                    corner[u] = along_u * half[u];
+                    corner[v] = along_v * sign * half[v];
+                    corners.push(self.to_world(&corner));
+                }
+                let index = 2 * axis as u32 + u32::from(sign < 0.0);
+                PlacedFace { index, normal: self.axis(axis) * sign }
+            }
+            Geometry::Hull(hull) => {
+                let index = first_max(hull.faces.iter().map(|face| face.normal.dot(&local)));
+                let face = &hull.faces[index];
+                corners.extend(face.vertices.iter().map(|&vertex| self.to_world(&hull.vertices[vertex as usize])));
+                PlacedFace { index: index as u32, normal: self.rotation * face.normal }
+            }
+            Geometry::HalfSpace | Geometry::Sphere { .. } => unreachable!("has no polygonal face"),
+        }
+    }
+
+    /// The edge across `direction` that reaches farthest along it: the one whose middle does. Of
+    /// cuboids and hulls only.
+    pub fn edge_toward(&self, direction: &Vector3<f64>) -> PlacedEdge {
+        let local = self.to_body(direction);
+        match self.geometry {
+            Geometry::Cuboid { half } => {
+                // The middle of an edge along an axis gives up only that axis's share.
+                let along = local.component_mul(half).iamin();
+                let mut middle = half.zip_map(&local, f64::copysign);
+                let index = (0..3).fold(along as u32, |bits, axis| bits << 1 | u32::from(local[axis] < 0.0));
+                middle[along] = half[along];
+                let from = self.to_world(&middle);
+                middle[along] = -half[along];
+                PlacedEdge { index, ends: [from, self.to_world(&middle)] }
+            }
+            Geometry::Hull(hull) => {
+                let height = |vertex: u32| hull.vertices[vertex as usize].dot(&local);
+                let index = first_max(hull.edges.iter().map(|&[from, to]| height(from) + height(to)));
+                let ends = hull.edges[index].map(|vertex| self.to_world(&hull.vertices[vertex as usize]));
+                PlacedEdge { index: index as u32, ends }
+            }
+            Geometry::HalfSpace | Geometry::Sphere { .. } => unreachable!("has no edges"),
+        }
+    }
+
+    /// Calls `visit` with the index and place of every vertex that lies within `tolerance` of the
+    /// farthest along a unit direction. A ball's one extreme point counts as a vertex; a
+    /// half-space has none.
+    pub fn for_each_extreme(&self, direction: &Vector3<f64>, tolerance: f64, mut visit: impl FnMut(u32, Vector3<f64>)) {
+        match self.geometry {
+            Geometry::HalfSpace => {}
+            Geometry::Sphere { radius } => visit(0, self.center + direction * *radius),
+            _ => {
+                let farthest = self.project(direction)[1];
+                self.for_each_vertex(|index, vertex| {
+                    if vertex.dot(direction) >= farthest - tolerance {
+                        visit(index, vertex);
+                    }
+                });
+            }
+        }
+    }
+
+    /// Calls `visit` with the index and place of every vertex. Round shapes have none.
+    pub fn for_each_vertex(&self, mut visit: impl FnMut(u32, Vector3<f64>)) {
+        match self.geometry {
+            Geometry::HalfSpace | Geometry::Sphere { .. } => {}
+            Geometry::Cuboid { half } => {
+                let arms: [_; 3] = std::array::from_fn(|axis| self.axis(axis) * half[axis]);
+                for index in 0..8_u32 {
+                    let sign = |bit: u32| if index & bit == 0 { 1.0 } else { -1.0 };
+                    visit(index, self.center + arms[0] * sign(1) + arms[1] * sign(2) + arms[2] * sign(4));
+                }
+            }
+            Geometry::Hull(hull) => {
+                for (index, vertex) in hull.vertices.iter().enumerate() {
+                    visit(index as u32, self.to_world(vertex));
+                }
+            }
+        }
+    }
+}
+
+/// Index of the greatest value, the first of equals; 0 for none.
+pub(super) fn first_max(values: impl Iterator<Item = f64>) -> usize {
+    let start = (0, f64::NEG_INFINITY);
+    values.enumerate().fold(start, |best, (index, value)| if value > best.1 { (index, value) } else { best }).0
+}
+
+/// The point of a hull nearest to a point in body axes (Ericson 2005, 5.1): it lies on one of the
+/// faces that the point is in front of.
+fn nearest_on_hull(hull: &Hull, point: &Vector3<f64>) -> Vector3<f64> {
+    let mut nearest = (f64::INFINITY, *point);
+    for face in &hull.faces {
+        let height = face.normal.dot(point) - face.offset;
+        if height <= 0.0 {
+            continue;
+        }
+        let foot = point - face.normal * height;
+        let corner = |index: usize| hull.vertices[face.vertices[index % face.vertices.len()] as usize];
+        let sides = || (0..face.vertices.len()).map(|index| (corner(index), corner(index + 1)));
+        let beyond = |from: &Vector3<f64>, to: &Vector3<f64>| face.normal.cross(&(to - from)).dot(&(foot - from)) < 0.0;
+        if sides().all(|(from, to)| !beyond(&from, &to)) {
+            // Above a face itself: no other point can be nearer.
+            return foot;
+        }
+        for (from, to) in sides().filter(|(from, to)| beyond(from, to)) {
+            let side = to - from;
+            let share = ((point - from).dot(&side) / side.norm_squared()).clamp(0.0, 1.0);
+            let candidate = from + side * share;
+            let distance = (point - candidate).norm_squared();
+            if distance < nearest.0 {
+                nearest = (distance, candidate);
+            }
+        }
+    }
+    nearest.1
+}

@@ -1,0 +1,198 @@
+//! Narrow phase, first half: the separating axis test (Gottschalk 1996; Ericson 2005, 5.2.1)
+//! over the reduced axis set of the 2009 engine.
+//!
+//! Two convex shapes are apart exactly if they are apart along one of the candidate axes: the
+//! face normals of A, those of B, and the cross products of their edges. A ball has no faces; it
+//! adds the axis to the nearest point of the other shape, which makes its test exact. A
+//! half-space has one axis, its normal.
+//!
+//! Axes are made one at a time, go through the [`VectorSet`], and are tested only if they are
+//! new to it; the first along which the shapes are apart ends the test. Leaving out axes never
+//! loses a contact, but may report one where the axis left out would have separated, or a depth
+//! that is not the least.
+//!
+//! Depth here is how far B must move along the normal to be clear of A. Depth 0, touching, is a
+//! contact, and so is a gap that rounding could have made of it.
+
+use nalgebra::Vector3;
+
+use super::CONTACT_TOLERANCE;
+use super::placed::Placed;
+use super::vector_set::VectorSet;
+use crate::physics::collider::Geometry;
+
+/// With [`AxisSearch::steady_faces`], an edge–edge axis (or a face of B) is taken only where its
+/// depth is below this share of the depth along the best face (of A) …
+const RIVAL_SHARE: f64 = 0.95;
+
+/// … and below it by this share of the smaller bounding radius as well, for depths near zero.
+const RIVAL_MARGIN: f64 = 1e-4;
+
+/// Centre to nearest point closer than this share of the radius: the centre lies in the other
+/// shape, and the direction would be noise.
+const ON_SURFACE: f64 = 1e-12;
+
+/// How axes are chosen.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AxisSearch {
+    /// L1 distance within which two axes count as one.
+    pub epsilon: f64,
+    /// Whether n and −n count as one.
+    pub merge_opposites: bool,
+    /// Prefers faces to edges and A's faces to B's where depths are nearly equal, so that
+    /// clipped manifolds do not flicker. Not in the 2009 engine.
+    pub steady_faces: bool,
+}
+
+/// How two shapes overlap.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Overlap {
+    /// Unit, from A to B.
+    pub normal: Vector3<f64>,
+    /// m, ≥ 0.
+    pub depth: f64,
+    pub source: AxisSource,
+}
+
+/// What an axis was made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum AxisSource {
+    /// A face of A (or A's plane, or a ball's nearest point).
+    A,
+    /// A face of B (or B's plane).
+    B,
+    /// An edge of each.
+    Edges,
+}
+
+/// Buffers of the test, kept from pair to pair.
+#[derive(Default)]
+pub(super) struct AxisBuffers {
+    set: VectorSet,
+    a: Vec<Vector3<f64>>,
+    b: Vec<Vector3<f64>>,
+}
+
+/// Tests two shapes; none if they are apart. Not for two half-spaces.
+pub(super) fn overlap(a: &Placed, b: &Placed, search: &AxisSearch, buffers: &mut AxisBuffers) -> Option<Overlap> {
+    match (a.geometry, b.geometry) {
+        (Geometry::HalfSpace, _) => plane_overlap(a, b),
+        (_, Geometry::HalfSpace) => {
+            plane_overlap(b, a).map(|overlap| Overlap { normal: -overlap.normal, source: AxisSource::B, ..overlap })
+        }
+        _ => convex_overlap(a, b, search, buffers),
+    }
+}
+
+fn plane_overlap(plane: &Placed, body: &Placed) -> Option<Overlap> {
+    let normal = plane.plane_normal();
+    let depth = plane.center.dot(&normal) - body.project(&normal)[0];
+    (depth >= -CONTACT_TOLERANCE * body.radius).then_some(Overlap {
+        normal,
+        depth: depth.max(0.0),
+        source: AxisSource::A,
+    })
+}
+
+fn convex_overlap(a: &Placed, b: &Placed, search: &AxisSearch, buffers: &mut AxisBuffers) -> Option<Overlap> {
+    let between = b.center - a.center;
+    let reach = (a.radius + b.radius) * (1.0 + CONTACT_TOLERANCE);
+    if between.norm_squared() > reach * reach {
+        return None;
+    }
+    buffers.set.reset(search.epsilon, search.merge_opposites, 1.0);
+    let mut test = AxisTest { a, b, tolerance: CONTACT_TOLERANCE * (a.radius + b.radius), least: [None; 3] };
+    test.run(buffers)?;
+    let margin = RIVAL_MARGIN * a.radius.min(b.radius);
+    let [of_a, of_b, of_edges] = test.least;
+    let choose = |best: Option<Overlap>, rival: Option<Overlap>| match (best, rival) {
+        (Some(best), Some(rival)) => {
+            let limit = if search.steady_faces { RIVAL_SHARE * best.depth - margin } else { best.depth };
+            Some(if rival.depth < limit { rival } else { best })
+        }
+        (best, rival) => best.or(rival),
+    };
+    let least = choose(choose(of_a, of_b), of_edges);
+    // Only two balls with one centre are left without an axis.
+    Some(least.unwrap_or(Overlap { normal: Vector3::y(), depth: a.radius + b.radius, source: AxisSource::A }))
+}
+
+/// A test in progress: the least overlap so far along the axes of each source.
+struct AxisTest<'t> {
+    a: &'t Placed<'t>,
+    b: &'t Placed<'t>,
+    tolerance: f64,
+    least: [Option<Overlap>; 3],
+}
+
+impl AxisTest<'_> {
+    /// Goes through all candidate axes; none as soon as one separates.
+    fn run(&mut self, buffers: &mut AxisBuffers) -> Option<()> {
+        let AxisBuffers { set, a, b } = buffers;
+        let (one, other) = (self.a, self.b);
+        if matches!(other.geometry, Geometry::Sphere { .. }) {
+            self.test_nearest(set, other, one)?;
+        } else if matches!(one.geometry, Geometry::Sphere { .. }) {
+            self.test_nearest(set, one, other)?;
+        }
+        one.face_normals(a);
+        self.test_new(set, a.iter().copied(), AxisSource::A)?;
+        other.face_normals(b);
+        self.test_new(set, b.iter().copied(), AxisSource::B)?;
+        one.edge_directions(a);
+        other.edge_directions(b);
+        for along_a in &*a {
+            self.test_new(set, b.iter().map(|along_b| along_a.cross(along_b)), AxisSource::Edges)?;
+        }
+        Some(())
+    }
+
+    /// The axis from a ball to the nearest point of the other shape, unless its centre is inside.
+    fn test_nearest(&mut self, set: &mut VectorSet, ball: &Placed, other: &Placed) -> Option<()> {
+        // Of a ball, any point on the way to its centre shows the way; its centre always does.
+        let nearest = match other.geometry {
+            Geometry::Sphere { .. } => other.center,
+            _ => other.nearest(&ball.center),
+        };
+        let away = ball.center - nearest;
+        let distance = away.norm();
+        if distance <= ON_SURFACE * ball.radius {
+            return Some(());
+        }
+        let axis = away / distance;
+        set.insert(axis);
+        self.test(axis, AxisSource::A)
+    }
+
+    #[inline]
+    fn test_new(
+        &mut self,
+        set: &mut VectorSet,
+        axes: impl Iterator<Item = Vector3<f64>>,
+        source: AxisSource,
+    ) -> Option<()> {
+        for axis in axes {
+            if let Some(axis) = set.insert_direction(axis) {
+                self.test(axis, source)?;
+            }
+        }
+        Some(())
+    }
+
+    /// Measures the overlap along an axis both ways; none if it separates.
+    #[inline]
+    fn test(&mut self, axis: Vector3<f64>, source: AxisSource) -> Option<()> {
+        let [low_a, high_a] = self.a.project(&axis);
+        let [low_b, high_b] = self.b.project(&axis);
+        let (forward, backward) = (high_a - low_b, high_b - low_a);
+        let (depth, sign) = if forward <= backward { (forward, 1.0) } else { (backward, -1.0) };
+        if depth < -self.tolerance {
+            return None;
+        }
+        let least = &mut self.least[source as usize];
+        if least.is_none_or(|least| depth.max(0.0) < least.depth) {
+            *least = Some(Overlap { normal: axis * sign, depth: depth.max(0.0), source });
+        }
+        Some(())
+    }
+}

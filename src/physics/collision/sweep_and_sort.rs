@@ -1,0 +1,214 @@
+//! Broad phase: *sweep and sort*, as in the 2009 engine.
+//!
+//! 1. Bounding spheres are projected on x and sorted by where they begin; ties by body.
+//! 2. A body's bucket is itself and those after it that overlap it on x; buckets of one vanish.
+//! 3. A bucket is projected on z (y is up) and pruned of what does not overlap its first body.
+//! 4. Each survivor is paired with the first, so that each pair is found once.
+//!
+//! There is no test on y unless the settings ask for it: a column of n bodies gives n(n − 1)/2
+//! pairs. Half-spaces stand outside the sweep: each is paired, before all else, with every
+//! dynamic body whose sphere reaches its plane. Bodies that share a joint, whose layers do not
+//! interact, or of which neither is dynamic make no pair.
+//!
+//! The order is kept from step to step and mended by insertion, for bodies move little in a
+//! step; it is always the one order by (begin, body), so that nothing depends on the past.
+
+use std::cmp::Ordering;
+use std::ops::Range;
+
+use bevy::prelude::*;
+
+use super::{CONTACT_TOLERANCE, CandidatePairs, Pair};
+use crate::physics::bodies::{Bodies, Body};
+use crate::physics::body::CollisionLayers;
+use crate::physics::collider::Geometry;
+use crate::physics::diagnostics::StepStats;
+use crate::physics::joint::JoinedPairs;
+use crate::physics::settings::SolverSettings;
+use crate::physics::threads::for_each_block;
+
+/// Buckets that one thread works through at a time.
+const BLOCK: usize = 512;
+
+/// Moves per body after which mending the order is given up for sorting it anew.
+const MOVES_PER_BODY: usize = 16;
+
+/// What the sweep keeps from step to step: the order of the bodies, and buffers.
+#[derive(Default)]
+pub(super) struct SweepAndSort {
+    order: Vec<Begin>,
+    spheres: Vec<Projection>,
+    blocks: Vec<Block>,
+}
+
+/// Where a body's sphere begins on x.
+#[derive(Clone, Copy)]
+struct Begin {
+    x: f64,
+    body: u32,
+}
+
+/// A bounding sphere, projected. Intervals are closed: touching is overlapping.
+#[derive(Clone, Copy)]
+struct Projection {
+    x: [f64; 2],
+    z: [f64; 2],
+    y: [f64; 2],
+    body: u32,
+    dynamic: bool,
+    layers: CollisionLayers,
+}
+
+/// A run of buckets and the pairs found in them.
+#[derive(Default)]
+struct Block {
+    firsts: Range<usize>,
+    pairs: Vec<Pair>,
+}
+
+/// Finds the candidate pairs of this step.
+pub(super) fn find_candidate_pairs(
+    bodies: Res<Bodies>,
+    joined: Res<JoinedPairs>,
+    settings: Res<SolverSettings>,
+    mut sweep: Local<SweepAndSort>,
+    mut candidates: ResMut<CandidatePairs>,
+    mut stats: ResMut<StepStats>,
+) {
+    let pairs = &mut candidates.bypass_change_detection().pairs;
+    pairs.clear();
+    half_space_pairs(&bodies.list, &joined, pairs);
+    sweep.find_pairs(&bodies.list, &joined, &settings, pairs);
+    stats.pairs = pairs.len() as u32;
+}
+
+fn half_space_pairs(bodies: &[Body], joined: &JoinedPairs, pairs: &mut Vec<Pair>) {
+    for (a, plane) in bodies.iter().enumerate() {
+        if !matches!(plane.geometry, Some(Geometry::HalfSpace)) {
+            continue;
+        }
+        let normal = plane.rotation * nalgebra::Vector3::y();
+        for (b, body) in bodies.iter().enumerate() {
+            if is_swept(body)
+                && body.is_dynamic()
+                && normal.dot(&(body.position - plane.position)) <= reach(body)
+                && plane.layers.interact(body.layers)
+                && !joined.contains(a as u32, b as u32)
+            {
+                pairs.push(Pair { a: a as u32, b: b as u32 });
+            }
+        }
+    }
+}
+
+/// Whether a body has a bounding sphere that may touch something.
+fn is_swept(body: &Body) -> bool {
+    body.geometry.as_ref().is_some_and(|geometry| !matches!(geometry, Geometry::HalfSpace))
+        && body.layers.memberships != 0
+        && body.layers.filters != 0
+}
+
+/// The bounding radius, and what rounding may take from a gap of zero.
+fn reach(body: &Body) -> f64 {
+    body.radius * (1.0 + CONTACT_TOLERANCE)
+}
+
+impl SweepAndSort {
+    fn find_pairs(&mut self, bodies: &[Body], joined: &JoinedPairs, settings: &SolverSettings, pairs: &mut Vec<Pair>) {
+        self.sort(bodies);
+        if self.order.len() < 2 {
+            return;
+        }
+        self.project(bodies);
+        let block_count = self.spheres.len().div_ceil(BLOCK);
+        self.blocks.resize_with(block_count, Block::default);
+        for (index, block) in self.blocks.iter_mut().enumerate() {
+            block.firsts = index * BLOCK..((index + 1) * BLOCK).min(self.spheres.len());
+        }
+        let spheres = &self.spheres;
+        for_each_block(settings.threads, &mut self.blocks, |block| {
+            block.pairs.clear();
+            for first in block.firsts.clone() {
+                pair_bucket(spheres, first, settings.prune_y, joined, &mut block.pairs);
+            }
+        });
+        for block in &self.blocks {
+            pairs.extend_from_slice(&block.pairs);
+        }
+    }
+
+    /// Brings the order of the bodies on x up to date.
+    fn sort(&mut self, bodies: &[Body]) {
+        self.order.retain(|begin| bodies.get(begin.body as usize).is_some_and(is_swept));
+        let swept = || bodies.iter().enumerate().filter(|(_, body)| is_swept(body));
+        if self.order.len() != swept().count() {
+            self.order.clear();
+            self.order.extend(swept().map(|(index, _)| Begin { x: 0.0, body: index as u32 }));
+        }
+        for begin in &mut self.order {
+            let body = &bodies[begin.body as usize];
+            begin.x = body.position.x - reach(body);
+        }
+        if !sort_by_insertion(&mut self.order, MOVES_PER_BODY * bodies.len()) {
+            self.order.sort_unstable_by(Begin::compare);
+        }
+    }
+
+    fn project(&mut self, bodies: &[Body]) {
+        self.spheres.clear();
+        self.spheres.extend(self.order.iter().map(|begin| {
+            let body = &bodies[begin.body as usize];
+            let reach = reach(body);
+            let interval = |middle: f64| [middle - reach, middle + reach];
+            Projection {
+                x: interval(body.position.x),
+                z: interval(body.position.z),
+                y: interval(body.position.y),
+                body: begin.body,
+                dynamic: body.is_dynamic(),
+                layers: body.layers,
+            }
+        }));
+    }
+}
+
+/// Pairs the first body of a bucket with those that survive the pruning.
+fn pair_bucket(spheres: &[Projection], first: usize, prune_y: bool, joined: &JoinedPairs, pairs: &mut Vec<Pair>) {
+    let one = &spheres[first];
+    let overlap = |a: [f64; 2], b: [f64; 2]| a[0] <= b[1] && b[0] <= a[1];
+    for other in spheres[first + 1..].iter().take_while(|other| other.x[0] <= one.x[1]) {
+        if overlap(one.z, other.z)
+            && (!prune_y || overlap(one.y, other.y))
+            && (one.dynamic || other.dynamic)
+            && one.layers.interact(other.layers)
+            && !joined.contains(one.body, other.body)
+        {
+            pairs.push(Pair { a: one.body.min(other.body), b: one.body.max(other.body) });
+        }
+    }
+}
+
+impl Begin {
+    fn compare(&self, other: &Self) -> Ordering {
+        self.x.total_cmp(&other.x).then(self.body.cmp(&other.body))
+    }
+}
+
+/// Sorts what is nearly sorted; gives up, with false, after more than that many moves.
+fn sort_by_insertion(order: &mut [Begin], mut moves_left: usize) -> bool {
+    for sorted in 1..order.len() {
+        let begin = order[sorted];
+        let mut place = sorted;
+        while place > 0 && order[place - 1].compare(&begin) == Ordering::Greater {
+            if moves_left == 0 {
+                order[place] = begin;
+                return false;
+            }
+            moves_left -= 1;
+            order[place] = order[place - 1];
+            place -= 1;
+        }
+        order[place] = begin;
+    }
+    true
+}
