@@ -1,0 +1,172 @@
+//! What may be said on the command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser};
+use serde::Deserialize;
+use serde::de::IntoDeserializer;
+use serde::de::value::StrDeserializer;
+
+use crate::lab::read_settings;
+use crate::physics::{Method, Precision, SolverSettings};
+use crate::scene;
+
+use super::{CommandError, Open};
+
+/// A rigid-body sandbox that says how true it is and what that cost.
+///
+/// `plumb [SCENE]` opens the sandbox; the commands below need no window.
+#[derive(Parser)]
+#[command(name = "plumb", version, args_conflicts_with_subcommands = true, disable_help_subcommand = true)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    pub subcommand: Option<Subcommand>,
+    #[command(flatten)]
+    pub open: OpenArguments,
+}
+
+#[derive(clap::Subcommand)]
+pub(super) enum Subcommand {
+    /// List the built-in scenes, their parameters and what is known of their answers
+    Scenes,
+    /// Simulate a scene without a window and say what it did, how true it was and what it cost
+    Run(RunArguments),
+}
+
+#[derive(Args)]
+pub(super) struct OpenArguments {
+    /// A built-in scene or the path of a RON file [default: limbs]
+    scene: Option<String>,
+    #[command(flatten)]
+    parameters: ParameterArguments,
+    #[command(flatten)]
+    settings: SettingsArguments,
+}
+
+#[derive(Args)]
+pub(super) struct RunArguments {
+    /// A built-in scene or the path of a RON file
+    pub scene: String,
+    #[command(flatten)]
+    pub parameters: ParameterArguments,
+    #[command(flatten)]
+    pub settings: SettingsArguments,
+    /// Time to simulate, s [default: the scene's own]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub seconds: Option<f64>,
+    /// Write the trajectory, one row per body and time, to this CSV file
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Time between the rows of the trajectory, s [default: every step]
+    #[arg(long, value_name = "DT", requires = "out", value_parser = interval, allow_negative_numbers = true)]
+    pub every: Option<f64>,
+    /// Print one JSON object instead of a summary
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct ParameterArguments {
+    /// Set a parameter of a built-in scene; may be repeated
+    #[arg(short = 'p', long = "parameter", value_name = "NAME=VALUE", value_parser = assignment)]
+    pub list: Vec<(String, f64)>,
+}
+
+/// A preset or a file, and single settings on top of it.
+#[derive(Args)]
+pub(super) struct SettingsArguments {
+    /// Start from these settings: steady (the default) or classic (the 2009 engine)
+    #[arg(long, value_name = "NAME", value_parser = preset, conflicts_with = "settings")]
+    preset: Option<SolverSettings>,
+    /// Start from the settings in this RON file
+    #[arg(long, value_name = "FILE")]
+    settings: Option<PathBuf>,
+    /// How rows are solved: pgs
+    #[arg(long, value_name = "METHOD", value_parser = named::<Method>)]
+    method: Option<Method>,
+    /// Steps per second
+    #[arg(long, allow_negative_numbers = true)]
+    hz: Option<f64>,
+    /// Equal parts that a step is cut into
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    substeps: Option<u32>,
+    /// Sweeps over all rows in each substep
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    iterations: Option<u32>,
+    /// Scalar of rows and solver: f32 or f64
+    #[arg(long, value_name = "SCALAR", value_parser = named::<Precision>)]
+    precision: Option<Precision>,
+    /// Most threads a step uses; results do not depend on it
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    threads: Option<u32>,
+}
+
+impl SettingsArguments {
+    /// The settings they add up to, in range.
+    pub fn resolve(&self) -> Result<SolverSettings, CommandError> {
+        let base = match &self.settings {
+            Some(path) => read_settings(path)?,
+            None => self.preset.unwrap_or_default(),
+        };
+        let settings = SolverSettings {
+            method: self.method.unwrap_or(base.method),
+            hz: self.hz.unwrap_or(base.hz),
+            substeps: self.substeps.unwrap_or(base.substeps),
+            iterations: self.iterations.unwrap_or(base.iterations),
+            precision: self.precision.unwrap_or(base.precision),
+            threads: self.threads.unwrap_or(base.threads),
+            ..base
+        };
+        settings.validate()?;
+        Ok(settings)
+    }
+}
+
+impl OpenArguments {
+    /// Checks what the sandbox is to open with: a window that closes again is no error message.
+    pub fn resolve(self) -> Result<Open, CommandError> {
+        let start = || scene::catalog().first().map_or_else(String::new, |first| first.name.to_owned());
+        let open = Open {
+            scene: self.scene.unwrap_or_else(start),
+            parameters: self.parameters.list,
+            settings: self.settings.resolve()?,
+        };
+        scene::load(&open.scene, &open.parameters)?;
+        Ok(open)
+    }
+}
+
+/// `n=40`.
+fn assignment(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("a parameter is given as NAME=VALUE")?;
+    if name.is_empty() {
+        return Err("a parameter is given as NAME=VALUE, and the name is missing".into());
+    }
+    match value.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok((name.to_owned(), number)),
+        Ok(_) => Err(format!("{name} must be finite")),
+        Err(_) => Err(format!("'{value}' is not a number")),
+    }
+}
+
+/// Time between rows.
+fn interval(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds.is_finite() && seconds > 0.0 => Ok(seconds),
+        Ok(_) => Err("must be greater than 0 and finite".into()),
+        Err(_) => Err("not a number".into()),
+    }
+}
+
+fn preset(name: &str) -> Result<SolverSettings, String> {
+    SolverSettings::preset(name).ok_or_else(|| {
+        let names: Vec<&str> = SolverSettings::PRESETS.iter().map(|(name, _)| *name).collect();
+        format!("the presets are {}", names.join(", "))
+    })
+}
+
+/// A choice by the name it has in settings files.
+fn named<T: for<'a> Deserialize<'a>>(name: &str) -> Result<T, String> {
+    let deserializer: StrDeserializer<serde::de::value::Error> = name.into_deserializer();
+    T::deserialize(deserializer).map_err(|error| error.to_string())
+}

@@ -1,0 +1,83 @@
+//! The measurements of a run for a person to read.
+
+use crate::lab::Metrics;
+
+pub(super) fn of(metrics: &Metrics) -> String {
+    let rows = rows(metrics);
+    let width = rows.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0) + 2;
+    rows.into_iter().map(|(label, value)| format!("{label:width$}{value}\n")).collect()
+}
+
+fn rows(metrics: &Metrics) -> Vec<(String, String)> {
+    let Metrics { settings, ms_per_step, energy, .. } = metrics;
+    let parameters: Vec<String> = metrics.parameters.iter().map(|(name, value)| format!(" {name}={value}")).collect();
+    let drift = energy
+        .max_relative_drift
+        .map_or_else(|| "nothing moved".into(), |drift| format!("strayed by {}", short(drift)));
+    let mut rows = vec![
+        (
+            format!("{}{}", metrics.scene, parameters.concat()),
+            format!("{} bodies, {} joints, {} contact points", metrics.bodies, metrics.joints, metrics.contacts),
+        ),
+        (
+            "run".into(),
+            format!(
+                "{} steps of {} ms, {} substeps, {} iterations, {} s",
+                metrics.steps,
+                short(1e3 * settings.step()),
+                settings.substeps,
+                settings.iterations,
+                short(metrics.seconds)
+            ),
+        ),
+        (
+            "cost".into(),
+            format!(
+                "{} ms a step (median), {} ms (95 %), {} ms in all",
+                short(ms_per_step.median),
+                short(ms_per_step.p95),
+                short(ms_per_step.total)
+            ),
+        ),
+        ("energy".into(), format!("{} J to {} J, {drift}", short(energy.start), short(energy.end))),
+        ("joint error".into(), format!("{} m at most", short(metrics.joint_error_max_m))),
+        ("penetration".into(), format!("{} m at most", short(metrics.penetration_max_m))),
+        (
+            "moved".into(),
+            format!("{} m down, {} m sideways at most", short(metrics.sink_max_m), short(metrics.drift_max_m)),
+        ),
+    ];
+    if let Some(truth) = &metrics.truth {
+        rows.push(("error".into(), format!("{} {} ({})", short(truth.error), truth.unit, truth.name)));
+    }
+    rows.push(("state".into(), metrics.state_hash.clone()));
+    for entity in &metrics.quarantined {
+        rows.push(("quarantined".into(), format!("{}: {}", entity.body, entity.reason)));
+    }
+    rows
+}
+
+/// Four digits that count.
+fn short(value: f64) -> String {
+    let magnitude = value.abs();
+    if value == 0.0 {
+        "0".into()
+    } else if (1e-3..1e5).contains(&magnitude) {
+        let decimals = (3 - magnitude.log10().floor() as i32).max(0) as usize;
+        let text = format!("{value:.decimals$}");
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn numbers_keep_four_digits() {
+        let shown = [0.0, 16.0 + 2.0 / 3.0, 10.0, -1234.56, 0.001, 99_999.0, 1.5e-7, 1e9].map(short);
+        assert_eq!(shown, ["0", "16.67", "10", "-1235", "0.001", "99999", "1.500e-7", "1.000e9"]);
+    }
+}

@@ -1,0 +1,31 @@
+//! A box at rest on a slope (gravity turned by θ over level ground): it sticks where tan θ ≤ μ,
+//! else it slides s = ½ g (sin θ − μ cos θ) t².
+
+use bevy::math::DVec3;
+
+use crate::physics::RigidBody;
+use crate::scene::SceneSpec;
+
+use super::super::run::Sample;
+use super::{Truth, dynamic};
+
+pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
+    let index = *dynamic(scene).first()?;
+    let ground = scene.bodies.iter().find(|body| body.kind == RigidBody::Static)?;
+    let sliding = &scene.bodies[index];
+    let friction = (sliding.material.friction * ground.material.friction).sqrt();
+    let downhill = level(scene.gravity);
+    let acceleration = (downhill.length() + friction * scene.gravity.y).max(0.0);
+    let direction = downhill.normalize_or_zero();
+    let start = sliding.position;
+    let distance = move |sample: &Sample| {
+        let expected = 0.5 * acceleration * sample.time * sample.time * direction;
+        Some(level(sample.bodies[index].position - start).distance(expected))
+    };
+    Some(Truth::largest("way down the slope", "m", distance))
+}
+
+/// The part along the ground: how deep the box rests is not the question here.
+fn level(vector: DVec3) -> DVec3 {
+    DVec3::new(vector.x, 0.0, vector.z)
+}

@@ -1,0 +1,142 @@
+//! Reference answers: what is known of a built-in scene, and how far a run is from it.
+//!
+//! One file an answer: a function from the scene to a [`Truth`], or none where the answer is not
+//! known for those parameters. Constants (masses, lengths, gravity, friction) are read from the
+//! scene, so that an answer follows its parameters.
+
+mod bounce;
+mod elliptic;
+mod heavy_top;
+mod incline;
+mod pendulum;
+mod rolling;
+mod slide_roll;
+mod stays_put;
+mod top;
+mod trajectory;
+
+use crate::physics::RigidBody;
+use crate::scene::{BodySpec, SceneSpec};
+
+use super::run::Sample;
+
+/// A reference answer, fed with the states of one run.
+pub struct Truth {
+    /// What is compared, in a few words.
+    pub name: &'static str,
+    /// The error's unit.
+    pub unit: &'static str,
+    /// What the scene's energy errors are relative to.
+    pub energy_scale: EnergyScale,
+    summary: Summary,
+    distance: Distance,
+    sum: f64,
+    count: u64,
+}
+
+/// Distance of a state from the answer; none where the answer says nothing about it.
+type Distance = Box<dyn FnMut(&Sample) -> Option<f64> + Send>;
+
+/// How the distances of a run become one number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Summary {
+    Largest,
+    /// Over the states after each step.
+    TimeMean,
+}
+
+/// The energy S that errors of energy are relative to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EnergyScale {
+    /// The answer's largest kinetic energy, J.
+    Known(f64),
+    /// The scene is at rest: weight of all that can fall × its height.
+    WeightTimesHeight,
+    /// The run's own largest kinetic energy.
+    LargestKinetic,
+}
+
+impl Truth {
+    /// The largest distance over the run.
+    fn largest(
+        name: &'static str,
+        unit: &'static str,
+        distance: impl FnMut(&Sample) -> Option<f64> + Send + 'static,
+    ) -> Self {
+        let (summary, energy_scale) = (Summary::Largest, EnergyScale::LargestKinetic);
+        Self { name, unit, energy_scale, summary, distance: Box::new(distance), sum: 0.0, count: 0 }
+    }
+
+    /// The mean over the run's steps.
+    fn time_mean(
+        name: &'static str,
+        unit: &'static str,
+        distance: impl FnMut(&Sample) -> Option<f64> + Send + 'static,
+    ) -> Self {
+        Self { summary: Summary::TimeMean, ..Self::largest(name, unit, distance) }
+    }
+
+    fn with_energy_scale(mut self, scale: EnergyScale) -> Self {
+        self.energy_scale = scale;
+        self
+    }
+
+    /// Takes in the state at the start and after each step, in order.
+    pub fn observe(&mut self, sample: &Sample) {
+        if self.summary == Summary::TimeMean && sample.step == 0 {
+            return;
+        }
+        if let Some(distance) = (self.distance)(sample) {
+            self.count += 1;
+            self.sum = match self.summary {
+                Summary::Largest => self.sum.max(distance),
+                Summary::TimeMean => self.sum + distance,
+            };
+        }
+    }
+
+    /// The error so far; none before anything could be compared.
+    pub fn error(&self) -> Option<f64> {
+        match self.summary {
+            _ if self.count == 0 => None,
+            Summary::Largest => Some(self.sum),
+            Summary::TimeMean => Some(self.sum / self.count as f64),
+        }
+    }
+}
+
+/// What is known of a built-in scene with these parameters.
+pub fn of(scene: &SceneSpec) -> Option<Truth> {
+    match scene.name.as_str() {
+        "pendulum" => pendulum::truth(scene),
+        "rods" | "chain" => trajectory::truth(scene),
+        "joint_grid" | "stack" | "pyramid" | "pyramids" | "sandwich" => stays_put::truth(scene),
+        "top" => top::truth(scene),
+        "heavy_top" => heavy_top::truth(scene),
+        "incline" => incline::truth(scene),
+        "slide_roll" => slide_roll::truth(scene),
+        "rolling" => rolling::truth(scene),
+        "bounce" => bounce::truth(scene),
+        _ => None,
+    }
+}
+
+/// Indices of the bodies that move, in the scene's order.
+fn dynamic(scene: &SceneSpec) -> Vec<usize> {
+    let is_dynamic = |body: &BodySpec| body.kind == RigidBody::Dynamic;
+    (0..scene.bodies.len()).filter(|&index| is_dynamic(&scene.bodies[index])).collect()
+}
+
+/// The joint that holds the body `index`, as the anchor on it, from its centre of mass in body axes.
+fn anchor_on(scene: &SceneSpec, index: usize) -> Option<bevy::math::DVec3> {
+    let name = &scene.bodies[index].name;
+    scene.joints.iter().find_map(|joint| {
+        if joint.body_b == *name {
+            Some(joint.anchor_b)
+        } else if joint.body_a == *name {
+            Some(joint.anchor_a)
+        } else {
+            None
+        }
+    })
+}
