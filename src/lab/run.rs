@@ -7,6 +7,7 @@ use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use xxhash_rust::xxh3::Xxh3;
 
+use crate::physics::diagnostics::hash_state;
 use crate::physics::{
     Diagnostics, Position, Quarantined, Rotation, SettingsError, SolverSettings, StepStats, Velocity, headless_app,
     step,
@@ -114,10 +115,7 @@ impl Simulation {
     /// solver carries from step to step.
     pub fn state_hash(&self) -> u64 {
         let mut hasher = Xxh3::new();
-        for BodyState { position, rotation, linear, angular } in &self.states {
-            let vectors = [*position, *linear, *angular].into_iter().flat_map(|vector| vector.to_array());
-            vectors.chain(rotation.to_array()).for_each(|part| hasher.write_u64(part.to_bits()));
-        }
+        hash_state(self.world(), &mut hasher);
         hasher.finish()
     }
 
