@@ -101,7 +101,7 @@ pub(super) struct Meter {
     truth: Option<Truth>,
     start: Vec<BodyState>,
     moving: Vec<Moving>,
-    step_seconds: Vec<f32>,
+    step_seconds: Vec<f64>,
     energy_start: f64,
     energy_end: f64,
     energy_strays: f64,
@@ -154,7 +154,7 @@ impl Meter {
             self.kinetic_max = kinetic;
         }
         let world = simulation.world();
-        self.step_seconds.push(world.resource::<StepStats>().step_seconds as f32);
+        self.step_seconds.push(world.resource::<StepStats>().step_seconds);
         let diagnostics = world.resource::<Diagnostics>();
         self.joint_error = self.joint_error.max(diagnostics.joint_error);
         self.penetration = self.penetration.max(diagnostics.penetration);
@@ -270,13 +270,13 @@ fn reach(body: &BodySpec, direction: DVec3) -> f64 {
     }
 }
 
-fn milliseconds(mut seconds: Vec<f32>) -> StepMilliseconds {
-    let total = 1e3 * seconds.iter().map(|&seconds| f64::from(seconds)).sum::<f64>();
-    seconds.sort_unstable_by(f32::total_cmp);
+fn milliseconds(mut seconds: Vec<f64>) -> StepMilliseconds {
+    let total = 1e3 * seconds.iter().sum::<f64>();
+    seconds.sort_unstable_by(f64::total_cmp);
     // Nearest rank: the smallest time that this share of the steps did not exceed.
     let rank = |share: f64| {
         let rank = (share * seconds.len() as f64).ceil() as usize;
-        seconds.get(rank.max(1) - 1).map_or(0.0, |&seconds| 1e3 * f64::from(seconds))
+        seconds.get(rank.max(1) - 1).map_or(0.0, |&seconds| 1e3 * seconds)
     };
     StepMilliseconds { median: rank(0.5), p95: rank(0.95), total }
 }
@@ -306,10 +306,10 @@ mod tests {
 
     #[test]
     fn percentiles_are_nearest_ranks() {
-        let ms = milliseconds((1..=100).rev().map(|n| n as f32 * 1e-3).collect());
-        assert!((ms.median - 50.0).abs() < 1e-5 && (ms.p95 - 95.0).abs() < 1e-5 && (ms.total - 5050.0).abs() < 1e-3);
+        let ms = milliseconds((1..=100).rev().map(|n| f64::from(n) * 1e-3).collect());
+        assert!((ms.median - 50.0).abs() < 1e-9 && (ms.p95 - 95.0).abs() < 1e-9 && (ms.total - 5050.0).abs() < 1e-9);
         let one = milliseconds(vec![0.002]);
-        assert!((one.median - 2.0).abs() < 1e-6 && one.median == one.p95);
+        assert!((one.median - 2.0).abs() < 1e-9 && one.median == one.p95);
     }
 
     #[test]

@@ -149,7 +149,7 @@ pub struct Plan {
 }
 
 /// Most steps of one run: their times are kept for the median.
-pub const MOST_STEPS: u64 = 100_000_000;
+pub const MOST_STEPS: u64 = 50_000_000;
 
 /// Seconds that a scene from a file is run where none are asked for.
 const DEFAULT_SECONDS: f64 = 10.0;

@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use ron::error::SpannedError;
+use ron::error::Position;
 use ron::extensions::Extensions;
 use serde::de::{Deserializer, Error as _, IgnoredAny, MapAccess, Visitor};
 
@@ -22,12 +22,14 @@ pub enum SettingsFileError {
         reason: io::Error,
     },
     /// Not RON, a wrong type, an unknown field.
-    #[error("{}:{}: {}", path.display(), .reason.span.start, .reason.code)]
+    #[error("{}:{place}: {problem}", path.display())]
     Malformed {
         /// The file.
         path: PathBuf,
-        /// What the parser said, and where.
-        reason: SpannedError,
+        /// Line and column.
+        place: Position,
+        /// What the parser said.
+        problem: String,
     },
     /// A value out of its range.
     #[error("{}:{place}: {reason}", path.display())]
@@ -35,7 +37,7 @@ pub enum SettingsFileError {
         /// The file.
         path: PathBuf,
         /// Line and column.
-        place: ron::error::Position,
+        place: Position,
         /// Which field.
         reason: SettingsError,
     },
@@ -46,13 +48,15 @@ pub enum SettingsFileError {
 /// # Errors
 /// The file cannot be read or understood, or a value is out of its range.
 pub fn read_settings(path: &Path) -> Result<SolverSettings, SettingsFileError> {
-    let path = || path.to_owned();
-    let text =
-        std::fs::read_to_string(path()).map_err(|reason| SettingsFileError::Unreadable { path: path(), reason })?;
-    let settings: SolverSettings =
-        options().from_str(&text).map_err(|reason| SettingsFileError::Malformed { path: path(), reason })?;
+    let text = std::fs::read_to_string(path)
+        .map_err(|reason| SettingsFileError::Unreadable { path: path.to_owned(), reason })?;
+    let settings: SolverSettings = options().from_str(&text).map_err(|error| SettingsFileError::Malformed {
+        path: path.to_owned(),
+        place: error.span.start,
+        problem: error.code.to_string(),
+    })?;
     settings.validate().map_err(|reason| SettingsFileError::OutOfRange {
-        path: path(),
+        path: path.to_owned(),
         place: place_of(reason.field, &text),
         reason,
     })?;
@@ -64,12 +68,12 @@ fn options() -> ron::Options {
     ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME)
 }
 
-/// Where the value of a field of well-formed settings ends.
-fn place_of(field: &'static str, text: &str) -> ron::error::Position {
+/// Where a field of well-formed settings stands.
+fn place_of(field: &'static str, text: &str) -> Position {
     let stopped = ron::Deserializer::from_str_with_options(text, &options()).and_then(|mut ron| {
         ron.deserialize_struct("SolverSettings", &[], StopAt(field)).map_err(|error| ron.span_error(error))
     });
-    stopped.map_or_else(|error| error.span.end, |()| ron::error::Position { line: 1, col: 1 })
+    stopped.map_or_else(|error| error.span.start, |()| Position { line: 1, col: 1 })
 }
 
 /// Reads a struct up to a field and fails there: only an error carries the parser's position.
@@ -84,10 +88,10 @@ impl<'de> Visitor<'de> for StopAt {
 
     fn visit_map<A: MapAccess<'de>>(self, mut fields: A) -> Result<(), A::Error> {
         while let Some(name) = fields.next_key::<String>()? {
-            fields.next_value::<IgnoredAny>()?;
             if name == self.0 {
                 return Err(A::Error::custom("here"));
             }
+            fields.next_value::<IgnoredAny>()?;
         }
         Ok(())
     }

@@ -6,9 +6,7 @@ use std::path::PathBuf;
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use plumb::physics::{BallJoint, Collider, Gravity, Mass, Position, RenderOrigin, RigidBody, Rotation, Velocity};
-use plumb::scene::{
-    BodySpec, JointSpec, MAX_BODIES, SceneEntity, SceneInfo, SceneSpec, catalog, find, load,
-};
+use plumb::scene::{BodySpec, JointSpec, MAX_BODIES, SceneEntity, SceneInfo, SceneSpec, catalog, find, load};
 
 /// A built-in scene with some parameters given.
 fn built(name: &str, parameters: &[(&str, f64)]) -> SceneSpec {

@@ -222,8 +222,11 @@ fn paths(module: &[String], tokens: &[String]) -> Vec<Vec<String>> {
     found
 }
 
+/// Keywords that may stand before a path from an outer crate, `::bevy::pbr`.
+const KEYWORDS: [&str; 9] = ["as", "dyn", "for", "impl", "in", "mut", "return", "use", "where"];
+
 fn is_name(token: &str) -> bool {
-    token.starts_with(|first: char| first.is_alphabetic() || first == '_')
+    token.starts_with(|first: char| first.is_alphabetic() || first == '_') && !KEYWORDS.contains(&token)
 }
 
 /// Reads `a::b::{c, d::e}` from `at` on, adds its leaves and returns where it ends.

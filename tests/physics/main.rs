@@ -1,5 +1,4 @@
 //! Headless system tests of the physics plugin, one module a subject.
 
-mod smoke;
-
 mod arrows;
+mod smoke;

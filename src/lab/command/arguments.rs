@@ -30,7 +30,7 @@ pub(super) enum Subcommand {
     /// List the built-in scenes, their parameters and what is known of their answers
     Scenes,
     /// Simulate a scene without a window and say what it did, how true it was and what it cost
-    Run(RunArguments),
+    Run(Box<RunArguments>),
 }
 
 #[derive(Args)]

@@ -35,9 +35,7 @@ fn listing(scenes: &[SceneInfo]) -> String {
     text
 }
 
-/// `3 (1 to 200)`.
+/// `40 (a whole number from 1 to 200)`.
 fn values(parameter: &Parameter) -> String {
-    let Parameter { default, min, max, .. } = parameter;
-    let whole = if parameter.integer { ", whole" } else { "" };
-    format!("{default} ({min} to {max}{whole})")
+    format!("{} ({})", parameter.default, parameter.range())
 }

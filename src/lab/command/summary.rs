@@ -17,12 +17,12 @@ fn rows(metrics: &Metrics) -> Vec<(String, String)> {
     let mut rows = vec![
         (
             format!("{}{}", metrics.scene, parameters.concat()),
-            format!("{} bodies, {} joints, {} contact points", metrics.bodies, metrics.joints, metrics.contacts),
+            format!("bodies {}, joints {}, contact points {}", metrics.bodies, metrics.joints, metrics.contacts),
         ),
         (
             "run".into(),
             format!(
-                "{} steps of {} ms, {} substeps, {} iterations, {} s",
+                "{} steps of {} ms, substeps {}, iterations {}: {} s",
                 metrics.steps,
                 short(1e3 * settings.step()),
                 settings.substeps,

@@ -62,7 +62,7 @@ impl FreeTop {
 mod tests {
     use super::*;
 
-    /// Euler's equations, classical Runge–Kutta, through two flips of the scene's own body.
+    /// Euler's equations, classical Runge–Kutta, through the first flip of the scene's own body.
     #[test]
     fn angular_velocity_follows_eulers_equations() {
         let inertia = DVec3::new(0.40, 1.04, 1.36);
@@ -71,11 +71,11 @@ mod tests {
         let slope = |omega: DVec3| (inertia * omega).cross(omega) / inertia;
         let step = 1e-4;
         let mut lowest = omega.y;
-        for n in 0..40_000 {
+        for n in 0..30_000 {
             let time = f64::from(n) * step;
             let error = top.angular_velocity(time).distance(omega);
-            // (10 h)⁴ and rounding, some 1e-12, times the growth of a slip in a flip, 10/0.01.
-            assert!(error < 1e-8, "at {time}: {error:e}");
+            // Rounding, 1e-15 a step; near the middle axis a slip grows by e^(6 t).
+            assert!(error < 1e-9, "at {time}: {error:e}");
             let k1 = slope(omega);
             let k2 = slope(omega + 0.5 * step * k1);
             let k3 = slope(omega + 0.5 * step * k2);
