@@ -75,21 +75,31 @@ fn switch_joint_loads(
 /// The section of the panel.
 pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut shown: ResMut<ShownGizmos>) {
     let mut edited = *shown;
-    ui.columns(2, |columns| {
-        let [left, right] = columns else { return };
-        left.checkbox(&mut edited.contacts, "contacts").on_hover_text(
+    let toggles = [
+        (
+            &mut edited.contacts,
+            "contacts",
             "each contact point with its normal (blue) and the force through it (red), the impulse of the step over \
              its length",
-        );
-        left.checkbox(&mut edited.joints, "joints").on_hover_text(
+        ),
+        (
+            &mut edited.joints,
+            "joints",
             "each joint with lines to its bodies' centers of mass; size and color by what it carries: green nothing, \
              red ten times an average body's weight",
-        );
-        right.checkbox(&mut edited.bounds, "bounding spheres").on_hover_text("what the broad phase sees");
-        right.checkbox(&mut edited.velocities, "velocities").on_hover_text(
-            "linear (yellow), the way of a quarter second; angular (purple), along the axis, a radius per half turn \
-             a second",
-        );
+        ),
+        (
+            &mut edited.velocities,
+            "velocities",
+            "linear (yellow), the way of a quarter second; angular (purple), along \
+             the axis, a radius per half turn a second",
+        ),
+        (&mut edited.bounds, "bounding spheres", "what the broad phase sees"),
+    ];
+    ui.horizontal_wrapped(|ui| {
+        for (shown, label, about) in toggles {
+            ui.toggle_value(shown, label).on_hover_text(about);
+        }
     });
     shown.set_if_neq(edited);
 }

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use bevy::prelude::*;
 use bevy_egui::egui;
-use egui_plot::{Corner, Legend, Line, Plot, PlotPoints};
+use egui_plot::{GridInput, GridMark, HoverPosition, Line, Plot, PlotPoints};
 
 use super::CurrentScene;
 use super::panel::{Quantity, palette};
@@ -168,7 +168,7 @@ pub(super) fn show(InMut(ui): InMut<egui::Ui>, history: Res<History>) {
     );
 }
 
-/// A caption with the newest values, and the curves below.
+/// A caption that is the legend too, with the newest values, and the curves below.
 fn chart(ui: &mut egui::Ui, history: &History, title: &str, unit: &str, about: &str, curves: &[Curve]) {
     let largest = curves.iter().map(|(_, _, value)| history.largest(value)).fold(0.0, f64::max);
     let scale = Quantity::suiting(largest, unit);
@@ -176,15 +176,15 @@ fn chart(ui: &mut egui::Ui, history: &History, title: &str, unit: &str, about: &
     ui.horizontal(|ui| {
         ui.label(format!("{title}, {}", scale.unit)).on_hover_text(about);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            for (name, [r, g, b], value) in curves.iter().rev() {
+            for (name, color, value) in curves.iter().rev() {
                 let text = newest.map_or_else(|| "–".into(), |sample| Quantity::text(value(sample), unit));
-                ui.colored_label(egui::Color32::from_rgb(*r, *g, *b), text).on_hover_text(*name);
+                ui.colored_label(color32(*color), egui::RichText::new(format!("{name} {text}")).small());
             }
         });
     });
     let end = newest.map_or(WINDOW, |sample| sample.time.max(WINDOW));
-    Plot::new(title)
-        .height(88.0)
+    let plot = Plot::new(title)
+        .height(76.0)
         .allow_zoom(false)
         .allow_scroll(false)
         .allow_drag(false)
@@ -193,31 +193,53 @@ fn chart(ui: &mut egui::Ui, history: &History, title: &str, unit: &str, about: &
         .allow_double_click_reset(false)
         .include_y(0.0)
         .include_y(if largest > 0.0 { 0.0 } else { 1.0 })
-        .default_x_bounds(end - WINDOW, end)
-        .y_axis_min_width(34.0)
         .set_margin_fraction(egui::vec2(0.0, 0.08))
-        .x_axis_formatter(|mark, _| format!("{} s", mark.value))
-        .label_formatter(move |position| match position {
-            egui_plot::HoverPosition::NearDataPoint { plot_name, position, .. } => {
+        .y_axis_min_width(36.0)
+        .y_grid_spacer(round_marks)
+        .x_grid_spacer(move |_| seconds(end - WINDOW, end))
+        .x_axis_formatter(
+            |mark, _| if mark.value.rem_euclid(2.0) == 0.0 { format!("{} s", mark.value) } else { String::new() },
+        )
+        .label_formatter(|position| match position {
+            HoverPosition::NearDataPoint { plot_name, position, .. } => {
                 Some(format!("{plot_name} {:.4}\nat {:.3} s", position.y, position.x))
             }
-            egui_plot::HoverPosition::Elsewhere { .. } => None,
-        })
-        .legend(
-            Legend::default()
-                .position(Corner::LeftTop)
-                .text_style(egui::TextStyle::Small)
-                .background_alpha(0.3)
-                .follow_insertion_order(true),
-        )
-        .show(ui, |plot| {
-            for (name, [r, g, b], value) in curves {
+            HoverPosition::Elsewhere { .. } => None,
+        });
+    // egui counts the widgets inside a plot anew at each pass; its id keeps the next ones' stable.
+    ui.push_id(title, |ui| {
+        plot.show(ui, |plot| {
+            for (name, color, value) in curves {
                 let points: PlotPoints =
                     history.samples.iter().map(|sample| [sample.time, value(sample) * scale.factor]).collect();
-                plot.line(Line::new(*name, points).color(egui::Color32::from_rgb(*r, *g, *b)).width(1.5));
+                plot.line(Line::new(*name, points).color(color32(*color)).width(1.5));
             }
             plot.set_plot_bounds_x(end - WINDOW..=end);
         });
+    });
+}
+
+fn color32([r, g, b]: [u8; 3]) -> egui::Color32 {
+    egui::Color32::from_rgb(r, g, b)
+}
+
+/// A line at each whole second.
+fn seconds(from: f64, to: f64) -> Vec<GridMark> {
+    (from.ceil() as i64..=to.floor() as i64).map(|second| GridMark { value: second as f64, step_size: 1.0 }).collect()
+}
+
+/// Two to four lines, 1, 2 or 5 times a power of ten apart.
+fn round_marks(input: GridInput) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    let least = (high - low) / 4.0;
+    if !(least.is_normal() && least > 0.0) {
+        return Vec::new();
+    }
+    let power = 10_f64.powf(least.log10().floor());
+    let step_size = [1.0, 2.0, 5.0].map(|factor| factor * power).into_iter().find(|step| *step >= least);
+    let step_size = step_size.unwrap_or(10.0 * power);
+    let (first, last) = ((low / step_size).ceil() as i64, (high / step_size).floor() as i64);
+    (first..=last).map(|line| GridMark { value: line as f64 * step_size, step_size }).collect()
 }
 
 #[cfg(test)]
@@ -249,6 +271,16 @@ mod tests {
         history.push(Sample { penetration: 0.2, kinetic: 3.0, ..at(2e-4) });
         assert_eq!(history.samples.len(), 1);
         assert_eq!(history.samples[0], Sample { penetration: 0.5, kinetic: 3.0, ..at(0.0) });
+    }
+
+    #[test]
+    fn axes_have_a_few_round_marks() {
+        for (low, high) in [(0.0, 1.0), (-3.0, 17.0), (0.0, 999.0), (-0.002, 0.0035)] {
+            let marks = round_marks(GridInput { bounds: (low, high), base_step_size: 0.0 });
+            assert!((2..=5).contains(&marks.len()), "{low} to {high}: {marks:?}");
+            assert!(marks.iter().all(|mark| (low..=high).contains(&mark.value)));
+        }
+        assert!(round_marks(GridInput { bounds: (0.0, f64::NAN), base_step_size: 0.0 }).is_empty());
     }
 
     #[test]

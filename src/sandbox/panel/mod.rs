@@ -32,6 +32,7 @@ pub(super) fn plugin(app: &mut App) {
 
 const DEFAULT_WIDTH: f32 = 330.0;
 const WIDTHS: std::ops::RangeInclusive<f32> = 280.0..=560.0;
+const SCROLL_BAR: f32 = 8.0;
 
 /// Draws the panel. It lies in an `Area`, because egui counts a panel of the background layer as
 /// part of the picture: the pointer over it would pick the bodies behind it.
@@ -73,12 +74,14 @@ fn sections(ui: &mut egui::Ui, world: &mut World) -> Result<bool> {
     egui::ScrollArea::vertical()
         .auto_shrink([false, false])
         .show(ui, |ui| {
+            // The scroll bar floats over the contents.
+            ui.set_max_width(ui.available_width() - SCROLL_BAR);
             section(ui, world, "Scene", true, scenes::show)?;
-            section(ui, world, "Solver", true, solver::show)?;
-            let plots_open = section(ui, world, "Plots", true, plots::show)?;
             section(ui, world, "Gizmos", true, gizmos::show)?;
-            section(ui, world, "Read-outs", true, readouts::show)?;
+            let plots_open = section(ui, world, "Plots", true, plots::show)?;
+            section(ui, world, "Solver", true, solver::show)?;
             section(ui, world, "Selected body", true, selection::show)?;
+            section(ui, world, "Read-outs", true, readouts::show)?;
             section(ui, world, "World", false, world::show)?;
             Ok(plots_open)
         })

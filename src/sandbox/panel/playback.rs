@@ -69,7 +69,7 @@ pub(super) fn show(
             ("🐢 Slow", SandboxAction::ToggleSlowMotion, playback.slow),
         ],
         [
-            ("● Ball", SandboxAction::ThrowBall, false),
+            ("⚽ Ball", SandboxAction::ThrowBall, false),
             ("🗑 Delete", SandboxAction::DeletePicked, false),
             ("📷 Photo", SandboxAction::Screenshot, false),
             ("❓ Help", SandboxAction::ToggleHelp, false),
@@ -94,6 +94,10 @@ pub(super) fn show(
         ui.separator();
         let speed = if playback.paused { "paused".into() } else { format!("{:.2}× real time", pace.factor) };
         ui.label(speed).on_hover_text("simulated seconds per second: below 1 where a step takes longer than it lasts");
+        if stats.quarantined > 0 {
+            ui.colored_label(ui.visuals().error_fg_color, format!("{} frozen", stats.quarantined))
+                .on_hover_text("bodies or joints whose state made no sense; the read-outs name them");
+        }
     });
 }
 
