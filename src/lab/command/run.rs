@@ -54,17 +54,12 @@ struct Progress {
 impl Progress {
     /// Runs shorter than this are over before a bar is read.
     const PATIENCE: Duration = Duration::from_secs(1);
-    /// Steps between looks at the clock.
-    const STRIDE: u64 = 16;
 
     fn new(steps: u64) -> Self {
         Self { started: Instant::now(), steps, bar: None }
     }
 
     fn show(&mut self, sample: &Sample) {
-        if !sample.step.is_multiple_of(Self::STRIDE) {
-            return;
-        }
         if self.bar.is_none() && self.started.elapsed() > Self::PATIENCE && std::io::stderr().is_terminal() {
             let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %, {eta} left");
             let bar = ProgressBar::new(self.steps).with_elapsed(self.started.elapsed());

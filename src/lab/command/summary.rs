@@ -15,8 +15,9 @@ fn rows(metrics: &Metrics) -> Vec<(String, String)> {
         .max_relative_drift
         .map_or_else(|| "nothing moved".into(), |drift| format!("strayed by {}", short(drift)));
     let mut rows = vec![
+        ("scene".into(), format!("{}{}", metrics.scene, parameters.concat())),
         (
-            format!("{}{}", metrics.scene, parameters.concat()),
+            "holds".into(),
             format!("bodies {}, joints {}, contact points {}", metrics.bodies, metrics.joints, metrics.contacts),
         ),
         (

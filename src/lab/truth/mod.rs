@@ -5,12 +5,14 @@
 //! scene, so that an answer follows its parameters.
 
 mod bounce;
+mod cradle;
 mod elliptic;
 mod heavy_top;
 mod incline;
 mod pendulum;
 mod rolling;
 mod slide_roll;
+mod spheres;
 mod stays_put;
 mod top;
 mod trajectory;
@@ -83,10 +85,9 @@ impl Truth {
 
     /// Takes in the state at the start and after each step, in order.
     pub fn observe(&mut self, sample: &Sample) {
-        if self.summary == Summary::TimeMean && sample.step == 0 {
-            return;
-        }
-        if let Some(distance) = (self.distance)(sample) {
+        let distance = (self.distance)(sample);
+        // A mean is over what the steps made, not over what they were given.
+        if let Some(distance) = distance.filter(|_| self.summary == Summary::Largest || sample.step > 0) {
             self.count += 1;
             self.sum = match self.summary {
                 Summary::Largest => self.sum.max(distance),
@@ -117,6 +118,8 @@ pub fn of(scene: &SceneSpec) -> Option<Truth> {
         "slide_roll" => slide_roll::truth(scene),
         "rolling" => rolling::truth(scene),
         "bounce" => bounce::truth(scene),
+        "spheres" => spheres::truth(scene),
+        "cradle" => cradle::truth(scene),
         _ => None,
     }
 }

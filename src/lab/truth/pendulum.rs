@@ -1,17 +1,13 @@
-//! The rigid pendulum released horizontal, in closed form:
-//! sin(θ/2) = k sn(ω₀ t + K, k), k = sin(θ₀/2), ω₀² = m g (L/2)/I_pivot.
+//! The rigid pendulum released at rest, in closed form:
+//! sin(θ/2) = k sn(ω₀ t + K, k), k = sin(θ₀/2), ω₀² = m g l/I_pivot.
 
-use std::f64::consts::{FRAC_1_SQRT_2, TAU};
-
-use bevy::math::DVec3;
+use std::f64::consts::TAU;
 
 use crate::scene::{SceneSpec, ShapeSpec};
 
+use super::super::run::Sample;
 use super::elliptic::{jacobi, quarter_period};
 use super::{EnergyScale, Truth, anchor_on, dynamic};
-
-/// sin(θ₀/2) and cos(θ₀/2) for θ₀ = 90°.
-const MODULUS: f64 = FRAC_1_SQRT_2;
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     let index = *dynamic(scene).first()?;
@@ -21,24 +17,43 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     let lever = to_centre.length();
     let gravity = scene.gravity.length();
     let down = scene.gravity / gravity;
-    let outward = rod.rotation * to_centre / lever;
-
+    let start = rod.rotation * to_centre / lever;
+    let outward = (start - start.dot(down) * down).normalize();
     let pivot_inertia_per_mass = (size.x * size.x + size.y * size.y) / 12.0 + lever * lever;
-    let frequency = (gravity * lever / pivot_inertia_per_mass).sqrt();
-    let fall = rod.mass? * gravity * lever;
+    let swing = Swing::new(outward.dot(start).atan2(down.dot(start)), gravity * lever / pivot_inertia_per_mass);
 
-    let distance = move |sample: &super::Sample| {
-        let along: DVec3 = sample.bodies[index].rotation * to_centre;
+    let distance = move |sample: &Sample| {
+        let along = sample.bodies[index].rotation * to_centre;
         let angle = along.dot(outward).atan2(along.dot(down));
-        Some(wrapped(angle - angle_at(frequency * sample.time)).abs())
+        Some(wrapped(angle - swing.angle(sample.time)).abs())
     };
+    let fall = rod.mass? * gravity * lever * (1.0 - start.dot(down));
     Some(Truth::largest("angle of the rod", "rad", distance).with_energy_scale(EnergyScale::Known(fall)))
 }
 
-/// Angle from hanging at ω₀ t, released at rest from 90°.
-fn angle_at(phase: f64) -> f64 {
-    let quarter = quarter_period(MODULUS);
-    2.0 * (MODULUS * jacobi(phase + quarter, MODULUS).sn).asin()
+/// A pendulum released at rest.
+pub(super) struct Swing {
+    /// k = sin(θ₀/2).
+    modulus: f64,
+    /// k′.
+    complement: f64,
+    /// ω₀, rad/s.
+    frequency: f64,
+    quarter: f64,
+}
+
+impl Swing {
+    /// From an angle between 0 and π from hanging, where small swings would have that squared
+    /// frequency, 1/s².
+    pub fn new(start: f64, squared_frequency: f64) -> Self {
+        let (modulus, complement) = (0.5 * start).sin_cos();
+        Self { modulus, complement, frequency: squared_frequency.sqrt(), quarter: quarter_period(complement) }
+    }
+
+    /// Angle from hanging, rad.
+    pub fn angle(&self, time: f64) -> f64 {
+        2.0 * (self.modulus * jacobi(self.frequency * time + self.quarter, self.complement).sn).asin()
+    }
 }
 
 /// The same angle, −π to π.
@@ -48,27 +63,30 @@ fn wrapped(angle: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::{FRAC_PI_2, PI};
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_6, PI};
 
     use super::*;
 
-    /// θ″ = −sin θ in units of ω₀, classical Runge–Kutta.
+    /// θ″ = −ω₀² sin θ, classical Runge–Kutta.
     #[test]
     fn angle_follows_the_equation_of_motion() {
-        let step = 1e-4;
-        let slope = |(angle, rate): (f64, f64)| (rate, -angle.sin());
-        let along = |state: (f64, f64), slope: (f64, f64), by: f64| (state.0 + by * slope.0, state.1 + by * slope.1);
-        let mut state = (FRAC_PI_2, 0.0);
-        for n in 0..200_000 {
-            let phase = f64::from(n) * step;
-            // h⁴ = 1e-16 a unit of time; rounding of 2e5 steps adds some 1e-12.
-            assert!((angle_at(phase) - state.0).abs() < 1e-11, "at {phase}");
-            let k1 = slope(state);
-            let k2 = slope(along(state, k1, 0.5 * step));
-            let k3 = slope(along(state, k2, 0.5 * step));
-            let k4 = slope(along(state, k3, step));
-            state.0 += step / 6.0 * (k1.0 + 2.0 * k2.0 + 2.0 * k3.0 + k4.0);
-            state.1 += step / 6.0 * (k1.1 + 2.0 * k2.1 + 2.0 * k3.1 + k4.1);
+        for (start, squared_frequency) in [(FRAC_PI_2, 1.0), (FRAC_PI_6, 9.0), (3.0, 1.0)] {
+            let swing = Swing::new(start, squared_frequency);
+            let step = 1e-4;
+            let slope = |(angle, rate): (f64, f64)| (rate, -squared_frequency * angle.sin());
+            let along = |at: (f64, f64), slope: (f64, f64), by: f64| (at.0 + by * slope.0, at.1 + by * slope.1);
+            let mut state = (start, 0.0);
+            for n in 0..200_000 {
+                let time = f64::from(n) * step;
+                // (ω₀ h)⁴ = 1e-14 a unit of time at most; rounding of 2e5 steps adds some 1e-12.
+                assert!((swing.angle(time) - state.0).abs() < 1e-10, "from {start} at {time}");
+                let k1 = slope(state);
+                let k2 = slope(along(state, k1, 0.5 * step));
+                let k3 = slope(along(state, k2, 0.5 * step));
+                let k4 = slope(along(state, k3, step));
+                state.0 += step / 6.0 * (k1.0 + 2.0 * k2.0 + 2.0 * k3.0 + k4.0);
+                state.1 += step / 6.0 * (k1.1 + 2.0 * k2.1 + 2.0 * k3.1 + k4.1);
+            }
         }
     }
 

@@ -1,0 +1,270 @@
+//! Reference answers, fed with motions that are worked out here, and runs that come near them.
+
+use std::convert::Infallible;
+
+use bevy::math::{DQuat, DVec3};
+use plumb::lab::truth::{self, Truth};
+use plumb::lab::{BodyState, Plan, Sample, measure};
+use plumb::physics::{Precision, SolverSettings};
+use plumb::scene::{SceneSpec, load};
+
+fn scene(name: &str, parameters: &[(&str, f64)]) -> SceneSpec {
+    let parameters: Vec<_> = parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
+    load(name, &parameters).unwrap()
+}
+
+fn at_start(scene: &SceneSpec) -> Vec<BodyState> {
+    let bodies = scene.bodies.iter().map(|body| BodyState {
+        position: body.position,
+        rotation: body.rotation,
+        linear: body.linear_velocity,
+        angular: body.angular_velocity,
+    });
+    bodies.collect()
+}
+
+/// The answer's error over a motion given by `change`, which edits the start state to that of
+/// time t, sampled at 100 Hz for `seconds`.
+fn error_of(scene: &SceneSpec, seconds: f64, mut change: impl FnMut(f64, &mut [BodyState])) -> f64 {
+    let mut truth: Truth = truth::of(scene).expect("an answer");
+    for step in 0..=(100.0 * seconds).round() as u64 {
+        let time = step as f64 / 100.0;
+        let mut bodies = at_start(scene);
+        change(time, &mut bodies);
+        truth.observe(&Sample { step, time, bodies: &bodies });
+    }
+    truth.error().expect("something to compare")
+}
+
+/// The error of a run with converged rows.
+fn error_of_run(name: &str, parameters: &[(&str, f64)], hz: f64, seconds: f64) -> f64 {
+    let parameters: Vec<_> = parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
+    let settings = SolverSettings {
+        hz,
+        substeps: 1,
+        iterations: 60,
+        precision: Precision::F64,
+        slop: 0.0,
+        restitution_speed: Some(0.0),
+        ..SolverSettings::steady()
+    };
+    let plan = Plan::new(name, &parameters, settings, Some(seconds)).unwrap();
+    measure(&plan, |_| Ok::<(), Infallible>(())).unwrap().truth.expect("an answer").error
+}
+
+#[test]
+fn rods_and_chain_follow_the_reference_tables() {
+    for (name, parameters, column) in [
+        ("rods", [("n", 2.0)], include_str!("../../assets/reference/rods-2.csv")),
+        ("chain", [("r", 1000.0)], include_str!("../../assets/reference/chain-1000.csv")),
+    ] {
+        let scene = scene(name, &parameters);
+        let last = scene.bodies.len() - 1;
+        let arm = if name == "rods" { DVec3::new(0.5, 0.0, 0.0) } else { DVec3::ZERO };
+        let point = |time: f64| {
+            let row = column.lines().nth(1 + (10.0 * time).round() as usize).unwrap();
+            let numbers: Vec<f64> = row.split(',').map(|field| field.parse().unwrap()).collect();
+            DVec3::new(numbers[1], numbers[2], numbers[3])
+        };
+        let follow = |off: DVec3| {
+            error_of(&scene, 2.0, |time, bodies| {
+                let turned = DQuat::from_rotation_z(3.0 * time);
+                bodies[last] =
+                    BodyState { position: point(time) - turned * arm + off, rotation: turned, ..bodies[last] };
+            })
+        };
+        assert!(follow(DVec3::ZERO) < 1e-12, "{name}");
+        assert!((follow(DVec3::new(0.0, 3e-3, 4e-3)) - 5e-3).abs() < 1e-12, "{name}");
+    }
+}
+
+#[test]
+fn the_heavy_top_precesses_at_the_rate_of_the_scene_table() {
+    let scene = scene("heavy_top", &[]);
+    let top = scene.bodies.iter().position(|body| body.name == "top").unwrap();
+    let precess = |rate: f64| {
+        error_of(&scene, 2.0, |time, bodies| {
+            bodies[top].rotation = DQuat::from_rotation_y(rate * time) * bodies[top].rotation;
+        })
+    };
+    // The table's rate has five digits; twice the rate is off by an angle seen from the axis.
+    assert!(precess(1.7551) < 1e-4, "{}", precess(1.7551));
+    let (tilt, turned) = (30_f64.to_radians(), 1.7551_f64);
+    let at_one_second = 2.0 * (tilt.sin() * (0.5 * turned).sin()).asin();
+    assert!(precess(2.0 * 1.7551) > at_one_second);
+}
+
+#[test]
+fn a_box_on_a_slope_sticks_or_slides() {
+    let slope = |theta: f64, mu: f64, acceleration: f64| {
+        let scene = scene("incline", &[("theta", theta), ("mu", mu)]);
+        error_of(&scene, 1.0, |time, bodies| {
+            bodies.last_mut().unwrap().position += DVec3::new(0.5 * acceleration * time * time, -0.001, 0.0);
+        })
+    };
+    let (sin, cos) = 30_f64.to_radians().sin_cos();
+    let slides = 9.81 * (sin - 0.4 * cos);
+    assert!(slope(30.0, 0.4, slides) < 1e-12);
+    assert!((slope(30.0, 0.4, 0.0) - 0.5 * slides).abs() < 1e-12);
+    assert!(slope(20.0, 0.4, 0.0) < 1e-12);
+    assert!((slope(20.0, 0.4, 1.0) - 0.5).abs() < 1e-12);
+}
+
+#[test]
+fn a_thrown_ball_slides_then_rolls() {
+    let scene = scene("slide_roll", &[]);
+    let rolls_from = 2.0 * 5.0 / (7.0 * 0.3 * 9.81);
+    let roll = |share: f64| {
+        error_of(&scene, 2.0, |time, bodies| {
+            let slid = time.min(rolls_from) / rolls_from;
+            let ball = bodies.last_mut().unwrap();
+            ball.linear = DVec3::X * 5.0 * (1.0 - slid * 2.0 / 7.0);
+            ball.angular = -DVec3::Z * share * slid * (5.0 * 5.0 / 7.0) / 0.5;
+        })
+    };
+    assert!(roll(1.0) < 1e-12);
+    assert!((roll(0.9) - 0.1 * 25.0 / 7.0).abs() < 1e-12, "{}", roll(0.9));
+}
+
+#[test]
+fn a_pushed_slab_carries_its_balls() {
+    let slab_gain = (150.0 - 0.4 * 35.0 * 9.81) / (10.0 + 25.0 * 2.0 / 7.0);
+    for angle in [0.0_f64, 60.0] {
+        let scene = scene("rolling", &[("angle", angle)]);
+        let slab = scene.bodies.iter().position(|body| body.name == "slab").unwrap();
+        let along = DVec3::new(angle.to_radians().cos(), 0.0, angle.to_radians().sin());
+        let error = |off: f64| {
+            error_of(&scene, 4.0, |time, bodies| {
+                bodies[slab].linear = (slab_gain * time + off) * along;
+                bodies[slab + 1..].iter_mut().for_each(|ball| ball.linear = 2.0 / 7.0 * slab_gain * time * along);
+            })
+        };
+        assert!(error(0.0) < 1e-20, "{angle}: {}", error(0.0));
+        assert!((error(0.1) - 0.01).abs() < 1e-12, "a constant slip of 0.1 m/s is 0.01 m²/s² in the mean");
+    }
+}
+
+#[test]
+fn balls_without_restitution_must_not_overlap() {
+    let scene = scene("spheres", &[("e", 0.0)]);
+    let ball = scene.bodies.iter().position(|body| body.name == "ball 0").unwrap();
+    let error = |depth: f64| {
+        error_of(&scene, 0.1, |_, bodies| {
+            bodies[ball].position.y = if depth > 0.0 { 0.1 - depth } else { bodies[ball].position.y };
+        })
+    };
+    assert_eq!(error(0.0), 0.0);
+    assert!((error(0.02) - 4e-4).abs() < 1e-12, "{}", error(0.02));
+    // Two balls in the same place: (0.2 m)², and the other's neighbors untouched.
+    let other = scene.bodies.len() - 1;
+    let stacked = error_of(&scene, 0.1, |_, bodies| {
+        bodies[ball].position = DVec3::new(0.0, 50.0, 0.0);
+        bodies[other].position = DVec3::new(0.0, 50.0, 0.0);
+    });
+    assert!((stacked - 0.04).abs() < 1e-12, "{stacked}");
+}
+
+#[test]
+fn balls_with_restitution_one_keep_their_energy() {
+    let scene = scene("spheres", &[("e", 1.0)]);
+    // 10 kg at 1 m/s gain 5 J; where the rim turns as fast, 2/5 of that more.
+    let error = |spin: f64| {
+        error_of(&scene, 0.1, |time, bodies| {
+            let ball = bodies.last_mut().unwrap();
+            ball.linear = DVec3::X * f64::from(time > 0.0);
+            ball.angular = DVec3::Z * spin * f64::from(time > 0.0);
+        })
+    };
+    assert!((error(0.0) - 25.0).abs() < 1e-9, "{}", error(0.0));
+    assert!((error(10.0) - 49.0).abs() < 1e-9, "{}", error(10.0));
+}
+
+#[test]
+fn the_cradle_swings_at_its_ends_by_turns() {
+    let scene = scene("cradle", &[]);
+    let bobs: Vec<usize> = (0..5).map(|i| 2 * i + 1).collect();
+    let frequency = (9.81_f64 / (1.0 + 0.4 * 0.01)).sqrt();
+    // θ″ = −ω₀² sin θ by many small symplectic steps, from 30° on the first ball's side.
+    let swing = |ends: [usize; 2]| {
+        let (mut angle, mut rate, mut now) = (30_f64.to_radians(), 0.0, 0.0);
+        error_of(&scene, 4.0, |time, bodies| {
+            let step = 1e-5;
+            while now < time - 0.5 * step {
+                rate -= 0.5 * step * frequency * frequency * angle.sin();
+                angle += step * rate;
+                rate -= 0.5 * step * frequency * frequency * angle.sin();
+                now += step;
+            }
+            bodies[bobs[0]].rotation = DQuat::IDENTITY;
+            let carrier = ends[usize::from(angle < 0.0)];
+            bodies[bobs[carrier]].rotation = DQuat::from_rotation_z(-angle);
+        })
+    };
+    // Leapfrog: (ω₀ h)² over 13 rad.
+    assert!(swing([0, 4]) < 1e-7, "{}", swing([0, 4]));
+    assert!((swing([0, 3]) - 30_f64.to_radians()).abs() < 1e-2, "{}", swing([0, 3]));
+}
+
+#[test]
+fn scenes_at_rest_count_every_move() {
+    for name in ["stack", "pyramid", "pyramids", "sandwich", "joint_grid"] {
+        let scene = scene(name, &[]);
+        let last = scene.bodies.len() - 1;
+        let pushed = |by: DVec3| {
+            error_of(&scene, 0.1, |time, bodies| {
+                bodies[last].position += if time == 0.05 { by } else { DVec3::ZERO };
+            })
+        };
+        assert_eq!(pushed(DVec3::ZERO), 0.0, "{name}");
+        assert!((pushed(DVec3::new(0.0, -0.03, 0.04)) - 0.05).abs() < 1e-12, "{name}");
+    }
+}
+
+#[test]
+fn unknown_answers_are_none() {
+    for (name, parameter) in
+        [("rods", ("n", 3.0)), ("chain", ("r", 7.0)), ("joint_grid", ("tilt", 10.0)), ("spheres", ("e", 0.5))]
+    {
+        assert!(truth::of(&scene(name, &[parameter])).is_none(), "{name}");
+    }
+    assert!(truth::of(&scene("limbs", &[])).is_none());
+}
+
+#[test]
+fn every_answer_belongs_to_a_scene() {
+    for name in "pendulum rods chain joint_grid top heavy_top incline slide_roll rolling bounce spheres \
+                 cradle stack pyramid pyramids sandwich"
+        .split_whitespace()
+    {
+        let truth = truth::of(&scene(name, &[("r", 1.0)].map(|p| p)[..usize::from(name == "chain")]));
+        assert!(truth.is_some_and(|truth| !truth.name.is_empty() && truth.error().is_none()), "{name}");
+    }
+}
+
+/// Symplectic Euler is of first order: a quarter of the step leaves about a quarter of the error.
+#[test]
+fn runs_close_in_on_the_pendulum_and_the_rods() {
+    for (name, parameters, fine_error) in [("pendulum", &[][..], 4e-3), ("rods", &[("n", 2.0)][..], 4e-3)] {
+        let coarse = error_of_run(name, parameters, 480.0, 1.0);
+        let fine = error_of_run(name, parameters, 1920.0, 1.0);
+        let order = (coarse / fine).log(4.0);
+        assert!((0.8..1.5).contains(&order), "{name}: {coarse} → {fine}, order {order}");
+        assert!(fine < fine_error, "{name}: {fine}");
+    }
+}
+
+#[test]
+fn runs_close_in_on_friction_rolling_and_bouncing() {
+    for (name, parameters, seconds, most) in [
+        // ½ a t h of symplectic Euler: 1.6e-3.
+        ("incline", &[("theta", 30.0), ("mu", 0.4)][..], 1.0, 2e-3),
+        ("incline", &[("theta", 20.0), ("mu", 0.4)][..], 1.0, 1e-9),
+        // Speeds change linearly: exact.
+        ("slide_roll", &[][..], 2.0, 1e-9),
+        // Landings are up to a step late, at 9.8 m/s.
+        ("bounce", &[("e", 0.5)][..], 4.0, 0.03),
+    ] {
+        let error = error_of_run(name, parameters, 480.0, seconds);
+        assert!(error < most, "{name} {parameters:?}: {error}");
+    }
+}
