@@ -17,6 +17,9 @@ mod sat;
 mod sweep_and_sort;
 pub(crate) mod vector_set;
 
+#[cfg(all(test, feature = "lab"))]
+mod tests;
+
 use bevy::prelude::*;
 use nalgebra::Vector3;
 

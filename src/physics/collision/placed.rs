@@ -158,7 +158,8 @@ impl<'a> Placed<'a> {
                 // The middle of an edge along an axis gives up only that axis's share.
                 let along = local.component_mul(half).iamin();
                 let mut middle = half.zip_map(&local, f64::copysign);
-                let index = (0..3).fold(along as u32, |bits, axis| bits << 1 | u32::from(local[axis] < 0.0));
+                let side = |axis: usize| u32::from(local[(along + axis) % 3] < 0.0);
+                let index = (along as u32) << 2 | side(1) << 1 | side(2);
                 middle[along] = half[along];
                 let from = self.to_world(&middle);
                 middle[along] = -half[along];

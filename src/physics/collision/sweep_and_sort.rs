@@ -82,7 +82,7 @@ pub(super) fn find_candidate_pairs(
     stats.pairs = pairs.len() as u32;
 }
 
-fn half_space_pairs(bodies: &[Body], joined: &JoinedPairs, pairs: &mut Vec<Pair>) {
+pub(super) fn half_space_pairs(bodies: &[Body], joined: &JoinedPairs, pairs: &mut Vec<Pair>) {
     for (a, plane) in bodies.iter().enumerate() {
         if !matches!(plane.geometry, Some(Geometry::HalfSpace)) {
             continue;
@@ -114,7 +114,13 @@ fn reach(body: &Body) -> f64 {
 }
 
 impl SweepAndSort {
-    fn find_pairs(&mut self, bodies: &[Body], joined: &JoinedPairs, settings: &SolverSettings, pairs: &mut Vec<Pair>) {
+    pub fn find_pairs(
+        &mut self,
+        bodies: &[Body],
+        joined: &JoinedPairs,
+        settings: &SolverSettings,
+        pairs: &mut Vec<Pair>,
+    ) {
         self.sort(bodies);
         if self.order.len() < 2 {
             return;

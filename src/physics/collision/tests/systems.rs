@@ -1,0 +1,102 @@
+use bevy::ecs::system::RunSystemOnce;
+use bevy::prelude::*;
+use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
+
+use super::super::{CandidatePairs, Contacts, narrow_phase, sweep_and_sort};
+use super::{KINDS, body, random, random_rotation, random_vector, upright};
+use crate::physics::bodies::{Bodies, Body};
+use crate::physics::body::{RigidBody, SurfaceMaterial};
+use crate::physics::collider::Collider;
+use crate::physics::diagnostics::StepStats;
+use crate::physics::joint::JoinedPairs;
+use crate::physics::settings::SolverSettings;
+
+fn world(list: Vec<Body>, settings: SolverSettings) -> World {
+    let mut world = World::new();
+    world.insert_resource(Bodies { list });
+    world.insert_resource(settings);
+    world.init_resource::<JoinedPairs>();
+    world.init_resource::<CandidatePairs>();
+    world.init_resource::<Contacts>();
+    world.init_resource::<StepStats>();
+    world
+}
+
+fn find(world: &mut World) -> Contacts {
+    world.run_system_once(sweep_and_sort::find_candidate_pairs).unwrap();
+    world.run_system_once(narrow_phase::find_contacts).unwrap();
+    world.resource::<Contacts>().clone()
+}
+
+/// A heap of bodies of all shapes, of several blocks of buckets and pairs.
+fn heap() -> Vec<Body> {
+    let mut random = random(21);
+    let ground = Body { kind: RigidBody::Static, ..upright(&Collider::half_space(), [0.0, -8.0, 0.0]) };
+    let shapes = (0..1200).map(|index| {
+        let collider = KINDS[index % 3](&mut random);
+        body(&collider, random_vector(&mut random, 8.0), random_rotation(&mut random))
+    });
+    [ground].into_iter().chain(shapes).collect()
+}
+
+#[test]
+fn contacts_are_the_same_to_the_last_bit_for_any_number_of_threads() {
+    ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(4).build());
+    for preset in [SolverSettings::classic(), SolverSettings::steady()] {
+        let run = |threads| find(&mut world(heap(), SolverSettings { threads, ..preset }));
+        let one = run(1);
+        assert!(one.manifolds.len() > 3000 && one.points.len() > one.manifolds.len());
+        for threads in [2, 4] {
+            let many = run(threads);
+            assert_eq!(one.manifolds, many.manifolds, "{threads} threads");
+            assert_eq!(one.points, many.points, "{threads} threads");
+        }
+    }
+}
+
+#[test]
+fn manifolds_are_in_pair_order_with_runs_of_points_and_the_material_of_the_pair() {
+    let mut bodies = heap();
+    for (index, body) in bodies.iter_mut().enumerate() {
+        body.material = SurfaceMaterial { friction: 0.1 * (index % 7) as f64, restitution: 0.1 * (index % 5) as f64 };
+    }
+    let materials: Vec<_> = bodies.iter().map(|body| body.material).collect();
+    let mut world = world(bodies, SolverSettings::steady());
+    world.resource_mut::<StepStats>().time = 1.5;
+    let contacts = find(&mut world);
+    assert_eq!(contacts.time, 1.5);
+    let mut pairs = world.resource::<CandidatePairs>().pairs.iter();
+    let mut next_point = 0;
+    for manifold in &contacts.manifolds {
+        assert!(pairs.any(|pair| *pair == manifold.pair), "out of pair order");
+        assert_eq!(manifold.first_point, next_point);
+        assert!(manifold.point_count > 0);
+        next_point += manifold.point_count;
+        let pair = materials[manifold.pair.a as usize].pair(materials[manifold.pair.b as usize]);
+        assert_eq!((manifold.friction, manifold.restitution), (pair.friction, pair.restitution));
+    }
+    assert_eq!(next_point as usize, contacts.points.len());
+    let stats = world.resource::<StepStats>();
+    let counts = [world.resource::<CandidatePairs>().pairs.len(), contacts.manifolds.len(), contacts.points.len()];
+    assert_eq!([stats.pairs, stats.manifolds, stats.contact_points].map(|count| count as usize), counts);
+}
+
+#[test]
+fn steps_after_the_first_allocate_nothing() {
+    let mut world = world(heap(), SolverSettings::classic());
+    let mut schedule = Schedule::default();
+    schedule.add_systems((sweep_and_sort::find_candidate_pairs, narrow_phase::find_contacts).chain());
+    schedule.set_executor(bevy::ecs::schedule::SingleThreadedExecutor::new());
+    for _ in 0..2 {
+        schedule.run(&mut world);
+    }
+    let used = allocation_counter::measure(|| schedule.run(&mut world));
+    assert_eq!(used.count_total, 0, "{used:?}");
+}
+
+#[test]
+fn bodies_without_shape_find_nothing() {
+    let shapeless = Body { geometry: None, radius: 0.0, ..upright(&Collider::sphere(1.0), [0.0; 3]) };
+    let contacts = find(&mut world(vec![shapeless; 10], SolverSettings::default()));
+    assert!(contacts.manifolds.is_empty() && contacts.points.is_empty());
+}

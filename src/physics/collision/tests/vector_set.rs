@@ -1,0 +1,75 @@
+use nalgebra::Vector3;
+use rand::RngExt;
+
+use super::super::vector_set::VectorSet;
+use super::{random, random_direction, random_vector};
+
+fn l1(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+    (a - b).abs().sum()
+}
+
+#[test]
+fn keeps_what_a_plain_search_keeps() {
+    let mut random = random(1);
+    let mut set = VectorSet::default();
+    for (epsilon, merge) in [(0.0, false), (1e-3, false), (1e-3, true), (0.07, false), (0.3, true)] {
+        set.reset(epsilon, merge, 1.0);
+        let mut kept: Vec<Vector3<f64>> = Vec::new();
+        // Clusters about a few directions and their opposites, within and beyond ε; some beyond
+        // the reach.
+        let centers: Vec<_> = (0..40).map(|_| random_direction(&mut random) * random.random_range(0.5..1.5)).collect();
+        for _ in 0..2000 {
+            let sign = if random.random() { 1.0 } else { -1.0 };
+            let center = centers[random.random_range(0..centers.len())];
+            let vector = center * sign + random_vector(&mut random, epsilon);
+            let near =
+                |other: &Vector3<f64>| l1(other, &vector) <= epsilon || (merge && l1(other, &-vector) <= epsilon);
+            let new = !kept.iter().any(near);
+            assert_eq!(set.insert(vector), new, "ε {epsilon}, merge {merge}");
+            if new {
+                kept.push(vector);
+            }
+        }
+        assert_eq!(set.vectors(), kept);
+        assert!(kept.len() >= if merge { 40 } else { 80 }, "the clusters fell together");
+    }
+}
+
+#[test]
+fn epsilon_is_in_the_l1_norm_and_inclusive() {
+    let mut set = VectorSet::default();
+    set.reset(0.25, false, 1.0);
+    assert!(set.insert(Vector3::new(1.0, 0.0, 0.0)));
+    assert!(!set.insert(Vector3::new(0.875, 0.125, 0.0)), "at L1 distance 0.25, Euclidean 0.18");
+    assert!(set.insert(Vector3::new(0.875, 0.125, 0.125)), "at L1 distance 0.375, Euclidean 0.22");
+}
+
+#[test]
+fn opposites_count_as_one_only_if_asked() {
+    let mut set = VectorSet::default();
+    for merge in [false, true] {
+        set.reset(1e-3, merge, 1.0);
+        assert!(set.insert(Vector3::y()));
+        assert_eq!(set.insert(-Vector3::y()), !merge);
+    }
+}
+
+#[test]
+fn directions_are_normalised_and_zero_is_dropped() {
+    let mut set = VectorSet::default();
+    let slant = Vector3::new(3.0, 0.0, 4.0);
+    assert_eq!(set.insert_direction(slant), Some(slant / 5.0));
+    // The cross product of two edges that are parallel but for rounding.
+    let edge = slant.normalize();
+    assert_eq!(set.insert_direction(edge.cross(&(edge + Vector3::y() * 1e-9))), None);
+    assert_eq!(set.vectors().len(), 1);
+}
+
+#[test]
+fn reset_forgets() {
+    let mut set = VectorSet::default();
+    set.insert(Vector3::x());
+    set.reset(0.0, false, 1.0);
+    assert!(set.vectors().is_empty());
+    assert!(set.insert(Vector3::x()));
+}
