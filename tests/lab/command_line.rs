@@ -244,6 +244,20 @@ fn refuses_an_unknown_scene() {
 }
 
 #[test]
+fn refusals_stay_on_one_line_whatever_they_quote() {
+    refuses(&["run", "pen\ndulum\n\n"], &["pen dulum"]);
+    refuses(&["run", "/nowhere/a\nb.ron"], &["a b.ron"]);
+    refuses(&["run", "rods", "--hz", "6\n0"], &["--hz"]);
+}
+
+#[cfg(not(feature = "sandbox"))]
+#[test]
+fn refuses_a_window_in_a_build_without_one() {
+    refuses(&[], &["no window", "plumb run"]);
+    refuses(&["pendulum"], &["no window", "plumb run"]);
+}
+
+#[test]
 fn refuses_no_scene() {
     refuses(&["run"], &["SCENE"]);
 }

@@ -17,7 +17,7 @@ use super::{CommandError, Open};
 ///
 /// `plumb [SCENE]` opens the sandbox; the commands below need no window.
 #[derive(Parser)]
-#[command(name = "plumb", version, args_conflicts_with_subcommands = true, disable_help_subcommand = true)]
+#[command(name = "plumb", version, args_conflicts_with_subcommands = true)]
 pub(super) struct Arguments {
     #[command(subcommand)]
     pub subcommand: Option<Subcommand>,
