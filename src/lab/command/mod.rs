@@ -1,4 +1,4 @@
-//! The command line: what it may say ([`arguments`]), and what it then does, but for the window,
+//! The command line: what it may say (`arguments`), and what it then does, but for the window,
 //! which the binary opens.
 //!
 //! Results go to standard output or files, progress and complaints to standard error. Exit
