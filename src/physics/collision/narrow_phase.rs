@@ -12,7 +12,7 @@ use super::clipping::{self, ClipBuffers};
 use super::extreme_vertices;
 use super::placed::Placed;
 use super::sat::{self, AxisBuffers, AxisSearch, Overlap};
-use super::{CandidatePairs, ContactPoint, Contacts, Manifold, Pair};
+use super::{CONTACT_TOLERANCE, CandidatePairs, ContactPoint, Contacts, Manifold, Pair};
 use crate::physics::bodies::{Bodies, Body};
 use crate::physics::diagnostics::StepStats;
 use crate::physics::settings::{ContactModel, SolverSettings};
@@ -92,6 +92,12 @@ impl Block {
     }
 }
 
+/// Most candidate pairs end here.
+fn are_spheres_apart(a: &Body, b: &Body) -> bool {
+    let reach = (a.radius + b.radius) * (1.0 + CONTACT_TOLERANCE);
+    (b.position - a.position).norm_squared() > reach * reach
+}
+
 /// Adds the contact points of two bodies in world axes, if they touch.
 pub(super) fn touch(
     a: &Body,
@@ -100,6 +106,9 @@ pub(super) fn touch(
     buffers: &mut Buffers,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
+    if are_spheres_apart(a, b) {
+        return None;
+    }
     let clips = settings.contacts == ContactModel::Clipping;
     let search = AxisSearch {
         epsilon: settings.axis_epsilon,

@@ -81,13 +81,18 @@ impl<'a> Placed<'a> {
         }
     }
 
-    /// The outward normals of the faces.
+    /// Whether faces come in opposite pairs at the same distance from the centre.
+    pub fn is_symmetric(&self) -> bool {
+        matches!(self.geometry, Geometry::Cuboid { .. })
+    }
+
+    /// The outward normals of the faces; of a symmetric shape one of each pair.
     pub fn face_normals(&self, normals: &mut Vec<Vector3<f64>>) {
         normals.clear();
         match self.geometry {
             Geometry::HalfSpace => normals.push(self.plane_normal()),
             Geometry::Sphere { .. } => {}
-            Geometry::Cuboid { .. } => normals.extend((0..3).flat_map(|axis| [self.axis(axis), -self.axis(axis)])),
+            Geometry::Cuboid { .. } => normals.extend((0..3).map(|axis| self.axis(axis))),
             Geometry::Hull(hull) => normals.extend(hull.faces.iter().map(|face| self.rotation * face.normal)),
         }
     }

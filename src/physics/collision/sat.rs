@@ -95,11 +95,6 @@ fn plane_overlap(plane: &Placed, body: &Placed) -> Option<Overlap> {
 }
 
 fn convex_overlap(a: &Placed, b: &Placed, search: &AxisSearch, buffers: &mut AxisBuffers) -> Option<Overlap> {
-    let between = b.center - a.center;
-    let reach = (a.radius + b.radius) * (1.0 + CONTACT_TOLERANCE);
-    if between.norm_squared() > reach * reach {
-        return None;
-    }
     buffers.set.reset(search.epsilon, search.merge_opposites, 1.0);
     let mut test = AxisTest { a, b, tolerance: CONTACT_TOLERANCE * (a.radius + b.radius), least: [None; 3] };
     test.run(buffers)?;
@@ -135,14 +130,16 @@ impl AxisTest<'_> {
         } else if matches!(one.geometry, Geometry::Sphere { .. }) {
             self.test_nearest(set, one, other)?;
         }
-        one.face_normals(a);
-        self.test_new(set, a.iter().copied(), AxisSource::A)?;
-        other.face_normals(b);
-        self.test_new(set, b.iter().copied(), AxisSource::B)?;
+        self.test_faces(set, one, a, AxisSource::A)?;
+        self.test_faces(set, other, b, AxisSource::B)?;
         one.edge_directions(a);
         other.edge_directions(b);
         for along_a in &*a {
-            self.test_new(set, b.iter().map(|along_b| along_a.cross(along_b)), AxisSource::Edges)?;
+            for along_b in &*b {
+                if let Some(axis) = set.insert_direction(along_a.cross(along_b)) {
+                    self.test(axis, AxisSource::Edges)?;
+                }
+            }
         }
         Some(())
     }
@@ -164,16 +161,21 @@ impl AxisTest<'_> {
         self.test(axis, AxisSource::A)
     }
 
-    #[inline]
-    fn test_new(
+    fn test_faces(
         &mut self,
         set: &mut VectorSet,
-        axes: impl Iterator<Item = Vector3<f64>>,
+        shape: &Placed,
+        normals: &mut Vec<Vector3<f64>>,
         source: AxisSource,
     ) -> Option<()> {
-        for axis in axes {
-            if let Some(axis) = set.insert_direction(axis) {
-                self.test(axis, source)?;
+        shape.face_normals(normals);
+        for &normal in &*normals {
+            if set.insert(normal) {
+                self.test(normal, source)?;
+            }
+            if shape.is_symmetric() {
+                // The opposite face: an axis of its own for the set, but the same test.
+                set.insert(-normal);
             }
         }
         Some(())

@@ -5,8 +5,8 @@
 //! separating axis test, where vectors near zero (cross products of parallel edges) are dropped
 //! too and the others normalised, and the vertices of a shape when it is made.
 //!
-//! Vectors are chained by their x, so that the thousand axes of two fine hulls cost no million
-//! comparisons.
+//! The first few are compared in one sweep of wide instructions; those after them are chained by
+//! their x, so that the thousand axes of two fine hulls cost no million comparisons.
 
 use nalgebra::Vector3;
 
@@ -14,8 +14,14 @@ use nalgebra::Vector3;
 /// direction would be off by more than 1e-10.
 const NEAR_ZERO: f64 = 1e-6;
 
+/// Vectors that are compared in one sweep: two boxes give 21.
+const SWEPT: usize = 24;
+
+/// Vectors in one run of the sweep, which ends after a run that has one near.
+const RUN: usize = 8;
+
 /// Chains by x.
-const CHAINS: usize = 64;
+const CHAINS: usize = 1024;
 
 /// End of a chain.
 const END: u32 = u32::MAX;
@@ -28,10 +34,12 @@ pub(crate) struct VectorSet {
     /// Chains in a unit of x.
     scale: f64,
     vectors: Vec<Vector3<f64>>,
-    /// Next in the chain of the vector of the same index.
+    /// The first of them by components, the rest of the row beyond reach of any.
+    swept: [[f64; SWEPT]; 3],
+    /// Next in the chain of each vector after those.
     next: Vec<u32>,
-    /// First in each chain.
-    first: [u32; CHAINS],
+    /// First in each chain; made when first needed.
+    first: Vec<u32>,
 }
 
 impl Default for VectorSet {
@@ -42,8 +50,9 @@ impl Default for VectorSet {
             merge_opposites: false,
             scale: CHAINS as f64 / 2.0,
             vectors: Vec::new(),
+            swept: [[f64::INFINITY; SWEPT]; 3],
             next: Vec::new(),
-            first: [END; CHAINS],
+            first: Vec::new(),
         }
     }
 }
@@ -56,8 +65,11 @@ impl VectorSet {
         self.merge_opposites = merge_opposites;
         self.scale = CHAINS as f64 / (2.0 * reach);
         self.vectors.clear();
-        self.next.clear();
-        self.first = [END; CHAINS];
+        self.swept = [[f64::INFINITY; SWEPT]; 3];
+        if !self.next.is_empty() {
+            self.next.clear();
+            self.first.clear();
+        }
     }
 
     /// What was kept, in the order of insertion.
@@ -68,12 +80,25 @@ impl VectorSet {
     /// Keeps a vector unless one within ε is there; whether it was kept.
     #[inline]
     pub fn insert(&mut self, vector: Vector3<f64>) -> bool {
-        if self.contains_near(&vector) || (self.merge_opposites && self.contains_near(&-vector)) {
+        if self.is_near_swept(&vector) {
             return false;
         }
-        let chain = self.chain(vector.x);
-        self.next.push(self.first[chain]);
-        self.first[chain] = self.vectors.len() as u32;
+        if !self.next.is_empty()
+            && (self.is_near_chained(&vector) || (self.merge_opposites && self.is_near_chained(&-vector)))
+        {
+            return false;
+        }
+        let index = self.vectors.len();
+        if index < SWEPT {
+            for axis in 0..3 {
+                self.swept[axis][index] = vector[axis];
+            }
+        } else {
+            self.first.resize(CHAINS, END);
+            let chain = self.chain(vector.x);
+            self.next.push(self.first[chain]);
+            self.first[chain] = index as u32;
+        }
         self.vectors.push(vector);
         true
     }
@@ -91,7 +116,26 @@ impl VectorSet {
     }
 
     #[inline]
-    fn contains_near(&self, vector: &Vector3<f64>) -> bool {
+    fn is_near_swept(&self, vector: &Vector3<f64>) -> bool {
+        let [x, y, z] = &self.swept;
+        let runs = self.vectors.len().min(SWEPT).div_ceil(RUN);
+        (0..runs).any(|run| {
+            let mut near = false;
+            for index in run * RUN..(run + 1) * RUN {
+                let apart = (x[index] - vector.x).abs() + (y[index] - vector.y).abs() + (z[index] - vector.z).abs();
+                near |= apart <= self.epsilon;
+            }
+            if self.merge_opposites {
+                for index in run * RUN..(run + 1) * RUN {
+                    let apart = (x[index] + vector.x).abs() + (y[index] + vector.y).abs() + (z[index] + vector.z).abs();
+                    near |= apart <= self.epsilon;
+                }
+            }
+            near
+        })
+    }
+
+    fn is_near_chained(&self, vector: &Vector3<f64>) -> bool {
         (self.chain(vector.x - self.epsilon)..=self.chain(vector.x + self.epsilon)).any(|chain| {
             let mut index = self.first[chain];
             while index != END {
@@ -99,7 +143,7 @@ impl VectorSet {
                 if apart.x.abs() + apart.y.abs() + apart.z.abs() <= self.epsilon {
                     return true;
                 }
-                index = self.next[index as usize];
+                index = self.next[index as usize - SWEPT];
             }
             false
         })
