@@ -1,6 +1,8 @@
 //! Convex polyhedra: vertices, faces, edges, and what the separating axis test needs of them,
 //! computed once.
 
+use std::collections::BTreeMap;
+
 use nalgebra::Vector3;
 
 use super::super::collision::vector_set::VectorSet;
@@ -18,10 +20,18 @@ const PARALLEL_EPSILON: f64 = 1e-9;
 pub(crate) struct Hull {
     pub vertices: Vec<Vector3<f64>>,
     pub faces: Vec<Face>,
-    /// Each edge once, as two vertices.
-    pub edges: Vec<[u32; 2]>,
+    pub edges: Vec<Edge>,
     /// Unit directions of the edges, each once up to sign.
     pub edge_directions: Vec<Vector3<f64>>,
+}
+
+/// Where two faces meet.
+#[derive(Clone, Debug)]
+pub(crate) struct Edge {
+    /// Its vertices.
+    pub ends: [u32; 2],
+    /// The faces on either side.
+    pub faces: [u32; 2],
 }
 
 /// A plane polygon.
@@ -36,19 +46,22 @@ pub(crate) struct Face {
 }
 
 impl Hull {
-    /// From vertices and face loops, counter-clockwise seen from outside.
+    /// From vertices and the loops of the faces of a closed surface, counter-clockwise seen from
+    /// outside.
     pub fn new(vertices: Vec<Vector3<f64>>, loops: Vec<Vec<u32>>) -> Self {
+        // Each edge is in the loops of two faces, once in each direction.
+        let mut sides = BTreeMap::new();
+        for (face, corners) in loops.iter().enumerate() {
+            for (&from, &to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+                sides.insert((from, to), face as u32);
+            }
+        }
         let mut edges = Vec::new();
         let mut directions = VectorSet::default();
         directions.reset(PARALLEL_EPSILON, true, 1.0);
-        for corners in &loops {
-            for (&from, &to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-                // Each edge is in the loops of two faces, once in each direction.
-                if from < to {
-                    edges.push([from, to]);
-                    directions.insert((vertices[to as usize] - vertices[from as usize]).normalize());
-                }
-            }
+        for (&(from, to), &face) in sides.iter().filter(|((from, to), _)| from < to) {
+            edges.push(Edge { ends: [from, to], faces: [face, sides[&(to, from)]] });
+            directions.insert((vertices[to as usize] - vertices[from as usize]).normalize());
         }
         let faces = loops.into_iter().map(|corners| Face::new(&vertices, corners)).collect();
         Self { vertices, faces, edges, edge_directions: directions.vectors().to_vec() }

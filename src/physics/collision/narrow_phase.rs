@@ -114,6 +114,7 @@ pub(super) fn touch(
         epsilon: settings.axis_epsilon,
         merge_opposites: settings.merge_opposite_axes,
         steady_faces: clips,
+        touching_edges: clips,
     };
     let origin = a.position;
     let (shape_a, shape_b) = (Placed::new(a, &origin)?, Placed::new(b, &origin)?);

@@ -30,6 +30,31 @@ pub(super) struct PlacedEdge {
     pub ends: [Vector3<f64>; 2],
 }
 
+/// An edge as the arc between the normals of its two faces on the unit sphere (the Gauss map):
+/// the directions in which it is foremost.
+pub(super) struct EdgeArc {
+    /// Unit, along the edge: across the plane of the arc.
+    pub direction: Vector3<f64>,
+    pub normals: [Vector3<f64>; 2],
+}
+
+impl EdgeArc {
+    /// Whether two arcs cross: then both edges are foremost in one direction, and bound the
+    /// Minkowski difference together (Gregorius, GDC 2013).
+    #[inline]
+    pub fn crosses(&self, other: &Self) -> bool {
+        let [a, b] = self.normals.map(|normal| normal.dot(&other.direction));
+        let [c, d] = other.normals.map(|normal| normal.dot(&self.direction));
+        if a * b >= 0.0 || c * d >= 0.0 {
+            return false;
+        }
+        // Where each arc meets the plane of the other: the same point, or opposite ones.
+        let point = self.normals[0] * b.abs() + self.normals[1] * a.abs();
+        let other_point = other.normals[0] * d.abs() + other.normals[1] * c.abs();
+        point.dot(&other_point) > 0.0
+    }
+}
+
 impl<'a> Placed<'a> {
     /// A body's shape relative to `origin`, unless it has none.
     pub fn new(body: &'a Body, origin: &Vector3<f64>) -> Option<Self> {
@@ -109,6 +134,22 @@ impl<'a> Placed<'a> {
         }
     }
 
+    /// The edges of a hull, as arcs on the Gauss map of the shape or of its mirror image in the
+    /// origin. False for other shapes.
+    pub fn edge_arcs(&self, mirrored: bool, arcs: &mut Vec<EdgeArc>) -> bool {
+        arcs.clear();
+        let Geometry::Hull(hull) = self.geometry else { return false };
+        let sign = if mirrored { -1.0 } else { 1.0 };
+        arcs.extend(hull.edges.iter().map(|edge| {
+            let [from, to] = edge.ends.map(|vertex| hull.vertices[vertex as usize]);
+            EdgeArc {
+                direction: self.rotation * (to - from).normalize(),
+                normals: edge.faces.map(|face| self.rotation * hull.faces[face as usize].normal * sign),
+            }
+        }));
+        true
+    }
+
     /// The point of the shape that is nearest to `point`, which is itself if it lies inside.
     pub fn nearest(&self, point: &Vector3<f64>) -> Vector3<f64> {
         let local = self.to_body(&(point - self.center));
@@ -172,8 +213,8 @@ impl<'a> Placed<'a> {
             }
             Geometry::Hull(hull) => {
                 let height = |vertex: u32| hull.vertices[vertex as usize].dot(&local);
-                let index = first_max(hull.edges.iter().map(|&[from, to]| height(from) + height(to)));
-                let ends = hull.edges[index].map(|vertex| self.to_world(&hull.vertices[vertex as usize]));
+                let index = first_max(hull.edges.iter().map(|edge| height(edge.ends[0]) + height(edge.ends[1])));
+                let ends = hull.edges[index].ends.map(|vertex| self.to_world(&hull.vertices[vertex as usize]));
                 PlacedEdge { index: index as u32, ends }
             }
             Geometry::HalfSpace | Geometry::Sphere { .. } => unreachable!("has no edges"),

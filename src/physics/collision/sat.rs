@@ -11,13 +11,15 @@
 //! loses a contact, but may report one where the axis left out would have separated, or a depth
 //! that is not the least.
 //!
+//! For clipped manifolds two refinements can be asked for, see [`AxisSearch`].
+//!
 //! Depth here is how far B must move along the normal to be clear of A. Depth 0, touching, is a
 //! contact, and so is a gap that rounding could have made of it.
 
 use nalgebra::Vector3;
 
 use super::CONTACT_TOLERANCE;
-use super::placed::Placed;
+use super::placed::{EdgeArc, Placed};
 use super::vector_set::VectorSet;
 use crate::physics::collider::Geometry;
 
@@ -42,6 +44,9 @@ pub(super) struct AxisSearch {
     /// Prefers faces to edges and A's faces to B's where depths are nearly equal, so that
     /// clipped manifolds do not flicker. Not in the 2009 engine.
     pub steady_faces: bool,
+    /// Of two hulls, takes only the edge pairs that can touch: the least depth is never along
+    /// another, and there are tens of them instead of thousands. Not in the 2009 engine.
+    pub touching_edges: bool,
 }
 
 /// How two shapes overlap.
@@ -71,6 +76,8 @@ pub(super) struct AxisBuffers {
     set: VectorSet,
     a: Vec<Vector3<f64>>,
     b: Vec<Vector3<f64>>,
+    arcs_a: Vec<EdgeArc>,
+    arcs_b: Vec<EdgeArc>,
 }
 
 /// Tests two shapes; none if they are apart. Not for two half-spaces.
@@ -97,7 +104,7 @@ fn plane_overlap(plane: &Placed, body: &Placed) -> Option<Overlap> {
 fn convex_overlap(a: &Placed, b: &Placed, search: &AxisSearch, buffers: &mut AxisBuffers) -> Option<Overlap> {
     buffers.set.reset(search.epsilon, search.merge_opposites, 1.0);
     let mut test = AxisTest { a, b, tolerance: CONTACT_TOLERANCE * (a.radius + b.radius), least: [None; 3] };
-    test.run(buffers)?;
+    test.run(search, buffers)?;
     let margin = RIVAL_MARGIN * a.radius.min(b.radius);
     let [of_a, of_b, of_edges] = test.least;
     let choose = |best: Option<Overlap>, rival: Option<Overlap>| match (best, rival) {
@@ -122,8 +129,8 @@ struct AxisTest<'t> {
 
 impl AxisTest<'_> {
     /// Goes through all candidate axes; none as soon as one separates.
-    fn run(&mut self, buffers: &mut AxisBuffers) -> Option<()> {
-        let AxisBuffers { set, a, b } = buffers;
+    fn run(&mut self, search: &AxisSearch, buffers: &mut AxisBuffers) -> Option<()> {
+        let AxisBuffers { set, a, b, arcs_a, arcs_b } = buffers;
         let (one, other) = (self.a, self.b);
         if matches!(other.geometry, Geometry::Sphere { .. }) {
             self.test_nearest(set, other, one)?;
@@ -132,16 +139,30 @@ impl AxisTest<'_> {
         }
         self.test_faces(set, one, a, AxisSource::A)?;
         self.test_faces(set, other, b, AxisSource::B)?;
-        one.edge_directions(a);
-        other.edge_directions(b);
-        for along_a in &*a {
-            for along_b in &*b {
-                if let Some(axis) = set.insert_direction(along_a.cross(along_b)) {
-                    self.test(axis, AxisSource::Edges)?;
+        if search.touching_edges && one.edge_arcs(false, arcs_a) && other.edge_arcs(true, arcs_b) {
+            for arc_a in &*arcs_a {
+                for arc_b in arcs_b.iter().filter(|arc_b| arc_a.crosses(arc_b)) {
+                    self.test_edges(set, &arc_a.direction, &arc_b.direction)?;
+                }
+            }
+        } else {
+            one.edge_directions(a);
+            other.edge_directions(b);
+            for along_a in &*a {
+                for along_b in &*b {
+                    self.test_edges(set, along_a, along_b)?;
                 }
             }
         }
         Some(())
+    }
+
+    #[inline]
+    fn test_edges(&mut self, set: &mut VectorSet, along_a: &Vector3<f64>, along_b: &Vector3<f64>) -> Option<()> {
+        match set.insert_direction(along_a.cross(along_b)) {
+            Some(axis) => self.test(axis, AxisSource::Edges),
+            None => Some(()),
+        }
     }
 
     /// The axis from a ball to the nearest point of the other shape, unless its centre is inside.

@@ -17,6 +17,7 @@ use std::cmp::Ordering;
 use std::ops::Range;
 
 use bevy::prelude::*;
+use nalgebra::Vector3;
 
 use super::{CONTACT_TOLERANCE, CandidatePairs, Pair};
 use crate::physics::bodies::{Bodies, Body};
@@ -36,6 +37,7 @@ const MOVES_PER_BODY: usize = 16;
 /// What the sweep keeps from step to step: the order of the bodies, and buffers.
 #[derive(Default)]
 pub(super) struct SweepAndSort {
+    half_spaces: Vec<u32>,
     order: Vec<Begin>,
     spheres: Vec<Projection>,
     blocks: Vec<Block>,
@@ -77,28 +79,8 @@ pub(super) fn find_candidate_pairs(
 ) {
     let pairs = &mut candidates.bypass_change_detection().pairs;
     pairs.clear();
-    half_space_pairs(&bodies.list, &joined, pairs);
     sweep.find_pairs(&bodies.list, &joined, &settings, pairs);
     stats.pairs = pairs.len() as u32;
-}
-
-pub(super) fn half_space_pairs(bodies: &[Body], joined: &JoinedPairs, pairs: &mut Vec<Pair>) {
-    for (a, plane) in bodies.iter().enumerate() {
-        if !matches!(plane.geometry, Some(Geometry::HalfSpace)) {
-            continue;
-        }
-        let normal = plane.rotation * nalgebra::Vector3::y();
-        for (b, body) in bodies.iter().enumerate() {
-            if is_swept(body)
-                && body.is_dynamic()
-                && normal.dot(&(body.position - plane.position)) <= reach(body)
-                && plane.layers.interact(body.layers)
-                && !joined.contains(a as u32, b as u32)
-            {
-                pairs.push(Pair { a: a as u32, b: b as u32 });
-            }
-        }
-    }
 }
 
 /// Whether a body has a bounding sphere that may touch something.
@@ -121,10 +103,12 @@ impl SweepAndSort {
         settings: &SolverSettings,
         pairs: &mut Vec<Pair>,
     ) {
-        self.sort(bodies);
-        if self.order.len() < 2 {
+        let swept = self.survey(bodies);
+        if swept == 0 {
             return;
         }
+        self.half_space_pairs(bodies, joined, pairs);
+        self.sort(bodies, swept);
         self.project(bodies);
         let block_count = self.spheres.len().div_ceil(BLOCK);
         self.blocks.resize_with(block_count, Block::default);
@@ -143,13 +127,44 @@ impl SweepAndSort {
         }
     }
 
+    /// Finds the half-spaces, and the number of bodies to sweep.
+    fn survey(&mut self, bodies: &[Body]) -> usize {
+        self.half_spaces.clear();
+        let mut swept = 0;
+        for (index, body) in bodies.iter().enumerate() {
+            if is_swept(body) {
+                swept += 1;
+            } else if matches!(body.geometry, Some(Geometry::HalfSpace)) {
+                self.half_spaces.push(index as u32);
+            }
+        }
+        swept
+    }
+
+    fn half_space_pairs(&self, bodies: &[Body], joined: &JoinedPairs, pairs: &mut Vec<Pair>) {
+        for &a in &self.half_spaces {
+            let plane = &bodies[a as usize];
+            let normal = plane.rotation * Vector3::y();
+            for (b, body) in bodies.iter().enumerate() {
+                if is_swept(body)
+                    && body.is_dynamic()
+                    && normal.dot(&(body.position - plane.position)) <= reach(body)
+                    && plane.layers.interact(body.layers)
+                    && !joined.contains(a, b as u32)
+                {
+                    pairs.push(Pair { a, b: b as u32 });
+                }
+            }
+        }
+    }
+
     /// Brings the order of the bodies on x up to date.
-    fn sort(&mut self, bodies: &[Body]) {
+    fn sort(&mut self, bodies: &[Body], swept: usize) {
         self.order.retain(|begin| bodies.get(begin.body as usize).is_some_and(is_swept));
-        let swept = || bodies.iter().enumerate().filter(|(_, body)| is_swept(body));
-        if self.order.len() != swept().count() {
+        if self.order.len() != swept {
             self.order.clear();
-            self.order.extend(swept().map(|(index, _)| Begin { x: 0.0, body: index as u32 }));
+            let all = bodies.iter().enumerate().filter(|(_, body)| is_swept(body));
+            self.order.extend(all.map(|(index, _)| Begin { x: 0.0, body: index as u32 }));
         }
         for begin in &mut self.order {
             let body = &bodies[begin.body as usize];

@@ -4,7 +4,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use super::super::sat::Overlap;
+use super::super::placed::Placed;
+use super::super::sat::{self, AxisBuffers, AxisSearch, Overlap};
 use super::{assert_close, body, exact, random, random_direction, random_pair, random_rotation, touch, upright};
 use crate::physics::bodies::Body;
 use crate::physics::collider::{Collider, Geometry};
@@ -187,6 +188,28 @@ fn merging_opposite_axes_changes_nothing_at_epsilon_zero() {
             assert!((all.depth - merged.depth).abs() < 1e-12, "{kinds:?}");
         }
     });
+}
+
+#[test]
+fn edge_pairs_that_cannot_touch_do_not_matter() {
+    let mut random = random(9);
+    let mut touching = 0;
+    for _ in 0..400 {
+        let [a, b] = random_pair(&mut random, [2, 2]);
+        let find = |touching_edges| {
+            let search = AxisSearch { epsilon: 0.0, merge_opposites: false, steady_faces: false, touching_edges };
+            let [shape_a, shape_b] = [&a, &b].map(|body| Placed::new(body, &a.position).unwrap());
+            sat::overlap(&shape_a, &shape_b, &search, &mut AxisBuffers::default())
+        };
+        let (all, few) = (find(false), find(true));
+        assert_eq!(all.is_some(), few.is_some());
+        if let (Some(all), Some(few)) = (all, few) {
+            touching += 1;
+            assert!((all.depth - few.depth).abs() < 1e-12, "{} is not {}", few.depth, all.depth);
+            assert_close(all.normal, few.normal, 1e-9);
+        }
+    }
+    assert!((100..350).contains(&touching), "{touching}");
 }
 
 #[test]
