@@ -257,6 +257,13 @@ fn add_joints(scene: &mut SceneSpec, entries: Vec<JointEntry>) -> Result<(), Fla
             let problem = "joins the world to itself; one of the two must be a dynamic body";
             return Err(Flaw::new(format!("joints[{i}].body_b"), problem));
         }
+        if let (Some(only), None) | (None, Some(only)) = (a, b)
+            && scene.bodies[only].kind != RigidBody::Dynamic
+        {
+            let problem =
+                format!("neither '{}' nor the world is dynamic; one of them must be", scene.bodies[only].name);
+            return Err(Flaw::new(format!("joints[{i}].body_b"), problem));
+        }
         let (body_a, anchor_a) = scene.hold(a, hold_a, i);
         let (body_b, anchor_b) = scene.hold(b, hold_b, i);
         let softness = entry.softness.map(Softness::from);

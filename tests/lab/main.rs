@@ -4,4 +4,7 @@ mod command_line;
 mod metrics;
 mod run;
 mod scene_builtin;
+mod scene_errors;
+mod scene_format;
+mod scene_overlap;
 mod truth;

@@ -237,7 +237,7 @@ fn add_gymnast(scene: &mut SceneSpec) {
         let position = DVec3::new(BAR.x + side * 0.99, height / 2.0, BAR.z);
         scene.bodies.push(BodySpec::new(name, post, position).fixed().with_color(palette::SLATE));
     }
-    let pelvis = DVec3::new(BAR.x, 1.37, BAR.z);
+    let pelvis = DVec3::new(BAR.x, 1.495, BAR.z);
     let figure = Figure { scene: &mut *scene, name: "bo", pelvis, facing: DQuat::IDENTITY, scale: 1.0 };
     let clothes = Clothes([palette::TEAL, palette::TEAL, palette::SLATE, palette::ORANGE]);
     for hand in figure.build([side, side], clothes) {
@@ -266,7 +266,7 @@ fn add_sitting_child(scene: &mut SceneSpec) {
     );
     let side = Side {
         upper_arm: DVec3::new(0.3, -1.0, 0.1),
-        forearm: DVec3::new(0.1, -0.7, 0.7),
+        forearm: DVec3::new(0.05, -0.25, 0.9),
         thigh: DVec3::new(0.1, 0.0, 1.0),
         shin: DVec3::new(0.0, -1.0, 0.12),
     };
