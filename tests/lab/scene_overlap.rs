@@ -41,6 +41,9 @@ fn apart(a: &BodySpec, b: &BodySpec) -> bool {
     }
     let mut nearest = b.position - a.position;
     for _ in 0..2000 {
+        if nearest.length() < TOLERANCE {
+            return false;
+        }
         if gap(a, b, nearest) >= -TOLERANCE {
             return true;
         }

@@ -190,8 +190,9 @@ impl Figure<'_> {
     }
 }
 
-/// Of whatever hangs, 1/s: a ball joint has no friction, and a swing would not end.
-const DAMPING: (f64, f64) = (0.15, 0.8);
+/// Linear and angular, of whatever is joined, 1/s: a ball joint has no friction, and a swing would
+/// not end.
+const DAMPING: (f64, f64) = (0.2, 3.0);
 
 /// From the middle of the pelvis to the soles of a standing figure of scale 1, m.
 fn standing_height() -> f64 {
@@ -222,12 +223,8 @@ fn add_waving_figure(scene: &mut SceneSpec) {
 fn add_gymnast(scene: &mut SceneSpec) {
     const BAR: DVec3 = DVec3::new(1.7, 2.75, -0.3);
     const THICKNESS: f64 = 0.06;
-    let side = Side {
-        upper_arm: DVec3::new(0.12, 1.0, 0.0),
-        forearm: DVec3::new(0.04, 1.0, 0.0),
-        thigh: DVec3::new(0.02, -1.0, 0.0),
-        shin: DVec3::new(0.02, -1.0, 0.0),
-    };
+    // Straight up and down: hung in equilibrium.
+    let side = Side { upper_arm: DVec3::Y, forearm: DVec3::Y, thigh: DVec3::NEG_Y, shin: DVec3::NEG_Y };
     let bar = ShapeSpec::Cuboid { size: DVec3::new(1.9, THICKNESS, THICKNESS) };
     scene.bodies.push(BodySpec::new("bar", bar, BAR).fixed().with_color(palette::STEEL));
     let bar = scene.bodies.len() - 1;
