@@ -75,6 +75,13 @@ fn overhang_is_cut_off() {
 }
 
 #[test]
+fn corners_cut_off_get_names_of_their_own() {
+    let below = upright(&unit_cube(), [0.0; 3]);
+    let [aligned, shifted] = [0.0, 0.4].map(|x| features(&clipped(&below, &upright(&unit_cube(), [x, 0.98, 0.0]))));
+    assert_eq!(aligned.intersection(&shifted).count(), 2, "of {aligned:x?} and {shifted:x?}");
+}
+
+#[test]
 fn each_point_of_a_tilted_box_has_its_own_depth() {
     let tilt = 0.1_f64;
     let slab = Collider::cuboid(3.0, 1.0, 3.0);
