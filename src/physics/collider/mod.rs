@@ -2,7 +2,7 @@
 //!
 //! A collider is centred on its body's centre of mass, in principal axes. Each shape file gives
 //! closed forms of its volume (m³), its principal moments per kilogram (m²), its bounding radius
-//! about the centre of mass (m) and its [`Geometry`]. What touches what is not here: see
+//! about the centre of mass (m) and its geometry for collision. What touches what is not here: see
 //! `collision`.
 
 mod cone;
