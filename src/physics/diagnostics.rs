@@ -13,7 +13,7 @@ use super::bodies::{Bodies, Joints};
 use super::body::{GravityScale, Position, Rotation, Velocity};
 use super::collision::Contacts;
 use super::settings::{Gravity, SolverSettings};
-use super::solver::{IslandSolvers, LaggedContacts};
+use super::solver::{ContactCache, IslandSolvers, LaggedContacts};
 use super::{PhysicsSchedule, PhysicsSystems};
 
 /// Counts and times of the last step.
@@ -177,7 +177,8 @@ fn collect_contact_forces(
 }
 
 /// Feeds every bit that the next step depends on to a hasher: poses and velocities of all bodies
-/// in the order in which they became bodies, and contacts that wait for a lagged solve.
+/// in the order in which they became bodies, the warm-start cache, and contacts that wait for a
+/// lagged solve.
 pub fn hash_state<H: Hasher>(world: &World, hasher: &mut H) {
     let mut feed = |value: f64| hasher.write_u64(value.to_bits());
     let Some(bodies) = world.get_resource::<Bodies>() else { return };
@@ -190,6 +191,9 @@ pub fn hash_state<H: Hasher>(world: &World, hasher: &mut H) {
             velocity.linear.to_array().into_iter().for_each(&mut feed);
             velocity.angular.to_array().into_iter().for_each(&mut feed);
         }
+    }
+    if let Some(cache) = world.get_resource::<ContactCache>() {
+        cache.points().iter().flat_map(|(_, force)| force.iter().copied()).for_each(&mut feed);
     }
     if let Some(lagged) = world.get_resource::<LaggedContacts>() {
         for manifold in &lagged.pending().manifolds {

@@ -23,7 +23,7 @@ use super::diagnostics::StepStats;
 use super::joint::{BallJoint, JoinedPairs, JointSlot, Softness};
 use super::messages::BodyQuarantined;
 use super::settings::{Gravity, SolverSettings};
-use super::solver::LaggedContacts;
+use super::solver::{ContactCache, LaggedContacts};
 use super::transform::{PoseHistory, RenderOrigin};
 
 pub(super) fn plugin(app: &mut App) {
@@ -70,6 +70,7 @@ fn gather_bodies(
     mut query: Query<BodyQuery>,
     mut bodies: ResMut<Bodies>,
     mut lagged: ResMut<LaggedContacts>,
+    mut cache: ResMut<ContactCache>,
     gravity: Res<Gravity>,
     settings: Res<SolverSettings>,
     origin: Res<RenderOrigin>,
@@ -90,6 +91,7 @@ fn gather_bodies(
         }
     }
     if seen.contains(&false) {
+        cache.clear();
         drop_gone_bodies(seen, &mut bodies, &mut lagged, &mut query);
     }
     new.sort_unstable();
@@ -114,6 +116,7 @@ fn gather_bodies(
         let body = &mut bodies.list[index as usize];
         if teleport(&mut item, origin.0) {
             lagged.drop_body(index);
+            cache.drop_body(index);
         }
         let verdict = gather_body(&item, body, &gravity, &settings, &mut commands);
         let reason = item.quarantined.map(|known| known.reason).or(verdict.err());

@@ -89,6 +89,9 @@ pub struct SolverSettings {
     pub substeps: u32,
     /// Sweeps over all rows in each (sub)step, at least 1.
     pub iterations: u32,
+    /// Whether contact rows start from the forces of the (sub)step before, points found again by
+    /// feature, instead of from zero.
+    pub warm_starting: bool,
     /// Scalar of rows and solver.
     pub precision: Precision,
     /// Share of a position error that one (sub)step aims to remove, 0 to 1 (Baumgarte's β·h,
@@ -137,6 +140,7 @@ impl SolverSettings {
             integrator: Integrator::Euler,
             substeps: 1,
             iterations: 4,
+            warm_starting: false,
             precision: Precision::F32,
             baumgarte: 0.35,
             slop: 0.01,
@@ -154,12 +158,13 @@ impl SolverSettings {
     }
 
     /// The default: the parts that hold up best under a person's hands. Clipped manifolds,
-    /// friction bounded by the contact's own normal force, restitution, and substeps, which
-    /// do more for joints than sweeps of the same cost.
+    /// friction bounded by the contact's own normal force, restitution, warm starting, and
+    /// substeps, which do more for joints than sweeps of the same cost.
     pub fn steady() -> Self {
         Self {
             substeps: 4,
             iterations: 10,
+            warm_starting: true,
             baumgarte: 0.2,
             slop: 0.002,
             correction_speed: Some(3.0),

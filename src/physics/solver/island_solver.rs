@@ -5,6 +5,7 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::pgs;
 use super::rows::{Scalar, body_terms, contact_rows, joint_rows};
+use super::warm_start::ContactCache;
 use crate::physics::bodies::{Bodies, Body, Joint, Joints, world_inverse_inertia};
 use crate::physics::collision::Contacts;
 use crate::physics::constraint::row::{BodyTerms, Row, Twist};
@@ -20,6 +21,7 @@ pub(crate) struct StepTerms {
     pub precision: Precision,
     pub substeps: u32,
     pub iterations: u32,
+    pub warm_starting: bool,
     /// Length of a substep, s.
     pub h: f64,
     /// β: share of an error mended per second of a substep, 1/s.
@@ -46,6 +48,7 @@ impl StepTerms {
             precision: settings.precision,
             substeps: settings.substeps,
             iterations: settings.iterations,
+            warm_starting: settings.warm_starting,
             h,
             error_rate: settings.baumgarte / h,
             slop: settings.slop,
@@ -137,6 +140,8 @@ pub(crate) struct LocalPoint {
     found_offset: Vector3<f64>,
     /// Index of its normal row in the present solve; its friction rows follow.
     pub first_row: usize,
+    /// Force on B in the last solve, N.
+    force: Vector3<f64>,
     /// Impulse on B in this step so far, N·s.
     impulse: Vector3<f64>,
 }
@@ -150,6 +155,7 @@ pub(crate) struct LocalJoint {
     pub anchor_a: Vector3<f64>,
     pub anchor_b: Vector3<f64>,
     pub softness: Option<Softness>,
+    /// Impulse on B in this step so far, N·s.
     impulse: Vector3<f64>,
 }
 
@@ -194,7 +200,14 @@ impl IslandSolver {
     }
 
     /// Copies the group's bodies and constraints.
-    pub fn gather(&mut self, islands: &Islands, bodies: &Bodies, joints: &Joints, contacts: &Contacts) {
+    pub fn gather(
+        &mut self,
+        islands: &Islands,
+        bodies: &Bodies,
+        joints: &Joints,
+        contacts: &Contacts,
+        cache: &ContactCache,
+    ) {
         let group = self.group;
         self.bodies.clear();
         self.bodies.extend(islands.bodies(group).iter().map(|&body| LocalBody::new(body, &bodies.list[body as usize])));
@@ -222,6 +235,7 @@ impl IslandSolver {
                     body_arm_b: body_b.rotation.inverse() * arm_b,
                     found_offset: body_b.position - body_a.position + arm_b - arm_a,
                     first_row: 0,
+                    force: cache.force(manifold.pair, found.feature),
                     impulse: Vector3::zeros(),
                 });
             }
@@ -325,27 +339,59 @@ impl IslandSolver {
         for joint in &self.joints {
             joint_rows(&self.bodies, &work.terms, joint, terms, h, &mut work.rows);
         }
+        if terms.warm_starting {
+            self.warm_start(&mut work.rows[..joints_from], &mut work.accelerations);
+        }
         match terms.method {
             Method::ProjectedGaussSeidel => pgs::solve(&mut work.rows, &mut work.accelerations, terms.iterations),
         }
         self.row_count = work.rows.len() as u32;
         self.row_updates += u64::from(self.row_count) * u64::from(terms.iterations);
-        for (joint, rows) in self.joints.iter_mut().zip(work.rows[joints_from..].chunks_exact(3)) {
-            joint.impulse += Vector3::from_fn(|axis, _| rows[axis].lambda.to_f64()) * h;
+        self.keep_forces(&work.rows, joints_from, h, terms);
+    }
+
+    /// Starts each contact row from the force that its point carried.
+    fn warm_start<N: Scalar>(&self, rows: &mut [Row<N>], accelerations: &mut [Twist<N>]) {
+        let mut end = rows.len();
+        for point in self.points.iter().rev() {
+            for row in &mut rows[point.first_row..end] {
+                row.lambda = N::of(point.force.dot(&row.jacobian.linear_b.map(Scalar::to_f64)));
+            }
+            rows[point.first_row].lambda = rows[point.first_row].lambda.simd_max(N::zero());
+            end = point.first_row;
         }
-        if terms.record_forces {
-            self.record_contacts(&work.rows[..joints_from], h);
+        for row in rows {
+            pgs::add_response(row, row.lambda, accelerations);
         }
     }
 
-    /// Adds each contact row's impulse to its point.
-    fn record_contacts<N: Scalar>(&mut self, rows: &[Row<N>], h: f64) {
-        let mut end = rows.len();
+    /// Keeps the forces found, which act over `h`, with their joints and, where somebody wants
+    /// them, with their contact points.
+    fn keep_forces<N: Scalar>(&mut self, rows: &[Row<N>], joints_from: usize, h: f64, terms: &StepTerms) {
+        for (joint, rows) in self.joints.iter_mut().zip(rows[joints_from..].chunks_exact(3)) {
+            joint.impulse += Vector3::from_fn(|axis, _| rows[axis].lambda.to_f64()) * h;
+        }
+        if !terms.warm_starting && !terms.record_forces {
+            return;
+        }
+        let mut end = joints_from;
         for point in self.points.iter_mut().rev() {
-            for row in &rows[point.first_row..end] {
-                point.impulse += row.jacobian.linear_b.map(Scalar::to_f64) * (row.lambda.to_f64() * h);
-            }
+            point.force = rows[point.first_row..end]
+                .iter()
+                .map(|row| row.jacobian.linear_b.map(Scalar::to_f64) * row.lambda.to_f64())
+                .sum();
+            point.impulse += point.force * h;
             end = point.first_row;
+        }
+    }
+
+    /// Puts the forces of the last substep where the next step finds them.
+    pub fn store_forces(&self, contacts: &Contacts, cache: &mut ContactCache) {
+        for (manifold, &source) in self.manifolds.iter().zip(&self.manifold_source) {
+            let found = &contacts.manifolds[source as usize];
+            let points = &self.points[manifold.first_point..manifold.end_point];
+            let features = contacts.points_of(found).iter().map(|point| point.feature);
+            cache.insert(found.pair, features.zip(points.iter().map(|point| point.force)));
         }
     }
 

@@ -8,9 +8,11 @@ mod island_solver;
 mod lag;
 mod pgs;
 mod rows;
+mod warm_start;
 
 pub(crate) use island_solver::{IslandSolver, LocalBody, StepTerms};
 pub(crate) use lag::LaggedContacts;
+pub(crate) use warm_start::ContactCache;
 
 use bevy::prelude::*;
 
@@ -23,6 +25,7 @@ use super::{PhysicsSchedule, PhysicsSystems, threads};
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<LaggedContacts>()
+        .init_resource::<ContactCache>()
         .init_resource::<IslandSolvers>()
         .add_systems(
             PhysicsSchedule,
@@ -45,6 +48,7 @@ fn solve_islands(
     contacts: Res<Contacts>,
     lagged: Res<LaggedContacts>,
     islands: Res<Islands>,
+    mut cache: ResMut<ContactCache>,
     mut solvers: ResMut<IslandSolvers>,
     settings: Res<SolverSettings>,
     gravity: Res<Gravity>,
@@ -62,9 +66,9 @@ fn solve_islands(
         solver.begin(island);
     }
     {
-        let (bodies, joints) = (&*bodies, &*joints);
+        let (bodies, joints, cache) = (&*bodies, &*joints, &*cache);
         threads::for_each_block(settings.threads, &mut solvers.list[..count], |solver| {
-            solver.gather(&islands, bodies, joints, contacts);
+            solver.gather(&islands, bodies, joints, contacts, cache);
             solver.step(&terms);
         });
     }
@@ -74,5 +78,11 @@ fn solve_islands(
         stats.rows += solver.row_count();
         stats.row_updates += solver.row_updates();
         solver.scatter(&mut bodies.list, &mut joints.list);
+    }
+    cache.clear();
+    if settings.warm_starting {
+        for solver in &solvers.list[..count] {
+            solver.store_forces(contacts, &mut cache);
+        }
     }
 }

@@ -5,16 +5,15 @@
 //! λ_i ← clamp(λ_i + (η_i − γ_i λ_i − J_i a) / d_i), a ← a + (M⁻¹Jᵀ)_i Δλ_i,
 //!
 //! with η the row's target and d_i = J_i M⁻¹ J_iᵀ + γ_i. Rows are taken in their order, λ starts
-//! from zero.
+//! from zero or, warm started, from what the rows carried before.
 
 use nalgebra::SimdRealField;
 
 use crate::physics::constraint::row::{Bounds, Row, RowPair, Twist};
 
-/// Sweeps `iterations` times over the rows, from λ = 0. `accelerations` holds a = M⁻¹Jᵀλ of each
-/// body afterwards.
+/// Sweeps `iterations` times over the rows, from the λ that they hold. `accelerations` must hold
+/// a = M⁻¹Jᵀλ of each body ([`add_response`]), and does afterwards.
 pub(crate) fn solve<N: SimdRealField + Copy>(rows: &mut [Row<N>], accelerations: &mut [Twist<N>], iterations: u32) {
-    accelerations.fill(Twist::zero());
     for _ in 0..iterations {
         for index in 0..rows.len() {
             update(rows, index, accelerations);
@@ -36,6 +35,12 @@ fn update<N: SimdRealField + Copy>(rows: &mut [Row<N>], index: usize, accelerati
     let lambda = (row.lambda + residual * row.inverse_diagonal).simd_clamp(lower, upper);
     let change = lambda - row.lambda;
     row.lambda = lambda;
+    add_response(row, change, accelerations);
+}
+
+/// a ← a + (M⁻¹Jᵀ)_i Δλ.
+pub(crate) fn add_response<N: SimdRealField + Copy>(row: &Row<N>, change: N, accelerations: &mut [Twist<N>]) {
+    let (a, b) = (row.a as usize, row.b as usize);
     let RowPair { linear_a, angular_a, linear_b, angular_b } = row.response;
     accelerations[a].linear += linear_a * change;
     accelerations[a].angular += angular_a * change;

@@ -114,6 +114,12 @@ const FIELDS: &[(&str, &[Field])] = &[
             )
             .logarithmic(),
             Field::choice(
+                "warm_starting",
+                "warm starting",
+                "Whether contact rows start from the forces of the substep before, points found again by feature, \
+                 instead of from zero.",
+            ),
+            Field::choice(
                 "precision",
                 "precision",
                 "Scalar of rows and solver; poses are 64-bit either way.\n\nF32: single, on quantities relative to \
