@@ -5,8 +5,13 @@ use std::path::Path;
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use plumb::physics::{BallJoint, Collider, Gravity, Mass, Position, RenderOrigin, RigidBody, Rotation, Velocity};
-use plumb::scene::{BodySpec, JointSpec, MAX_BODIES, SceneEntity, SceneInfo, SceneSpec, catalog, find, load};
+use plumb::physics::{
+    BallJoint, Collider, CollisionLayers, Gravity, Mass, Position, RenderOrigin, RigidBody, Rotation, SurfaceMaterial,
+    Velocity,
+};
+use plumb::scene::{
+    BodySpec, JointSpec, MAX_BODIES, MaterialSpec, SceneEntity, SceneInfo, SceneSpec, catalog, find, load,
+};
 
 /// A built-in scene with some parameters given.
 fn built(name: &str, parameters: &[(&str, f64)]) -> SceneSpec {
@@ -143,5 +148,116 @@ fn rods_and_chain_start_where_their_references_do() {
         assert_eq!(body(&scene, "ball").position, center);
         assert_eq!(body(&scene, "ball").mass, Some(f64::from(r)));
         assert_eq!(reference_start(&format!("chain-{r}.csv")), center);
+    }
+}
+
+#[test]
+fn gravity_is_as_designed() {
+    let ten = ["rods", "chain", "joint_grid", "stack", "pyramid", "pyramids", "sandwich", "far"];
+    for info in catalog() {
+        let gravity = built(info.name, &[]).gravity;
+        let strength = match info.name {
+            "top" => 0.0,
+            name if ten.contains(&name) => 10.0,
+            _ => 9.81,
+        };
+        assert!((gravity.length() - strength).abs() < 1e-14, "{}: {gravity}", info.name);
+        if info.name != "incline" {
+            assert_eq!(gravity, DVec3::new(0.0, -strength, 0.0), "{}", info.name);
+        }
+    }
+    let (sin, cos) = 20_f64.to_radians().sin_cos();
+    assert_eq!(built("incline", &[("theta", 20.0)]).gravity, 9.81 * DVec3::new(sin, -cos, 0.0));
+    assert_eq!(built("joint_grid", &[("tilt", 20.0)]).gravity, DVec3::new(0.0, -10.0 * cos, 10.0 * sin));
+}
+
+#[test]
+fn what_does_not_collide_by_design_has_no_layers() {
+    for name in ["pendulum", "rods", "chain", "joint_grid", "top", "heavy_top"] {
+        let scene = built(name, &[]);
+        let shapes: Vec<_> = scene.bodies.iter().filter(|body| body.shape.is_some()).collect();
+        assert!(!shapes.is_empty() && shapes.iter().all(|body| body.layers == CollisionLayers::NONE), "{name}");
+    }
+}
+
+#[test]
+fn rolling_pairs_have_the_designed_friction_and_start_touching() {
+    let scene = built("rolling", &[("angle", 60.0)]);
+    let surface = |name| {
+        let MaterialSpec { friction, restitution } = body(&scene, name).material;
+        SurfaceMaterial { friction, restitution }
+    };
+    assert!((surface("slab").pair(surface("ground")).friction - 0.4).abs() < 1e-15);
+    assert!((surface("slab").pair(surface("ball 0")).friction - 0.8).abs() < 1e-15);
+    let (sin, cos) = 60_f64.to_radians().sin_cos();
+    assert_eq!(body(&scene, "slab").force, 150.0 * DVec3::new(cos, 0.0, sin));
+    assert_eq!(body(&scene, "slab").position, DVec3::new(0.0, 0.5, 0.0));
+    assert_eq!(body(&scene, "ball 0").position, DVec3::new(-4.0, 1.5, -4.0), "the first ball");
+    assert_eq!(body(&scene, "ball 24").position, DVec3::new(4.0, 1.5, 4.0));
+}
+
+#[test]
+fn the_cradle_touches_at_rest_with_its_first_ball_lifted() {
+    let scene = built("cradle", &[]);
+    let ball = |i: usize| body(&scene, &format!("ball {i}")).position;
+    for i in 1..4 {
+        assert!((ball(i).distance(ball(i + 1)) - 0.2).abs() < 1e-15);
+    }
+    let (sin, cos) = 30_f64.to_radians().sin_cos();
+    let pivot = body(&scene, "pivot 0").position;
+    assert!(ball(0).abs_diff_eq(pivot + DVec3::new(-sin, -cos, 0.0), 1e-15));
+    assert_eq!(body(&scene, "ball 0").material, MaterialSpec { friction: 0.0, restitution: 1.0 });
+}
+
+#[test]
+fn balls_start_as_high_as_designed() {
+    assert_eq!(body(&built("bounce", &[]), "ball 0").position, DVec3::new(-6.0, 5.0, -6.0));
+    for (e, lowest) in [(0.0, 0.101), (1.0, 1.101)] {
+        let scene = built("spheres", &[("e", e)]);
+        let heights = scene.bodies.iter().skip(1).map(|ball| ball.position.y);
+        let least = heights.fold(f64::INFINITY, f64::min);
+        assert!((lowest..lowest + 0.001).contains(&least), "e = {e}: {least}");
+    }
+}
+
+#[test]
+fn jitter_moves_every_cube_a_little_and_the_same_way_every_time() {
+    for (name, sideways) in [("stack", DVec3::new(1.0, 0.0, 1.0)), ("pyramid", DVec3::Z), ("pyramids", DVec3::Z)] {
+        let (still, moved) = (built(name, &[]), built(name, &[("jitter", 0.1)]));
+        assert_eq!(moved, built(name, &[("jitter", 0.1)]));
+        for (from, to) in still.bodies.iter().zip(&moved.bodies).skip(1) {
+            let offset = to.position - from.position;
+            assert!(offset != DVec3::ZERO && offset.abs().max_element() <= 0.1 + 1e-12, "{name} {}", to.name);
+            assert_eq!(offset * (DVec3::ONE - sideways), DVec3::ZERO, "{name}: only sideways");
+        }
+        assert_eq!(still.bodies[0], moved.bodies[0], "the ground stays");
+    }
+}
+
+#[test]
+fn far_is_the_scene_at_the_origin_moved() {
+    let (near, far) = (built("far", &[("d", 0.0)]), built("far", &[("d", 1e7)]));
+    assert_eq!(near.joints, far.joints);
+    for (near, far) in near.bodies.iter().zip(&far.bodies).skip(1) {
+        assert_eq!(far.position - near.position, 1e7 * DVec3::X, "{}", near.name);
+    }
+}
+
+#[test]
+fn limbs_has_figures_a_long_chain_and_loose_things_joined_by_like_masses() {
+    let scene = built("limbs", &[]);
+    let joints_of = |name: &str| scene.joints.iter().filter(|j| j.body_a == name || j.body_b == name).count();
+    let part = |part: &str| scene.bodies.iter().filter(|body| body.name.ends_with(part)).count();
+    assert!(part(" head") >= 2 && part(" head") == part(" chest"));
+    assert_eq!(part(" foot"), 2 * part(" head"));
+    assert!(scene.bodies.iter().filter(|body| body.name.starts_with("link ")).count() >= 20, "a long chain");
+    let loose = |body: &&BodySpec| body.kind == RigidBody::Dynamic && joints_of(&body.name) == 0;
+    assert!(scene.bodies.iter().filter(loose).count() >= 10);
+    for joint in &scene.joints {
+        let [a, b] = [&joint.body_a, &joint.body_b].map(|name| body(&scene, name));
+        if let (Some(a), Some(b)) = (a.mass, b.mass) {
+            let ratio = a.max(b) / a.min(b);
+            assert!(ratio <= 8.0, "{} to {}: {ratio}", joint.body_a, joint.body_b);
+        }
     }
 }

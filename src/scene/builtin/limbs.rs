@@ -16,7 +16,7 @@ pub(super) const LIMBS: SceneInfo = SceneInfo {
 };
 
 /// How many bodies [`build`] makes.
-const BODIES: usize = 1 + 3 * FIGURE_PARTS + 3 + 1 + 2 + LINKS + 10 + 3 + 3;
+const BODIES: usize = 1 + 3 * FIGURE_PARTS + 3 + 2 + 1 + 2 + LINKS + 10 + 3 + 3;
 
 /// Bodies of a figure.
 const FIGURE_PARTS: usize = 16;
@@ -27,12 +27,11 @@ const LINKS: usize = 28;
 fn build() -> SceneSpec {
     let mut scene = SceneSpec::new("limbs", EARTH);
     scene.bodies.push(BodySpec::ground().with_color(palette::GROUND));
-    add_waving_figure(&mut scene);
-    add_gymnast(&mut scene);
+    add_bar_with_figures(&mut scene);
     add_sitting_child(&mut scene);
     add_garland(&mut scene);
     add_loose_things(&mut scene);
-    scene.view = Some(ViewSpec { eye: DVec3::new(2.2, 2.6, 7.6), target: DVec3::new(0.1, 1.15, -0.3) });
+    scene.view = Some(ViewSpec { eye: DVec3::new(2.6, 2.5, 7.8), target: DVec3::new(0.8, 1.15, -0.3) });
     scene
 }
 
@@ -66,6 +65,12 @@ struct Side {
 /// Shirt, sleeves, trousers, hat.
 struct Clothes([[f32; 3]; 4]);
 
+/// Where a figure can be held: bodies of the scene.
+struct Holds {
+    chest: usize,
+    hands: [usize; 2],
+}
+
 /// A figure under construction; points are in its own axes from the middle of its pelvis, before
 /// scaling.
 struct Figure<'a> {
@@ -77,8 +82,8 @@ struct Figure<'a> {
 }
 
 impl Figure<'_> {
-    /// Builds all 16 parts, the pelvis first; returns the hands, left and right.
-    fn build(mut self, [left, right]: [Side; 2], Clothes([shirt, sleeves, trousers, hat]): Clothes) -> [usize; 2] {
+    /// Builds all 16 parts, the pelvis first.
+    fn build(mut self, [left, right]: [Side; 2], Clothes([shirt, sleeves, trousers, hat]): Clothes) -> Holds {
         let up = DVec3::Y;
         let pelvis = self.box_part("pelvis", PELVIS, DVec3::ZERO, DQuat::IDENTITY, trousers);
         let waist = (PELVIS.0.y / 2.0 + GAP) * up;
@@ -113,7 +118,7 @@ impl Figure<'_> {
             let (shin, ankle) = self.limb(&name("shin"), thigh, knee, mirror * side.shin, SHIN, trousers);
             self.cone_end(&name("foot"), shin, ankle, -up, FOOT, palette::SLATE);
         }
-        hands
+        Holds { chest, hands }
     }
 
     /// A box along `direction` from a joint of `parent`; returns it and the joint at its far end.
@@ -194,55 +199,55 @@ impl Figure<'_> {
 /// not end.
 const DAMPING: (f64, f64) = (0.2, 3.0);
 
-/// From the middle of the pelvis to the soles of a standing figure of scale 1, m.
-fn standing_height() -> f64 {
-    PELVIS.0.y / 2.0 + THIGH.0.y + SHIN.0.y + FOOT.1 + 6.0 * GAP
-}
-
-const STANDING: Side = Side {
-    upper_arm: DVec3::new(0.35, -1.0, 0.05),
-    forearm: DVec3::new(0.15, -1.0, 0.35),
-    thigh: DVec3::NEG_Y,
-    shin: DVec3::NEG_Y,
-};
-
-fn add_waving_figure(scene: &mut SceneSpec) {
-    let waving = Side { upper_arm: DVec3::new(1.0, 0.45, 0.0), forearm: DVec3::new(0.2, 1.0, 0.15), ..STANDING };
-    let figure = Figure {
-        scene,
-        name: "ann",
-        pelvis: DVec3::new(-1.0, standing_height() + 0.005, 0.5),
-        facing: DQuat::from_rotation_y(0.25),
-        scale: 1.0,
-    };
-    let clothes = Clothes([palette::RED, palette::RED, palette::BLUE, palette::YELLOW]);
-    figure.build([waving, STANDING], clothes);
-}
-
-/// Hangs by both hands from a bar between two posts.
-fn add_gymnast(scene: &mut SceneSpec) {
-    const BAR: DVec3 = DVec3::new(1.7, 2.75, -0.3);
-    const THICKNESS: f64 = 0.06;
-    // Straight up and down: hung in equilibrium.
-    let side = Side { upper_arm: DVec3::Y, forearm: DVec3::Y, thigh: DVec3::NEG_Y, shin: DVec3::NEG_Y };
-    let bar = ShapeSpec::Cuboid { size: DVec3::new(1.9, THICKNESS, THICKNESS) };
-    scene.bodies.push(BodySpec::new("bar", bar, BAR).fixed().with_color(palette::STEEL));
+/// A bar on two posts, and from it, in equilibrium but for an arm that waves: a puppet on two
+/// strings, its soles just off the ground, and a gymnast by both hands.
+fn add_bar_with_figures(scene: &mut SceneSpec) {
+    let thickness = 0.06;
+    let bar_shape = ShapeSpec::Cuboid { size: DVec3::new(3.1, thickness, thickness) };
+    scene.bodies.push(BodySpec::new("bar", bar_shape, BAR).fixed().with_color(palette::STEEL));
     let bar = scene.bodies.len() - 1;
     for (name, side) in [("left bar post", -1.0), ("right bar post", 1.0)] {
-        let height = BAR.y + THICKNESS / 2.0;
+        let height = BAR.y + thickness / 2.0;
         let post = ShapeSpec::Cuboid { size: DVec3::new(0.08, height, 0.08) };
-        let position = DVec3::new(BAR.x + side * 0.99, height / 2.0, BAR.z);
+        let position = DVec3::new(BAR.x + side * 1.59, height / 2.0, BAR.z);
         scene.bodies.push(BodySpec::new(name, post, position).fixed().with_color(palette::SLATE));
     }
-    let pelvis = DVec3::new(BAR.x, 1.495, BAR.z);
+    add_puppet(scene, bar);
+    add_gymnast(scene, bar);
+}
+
+/// The middle of the bar.
+const BAR: DVec3 = DVec3::new(0.5, 2.75, -0.3);
+
+fn add_puppet(scene: &mut SceneSpec, bar: usize) {
+    let hanging =
+        Side { upper_arm: DVec3::new(0.05, -1.0, 0.0), forearm: DVec3::NEG_Y, thigh: DVec3::NEG_Y, shin: DVec3::NEG_Y };
+    let waving = Side { upper_arm: DVec3::new(1.0, 0.45, 0.0), forearm: DVec3::new(0.2, 1.0, 0.15), ..hanging };
+    let soles_to_pelvis = PELVIS.0.y / 2.0 + THIGH.0.y + SHIN.0.y + FOOT.1 + 6.0 * GAP;
+    let pelvis = DVec3::new(BAR.x - 0.7, soles_to_pelvis + 0.03, BAR.z);
+    let figure = Figure { scene: &mut *scene, name: "ann", pelvis, facing: DQuat::IDENTITY, scale: 1.0 };
+    let clothes = Clothes([palette::RED, palette::RED, palette::BLUE, palette::YELLOW]);
+    let chest = figure.build([hanging, waving], clothes).chest;
+    for (name, side) in [("left string", 1.0), ("right string", -1.0)] {
+        // Between head and arm.
+        let shoulder = scene.bodies[chest].point(DVec3::new(side * 0.165, CHEST.0.y / 2.0, 0.0));
+        let top = DVec3::new(shoulder.x, BAR.y, BAR.z);
+        let shape = ShapeSpec::Cuboid { size: DVec3::new(0.03, top.y - shoulder.y - 0.1, 0.03) };
+        let string = BodySpec::new(name, shape, 0.5 * (shoulder + top)).with_mass(2.0).with_color(palette::STEEL);
+        scene.joints.push(JointSpec::at(&scene.bodies[bar], &string, top));
+        scene.joints.push(JointSpec::at(&string, &scene.bodies[chest], shoulder));
+        scene.bodies.push(BodySpec { damping: DAMPING, ..string });
+    }
+}
+
+fn add_gymnast(scene: &mut SceneSpec, bar: usize) {
+    let stretched = Side { upper_arm: DVec3::Y, forearm: DVec3::Y, thigh: DVec3::NEG_Y, shin: DVec3::NEG_Y };
+    let pelvis = DVec3::new(BAR.x + 0.75, 1.495, BAR.z);
     let figure = Figure { scene: &mut *scene, name: "bo", pelvis, facing: DQuat::IDENTITY, scale: 1.0 };
     let clothes = Clothes([palette::TEAL, palette::TEAL, palette::SLATE, palette::ORANGE]);
-    for hand in figure.build([side, side], clothes) {
+    for hand in figure.build([stretched, stretched], clothes).hands {
         let (bar, hand) = (&scene.bodies[bar], &scene.bodies[hand]);
-        // The middle of the cone's base, moved along the hand until it meets the bar's middle line.
-        let palm = hand.point((HAND.1 / 4.0) * DVec3::NEG_Y);
-        let outward = hand.rotation * DVec3::NEG_Y;
-        let grip = palm + (BAR.y - palm.y) / outward.y * outward;
+        let grip = DVec3::new(hand.position.x, BAR.y, BAR.z);
         scene.joints.push(JointSpec::at(bar, hand, grip));
     }
 }
@@ -252,7 +257,7 @@ fn add_sitting_child(scene: &mut SceneSpec) {
     const SCALE: f64 = 0.72;
     const CRATE: f64 = 0.5;
     let facing = DQuat::from_rotation_y(0.6);
-    let seat = DVec3::new(-2.5, CRATE, 0.3);
+    let seat = DVec3::new(-2.1, CRATE, 0.4);
     let crate_shape = ShapeSpec::Cuboid { size: DVec3::splat(CRATE) };
     let crate_center = seat - CRATE / 2.0 * DVec3::Y;
     scene.bodies.push(
@@ -316,8 +321,8 @@ fn add_loose_things(scene: &mut SceneSpec) {
     let mut crates = 0;
     for (row, count) in [4, 3, 2, 1].into_iter().enumerate() {
         for i in 0..count {
-            let x = 3.6 + (CRATE + 0.01) * (f64::from(i) - f64::from(count - 1) / 2.0);
-            let position = DVec3::new(x, CRATE * (row as f64 + 0.5), 0.9);
+            let x = 3.3 + (CRATE + 0.01) * (f64::from(i) - f64::from(count - 1) / 2.0);
+            let position = DVec3::new(x, CRATE * (row as f64 + 0.5), 0.1);
             let color = palette::bright(row + i as usize);
             let shape = ShapeSpec::Cuboid { size: DVec3::splat(CRATE) };
             scene
@@ -335,7 +340,7 @@ fn add_loose_things(scene: &mut SceneSpec) {
             ..ball.with_mass(mass).with_material(0.6, 0.4).with_color(palette::bright(2 * i))
         });
     }
-    let cones = [DVec3::new(-1.9, 0.0, 1.6), DVec3::new(-2.9, 0.0, 1.3), DVec3::new(2.5, 0.0, 1.6)];
+    let cones = [DVec3::new(-1.4, 0.0, 1.6), DVec3::new(-2.2, 0.0, 1.9), DVec3::new(2.6, 0.0, 1.5)];
     for (i, at) in cones.into_iter().enumerate() {
         let (radius, height) = (0.18, 0.45);
         let shape = ShapeSpec::Cone { radius, height };
