@@ -1,8 +1,15 @@
 //! What a user can ask for. Keys and buttons write the same messages.
 
+use bevy::app::FixedMain;
 use bevy::prelude::*;
 
-/// Something a user asks for; carried out in `Update`, within the frame.
+use super::camera::{self, Framing};
+use super::meshes::BodyColor;
+use super::{CurrentScene, Notice, Playback, Selection, screenshot};
+use crate::physics::{Collider, Position, RigidBody, Velocity};
+use crate::scene::{self, SceneEntity, SceneSpec, SpawnedScene};
+
+/// Something a user asks for; carried out in `Update`, in the order of writing.
 #[derive(Message, Clone, Debug, PartialEq)]
 pub enum SandboxAction {
     /// Replaces the scene: a built-in name or the path of a RON file, with parameters as on the
@@ -21,7 +28,7 @@ pub enum SandboxAction {
     StepOnce,
     /// Slow motion on or off.
     ToggleSlowMotion,
-    /// Throws a ball from the camera along its view.
+    /// Throws a ball from the camera, at what the pointer is on.
     ThrowBall,
     /// Deletes the picked body and its joints.
     DeletePicked,
@@ -36,5 +43,103 @@ pub enum SandboxAction {
 }
 
 pub(super) fn plugin(app: &mut App) {
-    app.add_message::<SandboxAction>();
+    app.add_message::<SandboxAction>().add_systems(Update, carry_out_actions);
+}
+
+pub(super) fn carry_out_actions(
+    world: &mut World,
+    mut cursor: Local<bevy::ecs::message::MessageCursor<SandboxAction>>,
+) {
+    let messages = world.resource::<Messages<SandboxAction>>();
+    let actions: Vec<_> = cursor.read(messages).cloned().collect();
+    for action in actions {
+        carry_out(world, action);
+    }
+}
+
+fn carry_out(world: &mut World, action: SandboxAction) {
+    match action {
+        SandboxAction::LoadScene { scene, parameters } => load_scene(world, scene, parameters),
+        SandboxAction::Reset => reset(world),
+        SandboxAction::TogglePause => {
+            let mut playback = world.resource_mut::<Playback>();
+            playback.paused = !playback.paused;
+        }
+        SandboxAction::StepOnce => {
+            world.resource_mut::<Playback>().paused = true;
+            world.run_schedule(FixedMain);
+        }
+        SandboxAction::ToggleSlowMotion => {
+            let mut playback = world.resource_mut::<Playback>();
+            playback.slow = !playback.slow;
+        }
+        SandboxAction::ThrowBall => throw_ball(world),
+        SandboxAction::DeletePicked => {
+            if let Some(body) = world.resource_mut::<Selection>().0.take() {
+                world.despawn(body);
+            }
+        }
+        SandboxAction::Escape => world.resource_mut::<Selection>().0 = None,
+        SandboxAction::FrameScene => frame_scene(world),
+        SandboxAction::Screenshot => screenshot::take(world),
+        SandboxAction::ToggleHelp => {} // the help's own
+    }
+}
+
+fn load_scene(world: &mut World, scene: String, parameters: Vec<(String, f64)>) {
+    match scene::load(&scene, &parameters) {
+        Ok(spec) => {
+            let entities = replace_bodies(world, &spec);
+            world.insert_resource(CurrentScene { scene, parameters, spec, entities });
+            *world.resource_mut::<Notice>() = Notice::None;
+            frame_scene(world);
+        }
+        Err(error) => *world.resource_mut::<Notice>() = Notice::Error(error.to_string()),
+    }
+}
+
+/// The camera stays: whoever resets wants to see the same thing again.
+fn reset(world: &mut World) {
+    let Some(mut current) = world.get_resource::<CurrentScene>().cloned() else { return };
+    current.entities = replace_bodies(world, &current.spec);
+    world.insert_resource(current);
+}
+
+/// Despawns what the last scene and the user spawned, and spawns the scene anew.
+fn replace_bodies(world: &mut World, spec: &SceneSpec) -> SpawnedScene {
+    let old: Vec<Entity> = world.query_filtered::<Entity, With<SceneEntity>>().iter(world).collect();
+    for entity in old {
+        world.despawn(entity);
+    }
+    world.resource_mut::<Selection>().0 = None;
+    let spawned = spec.spawn(world);
+    for (&entity, body) in spawned.bodies.iter().zip(&spec.bodies) {
+        if let Some([red, green, blue]) = body.color {
+            world.entity_mut(entity).insert(BodyColor(Color::srgb(red, green, blue)));
+        }
+    }
+    spawned
+}
+
+fn frame_scene(world: &mut World) {
+    if let Some(current) = world.get_resource::<CurrentScene>() {
+        let framing = Framing::of(&current.spec);
+        camera::look(world, framing);
+    }
+}
+
+/// The ball is a good deal heavier than a limb and fast enough to cross the view in half a
+/// second, whatever the scale of the scene.
+fn throw_ball(world: &mut World) {
+    let Some(aim) = world.run_system_cached(camera::aim).ok().flatten() else { return };
+    let radius = (0.03 * aim.distance).clamp(0.1, 1.0);
+    world.spawn((
+        Name::new("thrown ball"),
+        SceneEntity,
+        BodyColor(Color::srgb(0.95, 0.76, 0.2)),
+        RigidBody::Dynamic,
+        Collider::sphere(radius),
+        Position(aim.origin + aim.direction * (4.0 * radius)),
+        Velocity { linear: aim.direction * (2.0 * aim.distance).clamp(5.0, 40.0), ..default() },
+    ));
 }

@@ -1,62 +1,58 @@
 //! Which key does what.
 
+use bevy::input::InputSystems;
 use bevy::prelude::*;
+use bevy_egui::input::egui_wants_any_keyboard_input;
 
 use super::SandboxAction;
 
-/// A key and what it does.
+/// Keys and what they do.
 pub struct Binding {
     /// Any of these keys.
     pub keys: &'static [KeyCode],
     /// The keys as the help names them.
     pub label: &'static str,
-    /// What it does, as the help says it.
+    /// What they do, as the help says it.
     pub about: &'static str,
     /// The action.
     pub action: SandboxAction,
 }
 
+const fn binding(keys: &'static [KeyCode], label: &'static str, about: &'static str, action: SandboxAction) -> Binding {
+    Binding { keys, label, about, action }
+}
+
 /// The keys, in the order of the help.
 pub const BINDINGS: &[Binding] = &[
-    Binding { keys: &[KeyCode::Space], label: "Space", about: "play or pause", action: SandboxAction::TogglePause },
-    Binding {
-        keys: &[KeyCode::Period, KeyCode::KeyN],
-        label: ". or N",
-        about: "one step",
-        action: SandboxAction::StepOnce,
-    },
-    Binding { keys: &[KeyCode::KeyM], label: "M", about: "slow motion", action: SandboxAction::ToggleSlowMotion },
-    Binding { keys: &[KeyCode::KeyR], label: "R", about: "reset the scene", action: SandboxAction::Reset },
-    Binding { keys: &[KeyCode::KeyB], label: "B", about: "throw a ball", action: SandboxAction::ThrowBall },
-    Binding {
-        keys: &[KeyCode::Delete, KeyCode::KeyX],
-        label: "Delete or X",
-        about: "delete the picked body",
-        action: SandboxAction::DeletePicked,
-    },
-    Binding { keys: &[KeyCode::KeyF], label: "F", about: "frame the scene", action: SandboxAction::FrameScene },
-    Binding {
-        keys: &[KeyCode::F12, KeyCode::KeyP],
-        label: "F12 or P",
-        about: "screenshot to plumb-N.png",
-        action: SandboxAction::Screenshot,
-    },
-    Binding {
-        keys: &[KeyCode::KeyH, KeyCode::F1],
-        label: "H or F1",
-        about: "this help",
-        action: SandboxAction::ToggleHelp,
-    },
-    Binding { keys: &[KeyCode::Escape], label: "Esc", about: "unpick, close the help", action: SandboxAction::Escape },
+    binding(&[KeyCode::Space], "Space", "play or pause", SandboxAction::TogglePause),
+    binding(&[KeyCode::Period, KeyCode::KeyN], ". or N", "one step", SandboxAction::StepOnce),
+    binding(&[KeyCode::KeyM], "M", "slow motion", SandboxAction::ToggleSlowMotion),
+    binding(&[KeyCode::KeyR], "R", "reset the scene", SandboxAction::Reset),
+    binding(&[KeyCode::KeyB], "B", "throw a ball at the pointer", SandboxAction::ThrowBall),
+    binding(&[KeyCode::Delete, KeyCode::KeyX], "Del or X", "delete the picked body", SandboxAction::DeletePicked),
+    binding(&[KeyCode::KeyF], "F", "frame the scene", SandboxAction::FrameScene),
+    binding(&[KeyCode::F12, KeyCode::KeyP], "F12 or P", "screenshot to plumb-N.png", SandboxAction::Screenshot),
+    binding(&[KeyCode::KeyH, KeyCode::F1], "H or F1", "this help", SandboxAction::ToggleHelp),
+    binding(&[KeyCode::Escape], "Esc", "unpick, close the help", SandboxAction::Escape),
 ];
 
 /// What the mouse does, as the help says it.
 pub const MOUSE: &[(&str, &str)] = &[
     ("left button", "pick a body and drag it"),
-    ("wheel while dragging", "nearer or farther"),
+    ("wheel while dragging", "farther or nearer"),
     ("right button", "orbit"),
     ("middle button", "pan"),
     ("wheel", "zoom"),
 ];
 
-pub(super) fn plugin(_app: &mut App) {}
+pub(super) fn plugin(app: &mut App) {
+    app.add_systems(PreUpdate, read_keys.after(InputSystems).run_if(not(egui_wants_any_keyboard_input)));
+}
+
+fn read_keys(keys: Res<ButtonInput<KeyCode>>, mut actions: MessageWriter<SandboxAction>) {
+    for binding in BINDINGS {
+        if keys.any_just_pressed(binding.keys.iter().copied()) {
+            actions.write(binding.action.clone());
+        }
+    }
+}

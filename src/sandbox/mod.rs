@@ -3,13 +3,27 @@
 //! Keys ([`controls::BINDINGS`]) and the buttons of the panel write the same [`SandboxAction`]s,
 //! carried out in one place; the panel shows [`CurrentScene`], [`Playback`] and [`Notice`], and works
 //! on the physics resources themselves.
+//!
+//! A frame: `PreUpdate` picks and reads keys; before the fixed loop the camera's [`RenderOrigin`]
+//! and the drag's target are brought up to date; the fixed loop steps; `Update` carries out
+//! actions and gives new bodies their meshes; `PostUpdate` runs camera and panel.
+//!
+//! [`RenderOrigin`]: crate::physics::RenderOrigin
 
 mod actions;
+mod camera;
 pub mod controls;
+mod drag;
 mod gizmos;
+mod ground;
 mod help;
+mod highlight;
+mod light;
+mod meshes;
 mod panel;
+mod playback;
 mod plots;
+mod screenshot;
 mod state;
 mod window;
 
@@ -30,7 +44,9 @@ pub struct SandboxPlugin;
 impl Plugin for SandboxPlugin {
     fn build(&self, app: &mut App) {
         app.add_plugins((PhysicsPlugin::default(), MeshPickingPlugin, EguiPlugin::default(), PanOrbitCameraPlugin))
-            .add_plugins((state::plugin, actions::plugin, controls::plugin))
+            .add_plugins((state::plugin, playback::plugin, actions::plugin, controls::plugin, screenshot::plugin))
+            .add_plugins((camera::plugin, light::plugin, ground::plugin, meshes::plugin))
+            .add_plugins((drag::plugin, highlight::plugin))
             .add_plugins((panel::plugin, plots::plugin, gizmos::plugin, help::plugin));
     }
 }

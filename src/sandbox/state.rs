@@ -4,7 +4,8 @@ use bevy::prelude::*;
 
 use crate::scene::{SceneSpec, SpawnedScene};
 
-/// The scene that is loaded; written by [`super::SandboxAction::LoadScene`] alone.
+/// The scene that is loaded; written by [`super::SandboxAction::LoadScene`] and
+/// [`super::SandboxAction::Reset`] alone, and changed at each.
 #[derive(Resource, Clone, Debug)]
 pub struct CurrentScene {
     /// A built-in name, or the path of a RON file.
@@ -53,5 +54,5 @@ pub enum Notice {
 }
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<Selection>().init_resource::<Playback>().init_resource::<Notice>();
+    app.init_resource::<Selection>().init_resource::<Notice>();
 }

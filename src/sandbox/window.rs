@@ -1,7 +1,16 @@
 //! Opening the window, or saying in one line why there is none.
 
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use bevy::log::LogPlugin;
+use bevy::prelude::*;
+use bevy::window::WindowResolution;
+
+use super::{SandboxAction, SandboxPlugin};
 use crate::physics::SolverSettings;
-use crate::scene::SceneError;
+use crate::scene::{self, SceneError};
 
 /// What the sandbox opens with.
 #[derive(Clone, Debug)]
@@ -26,6 +35,9 @@ pub enum LaunchError {
     /// A window system, but nothing to draw with.
     #[error("no graphics driver to draw with; 'plumb run SCENE' simulates without one")]
     NoGraphics,
+    /// Something else that a window needs.
+    #[error("the window did not open ({0}); 'plumb run SCENE' simulates without one")]
+    Other(String),
 }
 
 /// Opens the window and returns when it is closed.
@@ -33,6 +45,68 @@ pub enum LaunchError {
 /// # Errors
 /// The scene, the display or the graphics driver is missing or wrong.
 pub fn launch(launch: Launch) -> Result<(), LaunchError> {
-    crate::scene::load(&launch.scene, &launch.parameters)?;
-    Err(LaunchError::NoDisplay)
+    scene::load(&launch.scene, &launch.parameters)?;
+    let exit = catch_failed_start(|| run(launch))?;
+    match exit {
+        AppExit::Success => Ok(()),
+        AppExit::Error(code) => Err(LaunchError::Other(format!("it closed with code {code}"))),
+    }
+}
+
+fn run(launch: Launch) -> AppExit {
+    let window = Window {
+        title: "Plumb".into(),
+        name: Some("plumb".into()),
+        resolution: WindowResolution::new(1280, 720),
+        ..default()
+    };
+    App::new()
+        .add_plugins(
+            DefaultPlugins
+                .set(WindowPlugin { primary_window: Some(window), ..default() })
+                .set(LogPlugin { filter: "error".into(), ..default() }),
+        )
+        .insert_resource(launch.settings)
+        .add_plugins(SandboxPlugin)
+        .add_systems(Startup, move |mut actions: MessageWriter<SandboxAction>| {
+            let (scene, parameters) = (launch.scene.clone(), launch.parameters.clone());
+            actions.write(SandboxAction::LoadScene { scene, parameters });
+        })
+        .add_systems(Last, || STARTED.store(true, Ordering::Relaxed))
+        .run()
+}
+
+/// Whether the first frame has been reached.
+static STARTED: AtomicBool = AtomicBool::new(false);
+
+/// Bevy panics where it finds no display or no driver. Until the first frame such a panic is
+/// kept quiet and becomes an error; after it, panics are what they always are.
+fn catch_failed_start(run: impl FnOnce() -> AppExit) -> Result<AppExit, LaunchError> {
+    static FIRST_PANIC: Mutex<Option<String>> = Mutex::new(None);
+    let loud = panic::take_hook();
+    panic::set_hook(Box::new(move |info| {
+        if STARTED.load(Ordering::Relaxed) {
+            return loud(info);
+        }
+        let message = info.payload_as_str().unwrap_or("no reason given").to_owned();
+        FIRST_PANIC.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).get_or_insert(message);
+    }));
+    panic::catch_unwind(AssertUnwindSafe(run)).map_err(|payload| {
+        if STARTED.load(Ordering::Relaxed) {
+            panic::resume_unwind(payload);
+        }
+        let message = FIRST_PANIC.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).take();
+        explain(&message.unwrap_or_default())
+    })
+}
+
+/// What a panic at start was about, from the words of winit and of Bevy's renderer.
+fn explain(message: &str) -> LaunchError {
+    if message.contains("event loop") || message.contains("DISPLAY") {
+        LaunchError::NoDisplay
+    } else if message.contains("GPU") || message.contains("wgpu") || message.contains("adapter") {
+        LaunchError::NoGraphics
+    } else {
+        LaunchError::Other(message.lines().next().unwrap_or_default().to_owned())
+    }
 }

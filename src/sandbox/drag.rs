@@ -1,0 +1,290 @@
+//! Picking and dragging with the left button.
+//!
+//! The body is held at the very point that was hit, by a soft ball joint to a body without a
+//! shape: the *handle*. The handle goes where the pointer is, in the plane through the held point
+//! parallel to the picture; the wheel moves that plane. A pointer that jumps pulls no harder than
+//! the joint's bounded force.
+
+use bevy::app::{RunFixedMainLoop, RunFixedMainLoopSystems};
+use bevy::input::mouse::{AccumulatedMouseScroll, MouseScrollUnit};
+use bevy::math::DVec3;
+use bevy::picking::pointer::{PointerId, PointerLocation, PointerMap, PointerPress};
+use bevy::prelude::*;
+use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
+
+use super::Selection;
+use crate::physics::{
+    BallJoint, Collider, Mass, Position, Quarantined, RenderOrigin, RigidBody, Rotation, Shape, Softness,
+    SolverSettings,
+};
+
+/// Frequency of the joint that holds a single body, Hz: firm, and calm at 60 steps a second.
+const FREQUENCY: f64 = 5.0;
+/// The most that what hangs on the held body raises the frequency.
+const MOST_STIFFENING: f64 = 3.0;
+/// The pull's bound in weights of all that hangs on the held body: it is to be swung, not only
+/// lifted …
+const PULL_PER_JOINED_WEIGHT: f64 = 5.0;
+/// … but in weights of the held body itself no less, and no more, than this: joints between a
+/// light body and a very heavy one would be torn apart.
+const PULL_PER_OWN_WEIGHT: (f64, f64) = (30.0, 200.0);
+/// Standard gravity, m/s²: how hard a pull is must not depend on the scene's.
+const STANDARD_GRAVITY: f64 = 9.81;
+/// The handle's greatest speed, in distances from the camera a second: it crosses the picture in
+/// a quarter of a second.
+const HANDLE_SPEED: f64 = 4.0;
+/// Factor on the distance per notch of the wheel.
+const WHEEL_FACTOR: f64 = 1.1;
+/// Scrolled pixels that make a notch.
+const PIXELS_PER_NOTCH: f32 = 50.0;
+/// Distances at which a body can be held, m from the camera along its view.
+const DEPTHS: (f64, f64) = (0.5, 2000.0);
+
+pub(super) fn plugin(app: &mut App) {
+    app.init_resource::<Drag>()
+        .init_gizmo_group::<DragGizmos>()
+        .add_observer(pick)
+        .add_systems(Startup, set_up_gizmos)
+        .add_systems(
+            RunFixedMainLoop,
+            (end_drag, scroll, aim_handle)
+                .chain()
+                .in_set(RunFixedMainLoopSystems::BeforeFixedMainLoop)
+                .after(super::camera::keep_origin_near),
+        )
+        .add_systems(FixedUpdate, move_handle)
+        .add_systems(PostUpdate, draw.before(TransformSystems::Propagate));
+}
+
+/// The drag that is going on.
+#[derive(Resource, Default)]
+pub(super) struct Drag(Option<Held>);
+
+impl Drag {
+    pub fn is_active(&self) -> bool {
+        self.0.is_some()
+    }
+}
+
+struct Held {
+    body: Entity,
+    /// From its centre of mass to the held point, body axes, m.
+    anchor: DVec3,
+    handle: Entity,
+    joint: Entity,
+    pointer: PointerId,
+    /// Of the plane in which the handle moves: from the camera along its view, m.
+    depth: f64,
+    /// Where the handle is to be, world, m.
+    target: DVec3,
+}
+
+/// A press picks the body under it, and drags it if it can move.
+fn pick(
+    press: On<Pointer<Press>>,
+    mut commands: Commands,
+    mut drag: ResMut<Drag>,
+    mut selection: ResMut<Selection>,
+    mut egui: Query<&mut EguiContext, With<PrimaryEguiContext>>,
+    bodies: Query<(&RigidBody, &Collider, &Transform, Has<Quarantined>)>,
+    cameras: Query<&GlobalTransform, With<Camera>>,
+    origin: Res<RenderOrigin>,
+    joined: Joined,
+) {
+    // The event bubbles up to the window: it is ours at what was hit, and there only.
+    let is_first = press.entity == press.original_event_target();
+    if !is_first || press.button != PointerButton::Primary || drag.is_active() {
+        return;
+    }
+    let position = press.pointer_location.position;
+    if egui.iter_mut().any(|mut context| claims(context.get_mut(), position)) {
+        return;
+    }
+    let Ok((kind, collider, transform, quarantined)) = bodies.get(press.entity) else {
+        selection.set_if_neq(Selection(None));
+        return;
+    };
+    if collider.shape() == Shape::HalfSpace {
+        return;
+    }
+    selection.set_if_neq(Selection(Some(press.entity)));
+    let (Some(hit), Ok(camera)) = (press.hit.position, cameras.get(press.hit.camera)) else { return };
+    if *kind != RigidBody::Dynamic || quarantined {
+        return;
+    }
+    // The picture, not the last step, is what was hit: it lags by up to one step.
+    let anchor = (transform.rotation.inverse() * (hit - transform.translation)).as_dvec3();
+    let target = origin.0 + hit.as_dvec3();
+    let handle = commands.spawn((Name::new("drag handle"), RigidBody::Kinematic, Position(target))).id();
+    let joint = BallJoint::new(handle, press.entity)
+        .with_anchors(DVec3::ZERO, anchor)
+        .with_softness(joined.softness_for(press.entity));
+    let joint = commands.spawn((Name::new("drag joint"), joint)).id();
+    drag.0 = Some(Held {
+        body: press.entity,
+        anchor,
+        handle,
+        joint,
+        pointer: press.pointer_id,
+        depth: f64::from((hit - camera.translation()).dot(*camera.forward())),
+        target,
+    });
+}
+
+/// Whether something of egui's that takes clicks lies at that place of the window.
+fn claims(context: &mut egui::Context, position: Vec2) -> bool {
+    let position = egui::pos2(position.x, position.y) / context.zoom_factor();
+    context.layer_id_at(position).is_some_and(|layer| layer.order != egui::Order::Background)
+}
+
+/// What hangs on a body through joints.
+#[derive(bevy::ecs::system::SystemParam)]
+struct Joined<'w, 's> {
+    joints: Query<'w, 's, &'static BallJoint>,
+    bodies: Query<'w, 's, (&'static RigidBody, &'static Mass)>,
+}
+
+impl Joined<'_, '_> {
+    fn softness_for(&self, body: Entity) -> Softness {
+        let own = self.mass(body).unwrap_or(1.0);
+        let all = self.mass_of_all(body).max(own);
+        let (least, most) = PULL_PER_OWN_WEIGHT;
+        let pull = (PULL_PER_JOINED_WEIGHT * all).clamp(least * own, most * own);
+        Softness {
+            frequency: FREQUENCY * (all / own).sqrt().min(MOST_STIFFENING),
+            damping_ratio: 1.0,
+            max_force: pull * STANDARD_GRAVITY,
+        }
+    }
+
+    /// Mass of a dynamic body.
+    fn mass(&self, body: Entity) -> Option<f64> {
+        self.bodies.get(body).ok().filter(|(kind, _)| **kind == RigidBody::Dynamic).map(|(_, mass)| mass.0)
+    }
+
+    /// Mass of all dynamic bodies that joints connect with this one.
+    fn mass_of_all(&self, body: Entity) -> f64 {
+        let mut found = vec![body];
+        let mut next = 0;
+        while let Some(&body) = found.get(next) {
+            for joint in &self.joints {
+                let other = match body {
+                    body if body == joint.body_a => joint.body_b,
+                    body if body == joint.body_b => joint.body_a,
+                    _ => continue,
+                };
+                if self.mass(other).is_some() && !found.contains(&other) {
+                    found.push(other);
+                }
+            }
+            next += 1;
+        }
+        found.iter().filter_map(|&body| self.mass(body)).sum()
+    }
+}
+
+/// Lets go when the button is up or the body is no longer one that moves.
+fn end_drag(
+    mut commands: Commands,
+    mut drag: ResMut<Drag>,
+    bodies: Query<(&RigidBody, Has<Quarantined>)>,
+    pointers: Query<&PointerPress>,
+    pointer_map: Res<PointerMap>,
+) {
+    let Some(held) = &drag.0 else { return };
+    let is_pressed = pointer_map
+        .get_entity(held.pointer)
+        .and_then(|pointer| pointers.get(pointer).ok())
+        .is_some_and(PointerPress::is_primary_pressed);
+    let moves = bodies.get(held.body).is_ok_and(|(kind, quarantined)| *kind == RigidBody::Dynamic && !quarantined);
+    if !is_pressed || !moves {
+        commands.entity(held.joint).try_despawn();
+        commands.entity(held.handle).try_despawn();
+        drag.0 = None;
+    }
+}
+
+/// The wheel moves the held body farther away (up) or nearer (down).
+fn scroll(mut drag: ResMut<Drag>, wheel: Res<AccumulatedMouseScroll>) {
+    if wheel.delta.y == 0.0 {
+        return;
+    }
+    let Some(held) = &mut drag.0 else { return };
+    let notches = match wheel.unit {
+        MouseScrollUnit::Line => wheel.delta.y,
+        MouseScrollUnit::Pixel => wheel.delta.y / PIXELS_PER_NOTCH,
+    };
+    held.depth = (held.depth * WHEEL_FACTOR.powf(f64::from(notches))).clamp(DEPTHS.0, DEPTHS.1);
+}
+
+/// Puts the target under the pointer, but never below the ground: pressed into it with all that
+/// force, a body would sink.
+fn aim_handle(
+    mut drag: ResMut<Drag>,
+    pointers: Query<&PointerLocation>,
+    pointer_map: Res<PointerMap>,
+    camera: Single<(&Camera, &GlobalTransform)>,
+    grounds: Query<(&Collider, &Position, &Rotation)>,
+    origin: Res<RenderOrigin>,
+) {
+    let Some(held) = &mut drag.0 else { return };
+    let (camera, transform) = *camera;
+    let Some(ray) = pointer_map
+        .get_entity(held.pointer)
+        .and_then(|pointer| pointers.get(pointer).ok()?.location())
+        .and_then(|location| camera.viewport_to_world(transform, location.position).ok())
+    else {
+        return;
+    };
+    let along_view = f64::from(ray.direction.dot(*transform.forward()));
+    if along_view <= 0.0 {
+        return;
+    }
+    let offset = ray.direction.as_dvec3() * (held.depth / along_view);
+    let mut target = origin.0 + ray.origin.as_dvec3() + offset;
+    for (collider, position, rotation) in &grounds {
+        if collider.shape() == Shape::HalfSpace {
+            let up = rotation.0 * DVec3::Y;
+            target -= up * (target - position.0).dot(up).min(0.0);
+        }
+    }
+    held.target = target;
+}
+
+/// Moves the handle toward its target, no faster than [`HANDLE_SPEED`] says.
+fn move_handle(drag: Res<Drag>, mut handles: Query<&mut Position>, settings: Res<SolverSettings>) {
+    let Some(held) = &drag.0 else { return };
+    let Ok(mut position) = handles.get_mut(held.handle) else { return };
+    let farthest = HANDLE_SPEED * held.depth * settings.step();
+    let next = position.0 + (held.target - position.0).clamp_length_max(farthest);
+    position.set_if_neq(Position(next));
+}
+
+/// Drawn over everything: the held point may be on the far side of its body by now.
+#[derive(Default, Reflect, GizmoConfigGroup)]
+struct DragGizmos;
+
+fn set_up_gizmos(mut store: ResMut<GizmoConfigStore>) {
+    let (config, _) = store.config_mut::<DragGizmos>();
+    config.line.width = 3.0;
+    config.depth_bias = -1.0;
+}
+
+/// A line from the held point to the pointer, with a dot at each end.
+fn draw(
+    drag: Res<Drag>,
+    bodies: Query<&Transform, With<RigidBody>>,
+    camera: Single<&GlobalTransform, With<Camera3d>>,
+    origin: Res<RenderOrigin>,
+    mut gizmos: Gizmos<DragGizmos>,
+) {
+    const COLOR: Color = Color::srgb(1.0, 0.85, 0.1);
+    let Some(held) = &drag.0 else { return };
+    let Ok(body) = bodies.get(held.body) else { return };
+    let from = body.translation + body.rotation * held.anchor.as_vec3();
+    let to = (held.target - origin.0).as_vec3();
+    gizmos.line(from, to, COLOR);
+    for (end, size) in [(from, 0.006), (to, 0.004)] {
+        gizmos.sphere(end, size * end.distance(camera.translation()), COLOR);
+    }
+}
