@@ -1,6 +1,7 @@
 //! The orbit camera: where it starts, when it listens, and the origin of what it draws.
 
 use bevy::app::{RunFixedMainLoop, RunFixedMainLoopSystems};
+use bevy::camera::SubCameraView;
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy::window::PrimaryWindow;
@@ -10,6 +11,7 @@ use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraSystemSet};
 
 use super::drag::Drag;
 use super::light;
+use super::state::Covered;
 use crate::physics::RenderOrigin;
 use crate::scene::{SceneSpec, ShapeSpec};
 
@@ -20,6 +22,7 @@ const REBASE_DISTANCE: f32 = 1000.0;
 pub(super) fn plugin(app: &mut App) {
     app.add_systems(Startup, spawn_camera)
         .add_systems(RunFixedMainLoop, keep_origin_near.in_set(RunFixedMainLoopSystems::BeforeFixedMainLoop))
+        .add_systems(Update, center_beside_panel)
         .add_systems(PostUpdate, listen.after(EguiPostUpdateSet::ProcessOutput).before(PanOrbitCameraSystemSet));
 }
 
@@ -100,6 +103,22 @@ pub(super) fn look(world: &mut World, framing: Framing) {
         camera.pitch = Some(pitch);
         camera.initialized = true;
         camera.force_update = true;
+    }
+}
+
+/// Puts the middle of the view in the middle of what the panel leaves free: the view proper is that
+/// part, and the picture goes on to its right.
+fn center_beside_panel(covered: Res<Covered>, mut camera: Single<&mut Camera, With<Camera3d>>) {
+    let Some(size) = camera.physical_target_size() else { return };
+    let scale = camera.target_scaling_factor().unwrap_or(1.0);
+    let free = size.x.saturating_sub((covered.0 * scale) as u32);
+    let view = (free != size.x && free > size.x / 4).then(|| SubCameraView {
+        full_size: UVec2::new(free, size.y),
+        offset: Vec2::ZERO,
+        size,
+    });
+    if camera.sub_camera_view != view {
+        camera.sub_camera_view = view;
     }
 }
 

@@ -53,6 +53,10 @@ pub enum Notice {
     Error(String),
 }
 
+/// Width of the window's right side that the panel covers, logical pixels.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Covered(pub f32);
+
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<Selection>().init_resource::<Notice>();
+    app.init_resource::<Selection>().init_resource::<Notice>().init_resource::<Covered>();
 }

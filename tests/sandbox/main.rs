@@ -1,1 +1,8 @@
 //! Tests of the window: picking and dragging, without a display and with one.
+
+mod actions;
+mod dragging;
+mod keys;
+mod stage;
+mod startup;
+mod window;

@@ -18,6 +18,7 @@ pub(super) use theme::{Quantity, palette};
 use bevy::prelude::*;
 use bevy_egui::{EguiContext, EguiPrimaryContextPass, PrimaryEguiContext, egui};
 
+use super::state::Covered;
 use super::{gizmos, plots};
 
 /// Whether the panel is open. Closed by dragging its edge to the side of the window.
@@ -46,6 +47,7 @@ fn show(world: &mut World) -> Result {
     let last = egui::PanelState::load(&context, id).map_or(screen, |state| state.outer_rect);
     let mut open = world.resource::<PanelOpen>().0;
     let mut drawn = Ok(false);
+    let mut covered = 0.0;
     egui::Area::new(id.with("area")).fixed_pos(last.min).movable(false).constrain(false).fade_in(false).show(
         &context,
         |ui| {
@@ -54,6 +56,7 @@ fn show(world: &mut World) -> Result {
             let panel = egui::Panel::right(id).default_size(DEFAULT_WIDTH).size_range(WIDTHS);
             let shown = panel.show_collapsible(&mut root, &mut open, |ui| drawn = sections(ui, world));
             if let Some(shown) = shown {
+                covered = shown.response.rect.width() * context.zoom_factor();
                 ui.expand_to_include_rect(shown.response.rect);
             }
         },
@@ -62,6 +65,7 @@ fn show(world: &mut World) -> Result {
         reopen_button(&context, &mut open);
     }
     world.resource_mut::<PanelOpen>().set_if_neq(PanelOpen(open));
+    world.resource_mut::<Covered>().set_if_neq(Covered(covered));
     let watched = drawn? && open;
     world.resource_mut::<plots::Watched>().set_if_neq(plots::Watched(watched));
     Ok(())

@@ -1,0 +1,64 @@
+//! Keys do what the help says.
+
+use std::collections::HashSet;
+
+use bevy::prelude::*;
+use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
+use plumb::sandbox::controls::BINDINGS;
+use plumb::sandbox::{Playback, SandboxAction};
+
+use crate::stage::Stage;
+
+const BALL: &str = r#"(bodies: [(name: "ball", shape: Sphere(radius: 0.3))])"#;
+
+/// What was written since the last look.
+#[derive(Resource, Default)]
+struct Written(Vec<SandboxAction>);
+
+#[test]
+fn every_key_writes_its_action_once() {
+    let mut stage = Stage::open(BALL);
+    stage.app.init_resource::<Written>().add_systems(
+        Last,
+        |mut actions: MessageReader<SandboxAction>, mut written: ResMut<Written>| {
+            written.0.extend(actions.read().cloned());
+        },
+    );
+    stage.frames(2);
+    stage.world().resource_mut::<Written>().0.clear();
+    for binding in BINDINGS {
+        for &key in binding.keys {
+            stage.key(key);
+            let written = std::mem::take(&mut stage.world().resource_mut::<Written>().0);
+            assert_eq!(written, [binding.action.clone()], "{key:?}");
+        }
+    }
+}
+
+#[test]
+fn no_two_actions_share_a_key() {
+    let mut seen = HashSet::new();
+    for key in BINDINGS.iter().flat_map(|binding| binding.keys) {
+        assert!(seen.insert(key), "{key:?} is bound twice");
+    }
+}
+
+#[test]
+fn space_pauses_but_not_while_typing() {
+    let mut stage = Stage::open(BALL);
+    stage.key(KeyCode::Space);
+    assert!(stage.world().resource::<Playback>().paused);
+    stage.key(KeyCode::Space);
+    assert!(!stage.world().resource::<Playback>().paused);
+
+    stage.app.add_systems(EguiPrimaryContextPass, |mut contexts: EguiContexts| -> Result {
+        egui::Window::new("form").show(contexts.ctx_mut()?, |ui| {
+            let mut text = String::new();
+            ui.text_edit_singleline(&mut text).request_focus();
+        });
+        Ok(())
+    });
+    stage.frames(3);
+    stage.key(KeyCode::Space);
+    assert!(!stage.world().resource::<Playback>().paused, "the key went to the text field");
+}
