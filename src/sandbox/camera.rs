@@ -11,6 +11,7 @@ use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraSystemSet};
 
 use super::drag::Drag;
 use super::light;
+use super::quality::Quality;
 use super::state::Covered;
 use crate::physics::RenderOrigin;
 use crate::scene::{SceneSpec, ShapeSpec};
@@ -26,7 +27,7 @@ pub(super) fn plugin(app: &mut App) {
         .add_systems(PostUpdate, listen.after(EguiPostUpdateSet::ProcessOutput).before(PanOrbitCameraSystemSet));
 }
 
-fn spawn_camera(mut commands: Commands) {
+fn spawn_camera(mut commands: Commands, quality: Res<Quality>) {
     commands.spawn((
         Camera3d::default(),
         Transform::from_xyz(0.0, 4.0, 12.0).looking_at(Vec3::Y, Vec3::Y),
@@ -39,6 +40,7 @@ fn spawn_camera(mut commands: Commands) {
             zoom_upper_limit: Some(1000.0),
             ..default()
         },
+        quality.shadow_filter,
         light::air(),
         PrimaryEguiContext,
         // What the pointer is on is asked of egui at each press, at the very place of the press:

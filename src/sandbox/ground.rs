@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy_panorbit_camera::PanOrbitCamera;
 
+use super::quality::Quality;
 use crate::physics::{Collider, Position, RenderOrigin, RigidBody, Rotation, Shape};
 
 /// Side of the drawn plane, m; the air hides its edge.
@@ -36,11 +37,12 @@ fn make_assets(
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut images: ResMut<Assets<Image>>,
+    quality: Res<Quality>,
 ) {
     commands.insert_resource(GroundAssets {
         mesh: meshes.add(Plane3d::new(Vec3::Y, Vec2::splat(SIDE / 2.0))),
         material: materials.add(StandardMaterial {
-            base_color_texture: Some(images.add(tile_image())),
+            base_color_texture: Some(images.add(tile_image(quality.anisotropy))),
             uv_transform: Affine2::from_scale(Vec2::splat(SIDE / TILE as f32)),
             perceptual_roughness: 0.95,
             reflectance: 0.15,
@@ -86,7 +88,7 @@ fn follow_camera(
 
 /// One tile: squares of a metre in two close shades, thin lines between them, a stronger one
 /// around the tile. With all its mip levels, since the plane reaches to the horizon.
-fn tile_image() -> Image {
+fn tile_image(anisotropy: u16) -> Image {
     let mut level: Vec<[f32; 3]> = (0..PIXELS * PIXELS).map(|i| tile_color(i % PIXELS, i / PIXELS)).collect();
     let mut bytes = Vec::new();
     let mut side = PIXELS;
@@ -114,7 +116,7 @@ fn tile_image() -> Image {
         mag_filter: ImageFilterMode::Linear,
         min_filter: ImageFilterMode::Linear,
         mipmap_filter: ImageFilterMode::Linear,
-        anisotropy_clamp: 16,
+        anisotropy_clamp: anisotropy,
         ..default()
     });
     image

@@ -1,17 +1,15 @@
-//! Sun, sky light and air. How far shadows and air reach goes with the distance of the camera.
+//! Sun, light of the sky, and air. How far shadows and air reach goes with the distance of the camera.
 
 use bevy::light::{CascadeShadowConfig, CascadeShadowConfigBuilder, DirectionalLightShadowMap};
 use bevy::pbr::{DistanceFog, FogFalloff};
 use bevy::prelude::*;
 use bevy_panorbit_camera::PanOrbitCamera;
 
-/// The sky, and what far ground fades to.
-const SKY: Color = Color::srgb(0.74, 0.82, 0.90);
+use super::quality::Quality;
+use super::sky::HORIZON;
 
 pub(super) fn plugin(app: &mut App) {
-    app.insert_resource(ClearColor(SKY))
-        .insert_resource(DirectionalLightShadowMap { size: 4096 })
-        .insert_resource(GlobalAmbientLight { color: Color::srgb(0.80, 0.88, 1.0), brightness: 700.0, ..default() })
+    app.insert_resource(GlobalAmbientLight { color: Color::srgb(0.80, 0.88, 1.0), brightness: 700.0, ..default() })
         .add_systems(Startup, spawn_lights)
         .add_systems(Update, fit_to_view);
 }
@@ -19,7 +17,8 @@ pub(super) fn plugin(app: &mut App) {
 #[derive(Component)]
 struct Sun;
 
-fn spawn_lights(mut commands: Commands) {
+fn spawn_lights(mut commands: Commands, quality: Res<Quality>) {
+    commands.insert_resource(DirectionalLightShadowMap { size: quality.shadow_map });
     commands.spawn((
         Sun,
         DirectionalLight {
@@ -52,7 +51,7 @@ fn shadows(distance: f32) -> CascadeShadowConfig {
 
 /// The camera's part of the air.
 pub(super) fn air() -> DistanceFog {
-    DistanceFog { color: SKY, falloff: fading(10.0), ..default() }
+    DistanceFog { color: HORIZON, falloff: fading(10.0), ..default() }
 }
 
 fn fading(distance: f32) -> FogFalloff {

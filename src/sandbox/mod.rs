@@ -23,7 +23,9 @@ mod meshes;
 mod panel;
 mod playback;
 mod plots;
+mod quality;
 mod screenshot;
+mod sky;
 mod state;
 mod window;
 
@@ -45,7 +47,7 @@ impl Plugin for SandboxPlugin {
     fn build(&self, app: &mut App) {
         app.add_plugins((PhysicsPlugin::default(), MeshPickingPlugin, EguiPlugin::default(), PanOrbitCameraPlugin))
             .add_plugins((state::plugin, playback::plugin, actions::plugin, controls::plugin, screenshot::plugin))
-            .add_plugins((camera::plugin, light::plugin, ground::plugin, meshes::plugin))
+            .add_plugins((quality::plugin, camera::plugin, light::plugin, sky::plugin, ground::plugin, meshes::plugin))
             .add_plugins((drag::plugin, highlight::plugin))
             .add_plugins((panel::plugin, plots::plugin, gizmos::plugin, help::plugin));
     }

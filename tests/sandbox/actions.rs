@@ -110,9 +110,11 @@ fn a_thrown_ball_flies_from_the_camera_along_its_view() {
     assert_eq!(count::<Velocity>(&mut stage), before + 1);
     let forward = stage.camera().forward().as_dvec3();
     let world = stage.world();
-    let fastest = world.query::<&Velocity>().iter(world).map(|v| v.linear).fold(DVec3::ZERO, |a, b| {
-        if b.length() > a.length() { b } else { a }
-    });
+    let fastest = world
+        .query::<&Velocity>()
+        .iter(world)
+        .map(|v| v.linear)
+        .fold(DVec3::ZERO, |a, b| if b.length() > a.length() { b } else { a });
     assert!(fastest.length() > 4.0 && fastest.normalize().dot(forward) > 0.9, "its velocity is {fastest}");
 }
 
@@ -199,9 +201,8 @@ fn a_screenshot_is_asked_for() {
 
 #[test]
 fn every_body_has_a_mesh_about_its_centre_of_mass() {
-    let mut stage = Stage::open(
-        r#"(bodies: [(name: "cone", shape: Cone(radius: 0.5, height: 2), position: (0, 1, 0))])"#,
-    );
+    let mut stage =
+        Stage::open(r#"(bodies: [(name: "cone", shape: Cone(radius: 0.5, height: 2), position: (0, 1, 0))])"#);
     let cone = stage.body("cone");
     let world = stage.world();
     let mesh = world.get::<Mesh3d>(cone).expect("a mesh on the body itself").0.clone();

@@ -113,10 +113,8 @@ impl Stage {
     pub fn seen_at(&mut self, point: DVec3) -> Vec2 {
         let world = self.app.world_mut();
         let origin = world.resource::<RenderOrigin>().0;
-        let (camera, transform) = world
-            .query_filtered::<(&Camera, &GlobalTransform), With<Camera3d>>()
-            .single(world)
-            .expect("one camera");
+        let (camera, transform) =
+            world.query_filtered::<(&Camera, &GlobalTransform), With<Camera3d>>().single(world).expect("one camera");
         camera.world_to_viewport(transform, (point - origin).as_vec3()).expect("a point in the picture")
     }
 
