@@ -14,7 +14,7 @@ use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
 
 use super::Selection;
 use crate::physics::{
-    BallJoint, Collider, Mass, Position, Quarantined, RenderOrigin, RigidBody, Rotation, Shape, Softness,
+    BallJoint, Collider, Damping, Mass, Position, Quarantined, RenderOrigin, RigidBody, Rotation, Shape, Softness,
     SolverSettings,
 };
 
@@ -33,6 +33,9 @@ const STANDARD_GRAVITY: f64 = 9.81;
 /// The handle's greatest speed, in distances from the camera a second: it crosses the picture in
 /// a quarter of a second.
 const HANDLE_SPEED: f64 = 4.0;
+/// Added to the held body's angular drag, 1/s: a hand does not hold a thing by a frictionless
+/// point, and what spins about one cannot be put anywhere.
+const GRIP_DRAG: f64 = 3.0;
 /// Factor on the distance per notch of the wheel.
 const WHEEL_FACTOR: f64 = 1.1;
 /// Scrolled pixels that make a notch.
@@ -77,6 +80,8 @@ struct Held {
     depth: f64,
     /// Where the handle is to be, world, m.
     target: DVec3,
+    /// The body's own, to be given back.
+    damping: Option<Damping>,
 }
 
 /// A press picks the body under it, and drags it if it can move.
@@ -86,7 +91,7 @@ fn pick(
     mut drag: ResMut<Drag>,
     mut selection: ResMut<Selection>,
     mut egui: Query<&mut EguiContext, With<PrimaryEguiContext>>,
-    bodies: Query<(&RigidBody, &Collider, &Transform, Has<Quarantined>)>,
+    bodies: Query<(&RigidBody, &Collider, &Transform, Option<&Damping>, Has<Quarantined>)>,
     cameras: Query<&GlobalTransform, With<Camera>>,
     origin: Res<RenderOrigin>,
     joined: Joined,
@@ -100,7 +105,7 @@ fn pick(
     if egui.iter_mut().any(|mut context| claims(context.get_mut(), position)) {
         return;
     }
-    let Ok((kind, collider, transform, quarantined)) = bodies.get(press.entity) else {
+    let Ok((kind, collider, transform, damping, quarantined)) = bodies.get(press.entity) else {
         selection.set_if_neq(Selection(None));
         return;
     };
@@ -120,6 +125,8 @@ fn pick(
         .with_anchors(DVec3::ZERO, anchor)
         .with_softness(joined.softness_for(press.entity));
     let joint = commands.spawn((Name::new("drag joint"), joint)).id();
+    let own = damping.copied().unwrap_or_default();
+    commands.entity(press.entity).insert(Damping { angular: own.angular + GRIP_DRAG, ..own });
     drag.0 = Some(Held {
         body: press.entity,
         anchor,
@@ -128,6 +135,7 @@ fn pick(
         pointer: press.pointer_id,
         depth: f64::from((hit - camera.translation()).dot(*camera.forward())),
         target,
+        damping: damping.copied(),
     });
 }
 
@@ -200,6 +208,12 @@ fn end_drag(
     if !is_pressed || !moves {
         commands.entity(held.joint).try_despawn();
         commands.entity(held.handle).try_despawn();
+        if let Ok(mut body) = commands.get_entity(held.body) {
+            match held.damping {
+                Some(damping) => body.try_insert(damping),
+                None => body.try_remove::<Damping>(),
+            };
+        }
         drag.0 = None;
     }
 }
@@ -240,8 +254,9 @@ fn aim_handle(
     if along_view <= 0.0 {
         return;
     }
+    // From the camera itself: the ray starts on the near plane.
     let offset = ray.direction.as_dvec3() * (held.depth / along_view);
-    let mut target = origin.0 + ray.origin.as_dvec3() + offset;
+    let mut target = origin.0 + transform.translation().as_dvec3() + offset;
     for (collider, position, rotation) in &grounds {
         if collider.shape() == Shape::HalfSpace {
             let up = rotation.0 * DVec3::Y;

@@ -53,6 +53,10 @@ pub fn launch(launch: Launch) -> Result<(), LaunchError> {
     }
 }
 
+/// Errors, but for those of a search for drivers that finds none: [`LaunchError::NoGraphics`] says
+/// so in words of its own.
+const LOG_FILTER: &str = "error,wgpu_hal::vulkan::instance=off";
+
 fn run(launch: Launch) -> AppExit {
     let window = Window {
         title: "Plumb".into(),
@@ -64,7 +68,7 @@ fn run(launch: Launch) -> AppExit {
         .add_plugins(
             DefaultPlugins
                 .set(WindowPlugin { primary_window: Some(window), ..default() })
-                .set(LogPlugin { filter: "error".into(), ..default() }),
+                .set(LogPlugin { filter: LOG_FILTER.into(), ..default() }),
         )
         .insert_resource(launch.settings)
         .add_plugins(SandboxPlugin)
