@@ -3,6 +3,7 @@
 
 mod bouncing;
 mod far;
+mod figure;
 mod grid;
 mod hanging;
 mod limbs;
