@@ -20,9 +20,10 @@ pub(super) struct BoxPart {
 
 /// A cone part of a figure of scale 1.
 #[derive(Clone, Copy)]
-struct ConePart {
+pub(super) struct ConePart {
     radius: f64,
-    height: f64,
+    /// m.
+    pub height: f64,
     mass: f64,
 }
 
@@ -35,7 +36,7 @@ const THIGH: BoxPart = BoxPart { size: DVec3::new(0.13, 0.36, 0.14), mass: 8.0 }
 const SHIN: BoxPart = BoxPart { size: DVec3::new(0.11, 0.36, 0.12), mass: 4.5 };
 const HAND: ConePart = ConePart { radius: 0.06, height: 0.13, mass: 0.8 };
 const FOOT: ConePart = ConePart { radius: 0.10, height: 0.13, mass: 1.5 };
-const HAT: ConePart = ConePart { radius: 0.12, height: 0.24, mass: 1.2 };
+pub(super) const HAT: ConePart = ConePart { radius: 0.12, height: 0.24, mass: 1.2 };
 const HEAD_RADIUS: f64 = 0.13;
 const HEAD_MASS: f64 = 5.0;
 
@@ -72,6 +73,7 @@ pub(super) struct Clothes(pub [[f32; 3]; 4]);
 /// Where a figure can be held: bodies of the scene.
 pub(super) struct Holds {
     pub chest: usize,
+    pub hat: usize,
     pub hands: [usize; 2],
 }
 
@@ -87,13 +89,13 @@ pub(super) struct Figure<'a> {
 
 impl Figure<'_> {
     /// Builds all 16 parts, the pelvis first.
-    pub fn build(mut self, sides: [Side; 2], Clothes([shirt, sleeves, trousers, hat]): Clothes) -> Holds {
+    pub fn build(mut self, sides: [Side; 2], Clothes([shirt, sleeves, trousers, hat_color]): Clothes) -> Holds {
         let pelvis = self.box_part("pelvis", PELVIS, DVec3::ZERO, DQuat::IDENTITY, trousers);
         let waist = (PELVIS.size.y / 2.0 + GAP) * DVec3::Y;
         let chest_center = waist + (GAP + CHEST.size.y / 2.0) * DVec3::Y;
         let chest = self.box_part("chest", CHEST, chest_center, DQuat::IDENTITY, shirt);
         self.join(pelvis, chest, waist);
-        self.head(chest, chest_center + (CHEST.size.y / 2.0 + GAP) * DVec3::Y, hat);
+        let hat = self.head(chest, chest_center + (CHEST.size.y / 2.0 + GAP) * DVec3::Y, hat_color);
 
         let shoulder = DVec3::new(
             (CHEST.size.x + UPPER_ARM.size.x) / 2.0 + GAP,
@@ -108,11 +110,11 @@ impl Figure<'_> {
             hands[i] = self.arm(word, chest, mirror * shoulder, [mirror * upper_arm, mirror * forearm], sleeves);
             self.leg(word, pelvis, mirror * hip, [mirror * thigh, mirror * shin], trousers);
         }
-        Holds { chest, hands }
+        Holds { chest, hat, hands }
     }
 
-    /// Head and hat on the neck's joint of `chest`.
-    fn head(&mut self, chest: usize, neck: DVec3, hat_color: [f32; 3]) {
+    /// Head and hat on the neck's joint of `chest`; returns the hat.
+    fn head(&mut self, chest: usize, neck: DVec3, hat_color: [f32; 3]) -> usize {
         let center = neck + (GAP + HEAD_RADIUS) * DVec3::Y;
         let ball = ShapeSpec::Sphere { radius: HEAD_RADIUS * self.scale };
         let head = self.part("head", ball, HEAD_MASS, center, DQuat::IDENTITY, palette::SKIN);
@@ -123,6 +125,7 @@ impl Figure<'_> {
         let hat_center = crown + (0.4 * GAP + HAT.height / 4.0) * DVec3::Y;
         let hat = self.part("hat", cone, HAT.mass, hat_center, DQuat::IDENTITY, hat_color);
         self.join(head, hat, crown);
+        hat
     }
 
     /// Returns the hand.

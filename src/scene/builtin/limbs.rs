@@ -2,7 +2,7 @@
 
 use bevy::math::{DQuat, DVec3};
 
-use super::figure::{CHEST, Clothes, DAMPING, FIGURE_PARTS, Figure, Side, hip_above_seat, soles_to_pelvis};
+use super::figure::{CHEST, Clothes, DAMPING, FIGURE_PARTS, Figure, HAT, Holds, Side, hip_above_seat, soles_to_pelvis};
 use super::{EARTH, palette};
 use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
@@ -17,7 +17,7 @@ pub(super) const LIMBS: SceneInfo = SceneInfo {
 };
 
 /// How many bodies [`build`] makes.
-const BODIES: usize = 1 + 3 * FIGURE_PARTS + 3 + 2 + 1 + 2 + LINKS + 10 + 3 + 3;
+const BODIES: usize = 1 + 3 * FIGURE_PARTS + 3 + 3 + 1 + 2 + LINKS + 10 + 3 + 3;
 
 /// Links of the garland.
 const LINKS: usize = 28;
@@ -33,7 +33,7 @@ fn build() -> SceneSpec {
     scene
 }
 
-/// A bar on two posts, and from it, in equilibrium but for an arm that waves: a puppet on two
+/// A bar on two posts, and from it, in equilibrium but for an arm that waves: a puppet on three
 /// strings, its soles just off the ground, and a gymnast by both hands.
 fn add_bar_with_figures(scene: &mut SceneSpec) {
     let thickness = 0.06;
@@ -60,15 +60,21 @@ fn add_puppet(scene: &mut SceneSpec, bar: usize) {
     let pelvis = DVec3::new(BAR.x - 0.7, soles_to_pelvis() + 0.03, BAR.z);
     let figure = Figure { scene: &mut *scene, name: "ann", pelvis, facing: DQuat::IDENTITY, scale: 1.0 };
     let clothes = Clothes([palette::RED, palette::RED, palette::BLUE, palette::YELLOW]);
-    let chest = figure.build([hanging, waving], clothes).chest;
-    for (name, side) in [("left string", 1.0), ("right string", -1.0)] {
-        // Between head and arm.
-        let shoulder = scene.bodies[chest].point(DVec3::new(side * 0.165, CHEST.size.y / 2.0, 0.0));
-        let top = DVec3::new(shoulder.x, BAR.y, BAR.z);
-        let shape = ShapeSpec::Cuboid { size: DVec3::new(0.03, top.y - shoulder.y - 0.1, 0.03) };
-        let string = BodySpec::new(name, shape, 0.5 * (shoulder + top)).with_mass(2.0).with_color(palette::STEEL);
+    let Holds { chest, hat, .. } = figure.build([hanging, waving], clothes);
+    // Two between head and arms carry the body, the third holds the head up.
+    let shoulder = DVec3::new(0.165, CHEST.size.y / 2.0, 0.0);
+    let strings = [
+        ("left string", chest, shoulder, 2.0),
+        ("right string", chest, shoulder * DVec3::new(-1.0, 1.0, 1.0), 2.0),
+        ("hat string", hat, 0.75 * HAT.height * DVec3::Y, 1.0),
+    ];
+    for (name, body, anchor, mass) in strings {
+        let bottom = scene.bodies[body].point(anchor);
+        let top = DVec3::new(bottom.x, BAR.y, BAR.z);
+        let shape = ShapeSpec::Cuboid { size: DVec3::new(0.03, top.y - bottom.y - 0.1, 0.03) };
+        let string = BodySpec::new(name, shape, 0.5 * (bottom + top)).with_mass(mass).with_color(palette::STEEL);
         scene.joints.push(JointSpec::at(&scene.bodies[bar], &string, top));
-        scene.joints.push(JointSpec::at(&string, &scene.bodies[chest], shoulder));
+        scene.joints.push(JointSpec::at(&string, &scene.bodies[body], bottom));
         scene.bodies.push(BodySpec { damping: DAMPING, ..string });
     }
 }
