@@ -43,6 +43,8 @@ pub(crate) struct Body {
     /// Mass and inertia that Plumb computed itself, to be computed again when the shape changes.
     pub computed_mass: Option<f64>,
     pub computed_inertia: Option<Vector3<f64>>,
+    /// Collider, density or mass changed since they were computed.
+    pub mass_is_stale: bool,
 }
 
 impl Body {
@@ -70,6 +72,7 @@ impl Body {
             reports: false,
             computed_mass: None,
             computed_inertia: None,
+            mass_is_stale: false,
         }
     }
 

@@ -41,6 +41,10 @@ fn enter_world(mut world: DeferredWorld, context: HookContext) {
     let has_position = body.contains::<Position>();
     let has_rotation = body.contains::<Rotation>();
     let origin = world.get_resource::<super::transform::RenderOrigin>().map_or(DVec3::ZERO, |origin| origin.0);
+    if let Some(mut history) = world.get_mut::<PoseHistory>(context.entity) {
+        // Taken over here; from now on a change of it is a teleport.
+        *history = PoseHistory { previous: None, written: Some(transform) };
+    }
     let mut commands = world.commands();
     let mut body = commands.entity(context.entity);
     if !has_position {

@@ -165,7 +165,8 @@ fn teleport(item: &mut BodyQueryItem, origin: DVec3) -> bool {
     true
 }
 
-/// Copies one body; says what is wrong with it.
+/// Copies one body; says what is wrong with it. What is sane is copied even so: a change is seen
+/// only once, and a quarantined body keeps its pose and shape.
 fn gather_body(
     item: &BodyQueryItem,
     body: &mut Body,
@@ -174,58 +175,83 @@ fn gather_body(
     commands: &mut Commands,
 ) -> Result<(), QuarantineReason> {
     body.kind = *item.kind;
-    let force = item.force.copied().unwrap_or_default();
-    let finite = item.position.is_finite()
-        && item.rotation.is_finite()
-        && item.rotation.length_squared() > 1e-12
-        && item.velocity.linear.is_finite()
-        && item.velocity.angular.is_finite()
-        && force.force.is_finite()
-        && force.torque.is_finite();
-    if !finite {
+    body.layers = item.layers.copied().unwrap_or_default();
+    body.reports = item.reports;
+    let verdicts = [
+        gather_pose(item, body),
+        if item.parent.is_some() { Err(QuarantineReason::HasParent) } else { Ok(()) },
+        gather_surface(item, body, settings),
+        gather_shape(item, body),
+        gather_mass(item, body, commands),
+        gather_motion(item, body, gravity),
+    ];
+    verdicts.into_iter().collect()
+}
+
+fn gather_pose(item: &BodyQueryItem, body: &mut Body) -> Result<(), QuarantineReason> {
+    if !item.position.is_finite() || !item.rotation.is_finite() || item.rotation.length_squared() <= 1e-12 {
         return Err(QuarantineReason::NotFinite);
     }
     body.position = item.position.0.into();
     body.rotation = unit(item.rotation.0);
-    if item.parent.is_some() {
-        return Err(QuarantineReason::HasParent);
-    }
-    let moves = body.kind != RigidBody::Static;
-    body.linear = if moves { item.velocity.linear.into() } else { Vector3::zeros() };
-    body.angular = if moves { item.velocity.angular.into() } else { Vector3::zeros() };
-    body.layers = item.layers.copied().unwrap_or_default();
-    body.reports = item.reports;
-    gather_surface(item, body, settings)?;
-    let collider_changed = item.collider.as_ref().is_some_and(|collider| collider.is_changed());
-    if let Some(collider) = &item.collider
-        && (collider_changed || body.geometry.is_none())
-    {
-        if !collider.is_valid() || (body.kind != RigidBody::Static && collider.shape() == Shape::HalfSpace) {
-            return Err(QuarantineReason::BadMass);
-        }
-        body.geometry = Some(collider.geometry());
-        body.radius = collider.bounding_radius();
-    }
-    gather_mass(item, body, commands)?;
+    Ok(())
+}
+
+/// Velocity and force, once the mass is known.
+fn gather_motion(item: &BodyQueryItem, body: &mut Body, gravity: &Gravity) -> Result<(), QuarantineReason> {
+    let external = item.force.copied().unwrap_or_default();
     let scale = item.gravity_scale.map_or(1.0, |scale| scale.0);
-    body.force = Vector3::from(force.force) + Vector3::from(gravity.0) * (body.mass * scale);
-    body.torque = force.torque.into();
+    let (linear, angular) = (Vector3::from(item.velocity.linear), Vector3::from(item.velocity.angular));
+    body.force = Vector3::from(external.force) + Vector3::from(gravity.0) * (body.mass * scale);
+    body.torque = external.torque.into();
+    if [linear, angular, body.force, body.torque].iter().flatten().any(|value| !value.is_finite()) {
+        return Err(QuarantineReason::NotFinite);
+    }
+    let locked = item.locked.copied().unwrap_or_default();
+    (body.linear, body.angular) = match body.kind {
+        RigidBody::Static => (Vector3::zeros(), Vector3::zeros()),
+        RigidBody::Kinematic => (linear, angular),
+        RigidBody::Dynamic => {
+            (linear.component_mul(&freedom(locked.translation)), angular.component_mul(&freedom(locked.rotation)))
+        }
+    };
     Ok(())
 }
 
 fn gather_surface(item: &BodyQueryItem, body: &mut Body, settings: &SolverSettings) -> Result<(), QuarantineReason> {
-    body.material = item.material.copied().unwrap_or_default();
+    let material = item.material.copied().unwrap_or_default();
     let damping = item.damping.copied().unwrap_or_default();
-    body.drag = (settings.drag + damping.linear, settings.drag + damping.angular);
-    let SurfaceMaterial { friction, restitution } = body.material;
-    let sane = friction >= 0.0
-        && friction.is_finite()
-        && (0.0..=1.0).contains(&restitution)
+    let sane = material.friction >= 0.0
+        && material.friction.is_finite()
+        && (0.0..=1.0).contains(&material.restitution)
         && damping.linear >= 0.0
         && damping.angular >= 0.0
-        && body.drag.0.is_finite()
-        && body.drag.1.is_finite();
-    if sane { Ok(()) } else { Err(QuarantineReason::BadMaterial) }
+        && damping.linear.is_finite()
+        && damping.angular.is_finite();
+    if !sane {
+        return Err(QuarantineReason::BadMaterial);
+    }
+    body.material = material;
+    body.drag = match body.kind {
+        RigidBody::Dynamic => (settings.drag + damping.linear, settings.drag + damping.angular),
+        // Its own velocity alone moves it.
+        RigidBody::Kinematic | RigidBody::Static => (0.0, 0.0),
+    };
+    Ok(())
+}
+
+fn gather_shape(item: &BodyQueryItem, body: &mut Body) -> Result<(), QuarantineReason> {
+    let Some(collider) = &item.collider else { return Ok(()) };
+    if !collider.is_valid() || (body.kind != RigidBody::Static && collider.shape() == Shape::HalfSpace) {
+        body.geometry = None;
+        body.radius = 0.0;
+        return Err(QuarantineReason::BadMass);
+    }
+    if collider.is_changed() || body.geometry.is_none() {
+        body.geometry = Some(collider.geometry());
+        body.radius = collider.bounding_radius();
+    }
+    Ok(())
 }
 
 /// Mass and inertia: as given, or from the collider, computed once and again when it changes.
@@ -233,51 +259,59 @@ fn gather_mass(item: &BodyQueryItem, body: &mut Body, commands: &mut Commands) -
     body.mass = 0.0;
     body.inverse_mass = Vector3::zeros();
     body.inverse_inertia_body = Vector3::zeros();
+    body.mass_is_stale |= item.collider.as_ref().is_some_and(|collider| collider.is_changed())
+        || item.density.as_ref().is_some_and(|density| density.is_changed())
+        || item.mass.as_ref().is_some_and(|mass| mass.is_changed());
     if body.kind != RigidBody::Dynamic {
         body.update_inverse_inertia();
         return Ok(());
     }
+    let positive = |value: f64| value > 0.0 && value.is_finite();
     let given_mass = item.mass.as_ref().map(|mass| mass.0).filter(|&mass| body.computed_mass != Some(mass));
     let given_inertia =
         item.inertia.as_ref().map(|inertia| inertia.0.into()).filter(|&inertia| body.computed_inertia != Some(inertia));
-    let source_changed = item.collider.as_ref().is_some_and(|collider| collider.is_changed())
-        || item.density.as_ref().is_some_and(|density| density.is_changed())
-        || item.mass.as_ref().is_some_and(|mass| mass.is_changed());
     if given_mass.is_some() {
         body.computed_mass = None;
-    } else if source_changed || body.computed_mass.is_none() {
+    } else if body.mass_is_stale || body.computed_mass.is_none() {
         let density = item.density.as_ref().map_or(Density::default().0, |density| density.0);
         let collider = item.collider.as_ref().ok_or(QuarantineReason::BadMass)?;
         let mass = collider.mass_properties(density).mass;
-        if body.computed_mass != Some(mass) {
+        if positive(mass) && body.computed_mass != Some(mass) {
             commands.entity(body.entity).insert(Mass(mass));
-            body.computed_mass = Some(mass);
         }
+        body.computed_mass = Some(mass);
     }
     let mass = given_mass.or(body.computed_mass).ok_or(QuarantineReason::BadMass)?;
+    if !positive(mass) {
+        return Err(QuarantineReason::BadMass);
+    }
     if given_inertia.is_some() {
         body.computed_inertia = None;
-    } else if source_changed || body.computed_inertia.is_none() {
+    } else if body.mass_is_stale || body.computed_inertia.is_none() {
         let collider = item.collider.as_ref().ok_or(QuarantineReason::BadMass)?;
         let inertia = collider.mass_properties_of_mass(mass).inertia;
         if body.computed_inertia != Some(inertia.into()) {
             commands.entity(body.entity).insert(Inertia(inertia));
-            body.computed_inertia = Some(inertia.into());
         }
+        body.computed_inertia = Some(inertia.into());
     }
     let inertia = given_inertia.or(body.computed_inertia).ok_or(QuarantineReason::BadMass)?;
-    let positive = |value: f64| value > 0.0 && value.is_finite();
-    if !positive(mass) || !inertia.iter().copied().all(positive) {
+    if !inertia.iter().copied().all(positive) {
         return Err(QuarantineReason::BadMass);
     }
+    body.mass_is_stale = false;
     let locked = item.locked.copied().unwrap_or_default();
-    let freedom = |locked: [bool; 3]| Vector3::from(locked.map(|locked| if locked { 0.0 } else { 1.0 }));
     body.mass = mass;
     body.inverse_mass = freedom(locked.translation) / mass;
     body.inverse_inertia_body = inertia.map(f64::recip);
     body.rotation_freedom = freedom(locked.rotation);
     body.update_inverse_inertia();
     Ok(())
+}
+
+/// 0 along locked axes, 1 else.
+fn freedom(locked: [bool; 3]) -> Vector3<f64> {
+    Vector3::from(locked.map(|locked| if locked { 0.0 } else { 1.0 }))
 }
 
 /// Puts a body back to its last finite pose, standing still; the solver sees it as static.

@@ -21,13 +21,12 @@ pub struct RenderOrigin(pub DVec3);
 pub(crate) struct PoseHistory {
     /// `None` until the body's first step: nothing to interpolate from.
     pub previous: Option<(DVec3, DQuat)>,
-    /// `None` until a transform has been written.
+    /// At first what the body was spawned with. `None` only before it is a body.
     pub written: Option<Transform>,
 }
 
 impl PoseHistory {
-    /// Whether `transform` is the user's: not what was last written, bit by bit. Before the
-    /// first write it is what the body was spawned with, already taken over.
+    /// Whether `transform` is the user's: not what was last written, bit by bit.
     pub fn is_foreign(&self, transform: &Transform) -> bool {
         self.written.is_some_and(|written| bits(&written) != bits(transform))
     }

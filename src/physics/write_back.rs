@@ -5,6 +5,7 @@
 
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::bodies::{Bodies, Body, Joints};
 use super::body::{BodySlot, Position, QuarantineReason, Quarantined, RigidBody, Rotation, Velocity};
@@ -40,7 +41,9 @@ fn write_bodies(
         }
         if !is_finite(body) {
             body.position = position.0.into();
-            body.rotation = rotation.0.into();
+            body.rotation = UnitQuaternion::new_normalize(rotation.0.into());
+            body.linear = Vector3::zeros();
+            body.angular = Vector3::zeros();
             *velocity = Velocity::default();
             stats.quarantined += 1;
             let (entity, reason) = (body.entity, QuarantineReason::NotFinite);
