@@ -47,6 +47,7 @@ pub use transform::RenderOrigin;
 use std::time::Instant;
 
 use bevy::app::{RunFixedMainLoop, RunFixedMainLoopSystems};
+use bevy::ecs::error::{ResultSeverityExt, Severity};
 use bevy::ecs::intern::Interned;
 use bevy::ecs::message::{MessageRegistry, message_update_system};
 use bevy::ecs::schedule::{ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
@@ -90,7 +91,8 @@ impl Default for PhysicsPlugin {
 }
 
 impl PhysicsPlugin {
-    /// Steps once whenever `schedule` runs.
+    /// Steps once whenever `schedule` runs. Transforms are interpolated where it is one of the
+    /// fixed main loop's, and written right after the step where it is not.
     pub fn in_schedule(schedule: impl ScheduleLabel) -> Self {
         Self { schedule: schedule.intern() }
     }
@@ -115,14 +117,7 @@ impl Plugin for PhysicsPlugin {
                     (Prepare, BroadPhase, NarrowPhase, Islands, Solve, WriteBack, Events, Diagnose).chain(),
                 );
             })
-            .add_systems(self.schedule, run_step)
-            .add_systems(
-                RunFixedMainLoop,
-                (
-                    set_fixed_timestep.in_set(RunFixedMainLoopSystems::BeforeFixedMainLoop),
-                    transform::write_transforms.in_set(RunFixedMainLoopSystems::AfterFixedMainLoop),
-                ),
-            )
+            .add_systems(self.schedule, (report_bad_settings, run_step).chain())
             .add_plugins((
                 prepare::plugin,
                 collision::plugin,
@@ -132,11 +127,41 @@ impl Plugin for PhysicsPlugin {
                 events::plugin,
                 diagnostics::plugin,
             ));
+        let fixed = [
+            FixedFirst.intern(),
+            FixedPreUpdate.intern(),
+            FixedUpdate.intern(),
+            FixedPostUpdate.intern(),
+            FixedLast.intern(),
+        ];
+        if fixed.contains(&self.schedule) {
+            app.add_systems(
+                RunFixedMainLoop,
+                (
+                    set_fixed_timestep.in_set(RunFixedMainLoopSystems::BeforeFixedMainLoop),
+                    transform::write_interpolated.in_set(RunFixedMainLoopSystems::AfterFixedMainLoop),
+                ),
+            );
+        } else {
+            app.add_systems(self.schedule, transform::write_latest.after(run_step));
+        }
     }
 }
 
-/// Runs the schedule and times it, the ECS included.
+/// An error in the log each time the settings change to what [`SolverSettings::validate`] refuses.
+fn report_bad_settings(settings: Res<SolverSettings>) -> Result {
+    if settings.is_changed() {
+        settings.validate().with_severity(Severity::Error)?;
+    }
+    Ok(())
+}
+
+/// Runs the schedule and times it, the ECS included. With settings out of range nothing moves: a
+/// step of 0 Hz would spoil every state.
 fn run_step(world: &mut World) {
+    if world.resource::<SolverSettings>().validate().is_err() {
+        return;
+    }
     let start = Instant::now();
     world.run_schedule(PhysicsSchedule);
     world.resource_mut::<StepStats>().step_seconds = start.elapsed().as_secs_f64();

@@ -38,13 +38,25 @@ fn bits(transform: &Transform) -> [u32; 7] {
     [t.x, t.y, t.z, r.x, r.y, r.z, r.w].map(f32::to_bits)
 }
 
-/// Writes interpolated transforms; runs after the fixed loop.
-pub(super) fn write_transforms(
+/// What a transform is written from and to.
+type Written = (&'static Position, &'static Rotation, &'static mut PoseHistory, &'static mut Transform);
+
+/// Writes transforms between the last two poses; runs after the fixed loop.
+pub(super) fn write_interpolated(
     fixed: Option<Res<Time<Fixed>>>,
     origin: Res<RenderOrigin>,
-    mut bodies: Query<(&Position, &Rotation, &mut PoseHistory, &mut Transform), (With<RigidBody>, Without<ChildOf>)>,
+    bodies: Query<Written, With<RigidBody>>,
 ) {
-    let alpha = fixed.map_or(1.0, |fixed| fixed.overstep_fraction_f64());
+    write(fixed.map_or(1.0, |fixed| fixed.overstep_fraction_f64()), &origin, bodies);
+}
+
+/// Writes transforms of the last poses; runs after the step.
+pub(super) fn write_latest(origin: Res<RenderOrigin>, bodies: Query<Written, With<RigidBody>>) {
+    write(1.0, &origin, bodies);
+}
+
+/// `alpha` is 0 at the pose before the last step, 1 at that after it.
+fn write(alpha: f64, origin: &RenderOrigin, mut bodies: Query<Written, With<RigidBody>>) {
     for (position, rotation, mut history, mut transform) in &mut bodies {
         if history.is_foreign(&transform) {
             continue; // taken over, and written again, by the next step
