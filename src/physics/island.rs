@@ -4,6 +4,9 @@
 //! islands are packed together into [`Islands`]' groups, so that one unit of work is worth a
 //! claim; a group's constraints keep the order in which contacts and joints were found.
 
+#[cfg(test)]
+mod tests;
+
 use bevy::prelude::*;
 
 use super::bodies::{Bodies, Joints};

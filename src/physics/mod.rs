@@ -27,6 +27,8 @@ mod messages;
 mod prepare;
 mod settings;
 mod solver;
+#[cfg(test)]
+mod testing;
 mod threads;
 mod transform;
 mod write_back;

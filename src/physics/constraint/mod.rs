@@ -5,3 +5,6 @@
 pub(crate) mod ball_joint;
 pub(crate) mod contact;
 pub(crate) mod row;
+
+#[cfg(test)]
+mod tests;

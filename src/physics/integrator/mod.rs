@@ -6,6 +6,9 @@
 pub(crate) mod euler;
 pub(crate) mod verlet;
 
+#[cfg(test)]
+mod tests;
+
 use nalgebra::{Quaternion, UnitQuaternion};
 
 use super::constraint::row::Twist;

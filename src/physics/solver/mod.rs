@@ -10,6 +10,9 @@ mod pgs;
 mod rows;
 mod warm_start;
 
+#[cfg(test)]
+mod tests;
+
 pub(crate) use island_solver::{IslandSolver, LocalBody, StepTerms};
 pub(crate) use lag::LaggedContacts;
 pub(crate) use warm_start::ContactCache;

@@ -1,0 +1,94 @@
+//! What the tests share: worlds, bodies, reading the state.
+
+use bevy::math::DVec3;
+use bevy::prelude::*;
+use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
+use plumb::physics::{Shape, diagnostics::hash_state};
+use plumb::prelude::*;
+
+/// A headless world with these settings, and a compute pool of four threads on any machine.
+pub fn world_with(settings: SolverSettings) -> World {
+    ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(4).build());
+    let mut world = std::mem::take(headless_app().world_mut());
+    world.insert_resource(settings);
+    world
+}
+
+/// A world without gravity.
+pub fn weightless(settings: SolverSettings) -> World {
+    let mut world = world_with(settings);
+    world.insert_resource(Gravity(DVec3::ZERO));
+    world
+}
+
+/// The ground: y ≤ 0.
+pub fn ground(world: &mut World) -> Entity {
+    world.spawn((RigidBody::Static, Collider::half_space(), Transform::default())).id()
+}
+
+/// A dynamic body of that shape there.
+pub fn body(world: &mut World, collider: Collider, position: DVec3) -> Entity {
+    world.spawn((RigidBody::Dynamic, collider, Position(position))).id()
+}
+
+pub fn steps(world: &mut World, count: u32) {
+    for _ in 0..count {
+        step(world);
+    }
+}
+
+/// As many steps as fit in that time, s.
+pub fn run(world: &mut World, seconds: f64) {
+    let hz = world.resource::<SolverSettings>().hz;
+    steps(world, (seconds * hz).round() as u32);
+}
+
+pub fn position(world: &World, body: Entity) -> DVec3 {
+    world.get::<Position>(body).unwrap().0
+}
+
+pub fn velocity(world: &World, body: Entity) -> DVec3 {
+    world.get::<Velocity>(body).unwrap().linear
+}
+
+pub fn spin(world: &World, body: Entity) -> DVec3 {
+    world.get::<Velocity>(body).unwrap().angular
+}
+
+/// Takes all messages of a kind that are in the buffers.
+pub fn take<M: Message>(world: &mut World) -> Vec<M> {
+    world.resource_mut::<Messages<M>>().drain().collect()
+}
+
+/// A hash of every bit that the next step depends on.
+pub fn state_hash(world: &World) -> u64 {
+    use std::hash::{DefaultHasher, Hasher};
+    let mut hasher = DefaultHasher::new();
+    hash_state(world, &mut hasher);
+    hasher.finish()
+}
+
+/// The lowest point of a body above y = 0.
+pub fn clearance(world: &World, body: Entity) -> f64 {
+    let rotation = world.get::<Rotation>(body).unwrap().0;
+    let up = rotation.inverse() * DVec3::Y;
+    let reach = match world.get::<Collider>(body).unwrap().shape() {
+        Shape::Sphere { radius } => radius,
+        Shape::Cuboid { size } => (up * size / 2.0).abs().element_sum(),
+        Shape::Cone { radius, height } => {
+            f64::max(-0.75 * height * up.y, 0.25 * height * up.y + radius * up.x.hypot(up.z))
+        }
+        Shape::HalfSpace => unreachable!("a half-space does not move"),
+    };
+    position(world, body).y - reach
+}
+
+#[track_caller]
+pub fn assert_close(value: f64, expected: f64, tolerance: f64) {
+    assert!((value - expected).abs() <= tolerance, "{value} instead of {expected}, more than {tolerance} off");
+}
+
+#[track_caller]
+pub fn assert_near(value: DVec3, expected: DVec3, tolerance: f64) {
+    assert!((value - expected).length() <= tolerance, "{value} instead of {expected}, more than {tolerance} off");
+}
