@@ -99,8 +99,8 @@ pub struct SolverSettings {
     pub baumgarte: f64,
     /// Depth that contacts leave alone, m, ≥ 0.
     pub slop: f64,
-    /// Greatest speed at which a contact or joint mends a position error, m/s, ≥ 0; none: no
-    /// limit.
+    /// Greatest speed at which a contact or joint mends a position error, m/s, ≥ 0; contacts
+    /// besides no faster than gravity takes back before the error is gone. None: no limit.
     pub correction_speed: Option<f64>,
     /// How friction is solved.
     pub friction: FrictionModel,

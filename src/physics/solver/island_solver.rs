@@ -61,6 +61,19 @@ impl StepTerms {
     }
 }
 
+impl StepTerms {
+    /// The greatest speed at which a contact of that depth is pushed out, m/s. Where there is a
+    /// limit, no faster than gravity brings to rest on the way: a landing body would be thrown up
+    /// again, whatever its restitution.
+    pub fn greatest_push(&self, depth: f64) -> f64 {
+        if self.gravity == 0.0 || self.correction_speed == f64::INFINITY {
+            return self.correction_speed;
+        }
+        let way = (depth - self.slop).max(0.0);
+        self.correction_speed.min((2.0 * self.gravity * way).sqrt())
+    }
+}
+
 /// A body as its island's substeps see it.
 #[derive(Clone, Debug)]
 pub(crate) struct LocalBody {

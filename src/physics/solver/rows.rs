@@ -12,6 +12,10 @@ use crate::physics::settings::FrictionModel;
 /// Slip under which no friction direction can be told, m/s.
 const LEAST_SLIP: f64 = 1e-6;
 
+/// Slip under which a body counts as resting and its two tangents hang on the normal alone, m/s:
+/// along what little the solver leaves of a resting body's slip they would turn with the rounding.
+const LEAST_SLIDE: f64 = 1e-3;
+
 /// A scalar in which one island can be solved at a time.
 pub(crate) trait Scalar: SimdRealField + Copy {
     fn of(value: f64) -> Self;
@@ -84,7 +88,8 @@ pub(super) fn contact_rows<N: Scalar>(
             normal: vector(normal),
         };
         let velocity = body_b.point_velocity(arm_b) - body_a.point_velocity(arm_a);
-        let mut bias = penetration_bias(point.depth, step.slop, step.error_rate, step.correction_speed, step.h);
+        let mut bias =
+            penetration_bias(point.depth, step.slop, step.error_rate, step.greatest_push(point.depth), step.h);
         let approach = -normal.dot(&velocity);
         if manifold.restitution > 0.0 && approach > step.restitution_speed {
             bias = bias.max(manifold.restitution * approach);
@@ -143,7 +148,7 @@ fn slip_frame(
     let free = velocity + gained * h;
     let slip = free - normal * normal.dot(&free);
     let speed = slip.norm();
-    if speed < LEAST_SLIP {
+    if speed < LEAST_SLIDE {
         return tangents(normal);
     }
     let along = slip / speed;
