@@ -1,4 +1,17 @@
 //! Headless system tests of the physics plugin, one module a subject.
 
 mod arrows;
-mod smoke;
+mod classic;
+mod determinism;
+mod endurance;
+mod far;
+mod free_motion;
+mod friction;
+mod impact;
+mod messages;
+mod pendulum;
+mod public_face;
+mod quarantine;
+mod resting;
+mod rig;
+mod transforms;

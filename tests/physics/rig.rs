@@ -6,9 +6,15 @@ use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use plumb::physics::{Shape, diagnostics::hash_state};
 use plumb::prelude::*;
 
-/// A headless world with these settings, and a compute pool of four threads on any machine.
-pub fn world_with(settings: SolverSettings) -> World {
+/// Starts a compute pool of four threads on any machine. The first pool of a process stays, so
+/// every test that makes an app of its own calls this before.
+pub fn start_pool() {
     ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(4).build());
+}
+
+/// A headless world with these settings.
+pub fn world_with(settings: SolverSettings) -> World {
+    start_pool();
     let mut world = std::mem::take(headless_app().world_mut());
     world.insert_resource(settings);
     world

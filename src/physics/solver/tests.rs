@@ -124,10 +124,12 @@ fn solve_by_enumeration(matrix: &DMatrix<f64>, targets: &DVector<f64>, bounds: &
             continue;
         }
         let rest = targets - matrix * &lambda;
-        let part = matrix.select_rows(&free).select_columns(&free);
-        let Some(solution) = part.lu().solve(&rest.select_rows(&free)) else { continue };
-        for (&row, &value) in free.iter().zip(solution.iter()) {
-            lambda[row] = value;
+        if !free.is_empty() {
+            let part = matrix.select_rows(&free).select_columns(&free);
+            let Some(solution) = part.lu().solve(&rest.select_rows(&free)) else { continue };
+            for (&row, &value) in free.iter().zip(solution.iter()) {
+                lambda[row] = value;
+            }
         }
         let missing = targets - matrix * &lambda;
         let holds = bounds.iter().enumerate().all(|(row, &(lower, upper))| {
@@ -304,7 +306,7 @@ fn every_kind_of_row<N: SimdRealField + Copy>(
         let (a, b) = ((0, &bodies[0]), (2, &bodies[2]));
         rows.push(if axis == 0 {
             let spring = Spring { stiffness: number(900.0), damping: number(20.0), error: number(0.1) };
-            Row::soft(a, b, pair, spring, h, Bounds::Fixed(number(-50.0), number(50.0)))
+            Row::soft(a, b, pair, spring, h, Bounds::Fixed(number(-3.0), number(3.0)))
         } else {
             Row::rigid(a, b, pair, number(-0.2), h, Bounds::Fixed(-infinite, infinite))
         });
@@ -346,7 +348,7 @@ fn eight_lanes_solve_eight_systems_as_one_lane_solves_each() {
         for (row, wide) in rows.iter().zip(&wide_rows) {
             assert_eq!(row.lambda, wide.lambda.extract(lane), "lane {lane}");
             apart += usize::from(row.lambda == 0.0);
-            at_bound += usize::from(row.lambda.abs() == 50.0);
+            at_bound += usize::from(row.lambda.abs() == 3.0);
         }
         for (body, wide) in accelerations.iter().zip(&wide_accelerations) {
             assert_eq!(body.linear, wide.linear.map(|value| value.extract(lane)), "lane {lane}");
