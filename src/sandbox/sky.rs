@@ -8,8 +8,8 @@ use bevy::render::render_resource::Face;
 
 /// At the horizon; what far ground fades to. Brighter than white paper, as skies are: tone
 /// mapping brings it down.
-pub(super) const HORIZON: Color = Color::linear_rgb(0.92, 1.04, 1.16);
-const ZENITH: Color = Color::linear_rgb(0.13, 0.40, 1.05);
+pub(super) const HORIZON: Color = Color::linear_rgb(1.20, 1.36, 1.50);
+const ZENITH: Color = Color::linear_rgb(0.14, 0.50, 1.45);
 /// Radius, m: beyond everything, ground included.
 const RADIUS: f32 = 9000.0;
 
