@@ -98,7 +98,9 @@ pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut shown: ResMut<ShownGizmos>) {
     ];
     ui.horizontal_wrapped(|ui| {
         for (shown, label, about) in toggles {
-            ui.toggle_value(shown, label).on_hover_text(about);
+            if ui.add(egui::Button::new(label).selected(*shown)).on_hover_text(about).clicked() {
+                *shown = !*shown;
+            }
         }
     });
     shown.set_if_neq(edited);

@@ -130,102 +130,112 @@ fn switch_diagnostics(mut commands: Commands, watched: Res<Watched>, mut history
 /// One curve: its name, color and value in the plain unit.
 type Curve<'a> = (&'static str, [u8; 3], &'a dyn Fn(&Sample) -> f64);
 
+/// What one plot shows.
+struct Chart<'a> {
+    title: &'static str,
+    unit: &'static str,
+    about: &'static str,
+    curves: &'a [Curve<'a>],
+}
+
 /// The section of the panel.
 pub(super) fn show(InMut(ui): InMut<egui::Ui>, history: Res<History>) {
     let start = history.potential_at_start.unwrap_or_default();
     let potential = |sample: &Sample| sample.potential - start;
     let total = |sample: &Sample| sample.kinetic + potential(sample);
-    chart(
-        ui,
-        &history,
-        "energy",
-        "J",
-        "kinetic, potential (from the first sample) and their sum",
-        &[
-            ("kinetic", palette::SKY, &|sample| sample.kinetic),
-            ("potential", palette::ORANGE, &potential),
-            ("total", [240; 3], &total),
-        ],
-    );
-    chart(
-        ui,
-        &history,
-        "error",
-        "m",
-        "largest distance between the two points of a joint, and largest depth of a contact",
-        &[
-            ("joint", palette::PURPLE, &|sample| sample.joint_error),
-            ("contact", palette::YELLOW, &|sample| sample.penetration),
-        ],
-    );
-    chart(
-        ui,
-        &history,
-        "step time",
-        "s",
-        "wall-clock time of a step",
-        &[("step", palette::GREEN, &|sample| sample.step_seconds)],
-    );
+    let charts = [
+        Chart {
+            title: "energy",
+            unit: "J",
+            about: "kinetic, potential (0 at the first sample) and their sum",
+            curves: &[
+                ("kinetic", palette::SKY, &|sample| sample.kinetic),
+                ("potential", palette::ORANGE, &potential),
+                ("total", [240; 3], &total),
+            ],
+        },
+        Chart {
+            title: "error",
+            unit: "m",
+            about: "largest distance between the two points of a joint, and largest depth of a contact",
+            curves: &[
+                ("joint", palette::PURPLE, &|sample| sample.joint_error),
+                ("contact", palette::YELLOW, &|sample| sample.penetration),
+            ],
+        },
+        Chart {
+            title: "step time",
+            unit: "s",
+            about: "wall-clock time of a step",
+            curves: &[("step", palette::GREEN, &|sample| sample.step_seconds)],
+        },
+    ];
+    for (place, chart) in charts.iter().enumerate() {
+        chart.draw(ui, &history, place + 1 == charts.len());
+    }
 }
 
-/// A caption that is the legend too, with the newest values, and the curves below.
-fn chart(ui: &mut egui::Ui, history: &History, title: &str, unit: &str, about: &str, curves: &[Curve]) {
-    let largest = curves.iter().map(|(_, _, value)| history.largest(value)).fold(0.0, f64::max);
-    let scale = Quantity::suiting(largest, unit);
-    let newest = history.samples.back();
-    ui.horizontal(|ui| {
-        ui.label(format!("{title}, {}", scale.unit)).on_hover_text(about);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            for (name, color, value) in curves.iter().rev() {
-                let text = newest.map_or_else(|| "–".into(), |sample| Quantity::text(value(sample), unit));
-                ui.colored_label(color32(*color), egui::RichText::new(format!("{name} {text}")).small());
-            }
+impl Chart<'_> {
+    /// A caption that is the legend too, with the newest values, and the curves below.
+    fn draw(&self, ui: &mut egui::Ui, history: &History, labels_time: bool) {
+        let &Self { title, unit, about, curves } = self;
+        let largest = curves.iter().map(|(_, _, value)| history.largest(value)).fold(0.0, f64::max);
+        let scale = Quantity::suiting(largest, unit);
+        let newest = history.samples.back();
+        ui.horizontal(|ui| {
+            ui.label(format!("{title}, {}", scale.unit)).on_hover_text(about);
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                for (name, color, value) in curves.iter().rev() {
+                    let text = newest.map_or_else(|| "–".into(), |sample| Quantity::text(value(sample), unit));
+                    ui.colored_label(color32(*color), egui::RichText::new(format!("{name} {text}")).size(11.0));
+                }
+            });
         });
-    });
-    let end = newest.map_or(WINDOW, |sample| sample.time.max(WINDOW));
-    let plot = Plot::new(title)
-        .height(76.0)
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_drag(false)
-        .allow_boxed_zoom(false)
-        .allow_axis_zoom_drag(false)
-        .allow_double_click_reset(false)
-        .include_y(0.0)
-        .include_y(if largest > 0.0 { 0.0 } else { 1.0 })
-        .set_margin_fraction(egui::vec2(0.0, 0.08))
-        .y_axis_min_width(36.0)
-        .y_grid_spacer(round_marks)
-        .x_grid_spacer(move |_| seconds(end - WINDOW, end))
-        .x_axis_formatter(
-            |mark, _| if mark.value.rem_euclid(2.0) == 0.0 { format!("{} s", mark.value) } else { String::new() },
-        )
-        .label_formatter(|position| match position {
-            HoverPosition::NearDataPoint { plot_name, position, .. } => {
-                Some(format!("{plot_name} {:.4}\nat {:.3} s", position.y, position.x))
-            }
-            HoverPosition::Elsewhere { .. } => None,
+        let end = newest.map_or(WINDOW, |sample| sample.time.max(WINDOW));
+        let plot = Plot::new(title)
+            .height(if labels_time { 76.0 } else { 60.0 })
+            .show_axes([labels_time, true])
+            .allow_zoom(false)
+            .allow_scroll(false)
+            .allow_drag(false)
+            .allow_boxed_zoom(false)
+            .allow_axis_zoom_drag(false)
+            .allow_double_click_reset(false)
+            .include_y(0.0)
+            .include_y(if largest > 0.0 { 0.0 } else { 1.0 })
+            .set_margin_fraction(egui::vec2(0.0, 0.08))
+            .y_axis_min_width(36.0)
+            .y_grid_spacer(round_marks)
+            .x_grid_spacer(move |_| even_seconds(end - WINDOW, end))
+            .x_axis_formatter(|mark, _| format!("{} s", mark.value))
+            .label_formatter(|position| match position {
+                HoverPosition::NearDataPoint { plot_name, position, .. } => {
+                    Some(format!("{plot_name} {:.4}\nat {:.3} s", position.y, position.x))
+                }
+                HoverPosition::Elsewhere { .. } => None,
+            });
+        // egui counts the widgets inside a plot anew at each pass; its id keeps the next ones' stable.
+        ui.push_id(title, |ui| {
+            plot.show(ui, |plot| {
+                for (name, color, value) in curves {
+                    let points: PlotPoints =
+                        history.samples.iter().map(|sample| [sample.time, value(sample) * scale.factor]).collect();
+                    plot.line(Line::new(*name, points).color(color32(*color)).width(1.5));
+                }
+                plot.set_plot_bounds_x(end - WINDOW..=end);
+            });
         });
-    // egui counts the widgets inside a plot anew at each pass; its id keeps the next ones' stable.
-    ui.push_id(title, |ui| {
-        plot.show(ui, |plot| {
-            for (name, color, value) in curves {
-                let points: PlotPoints =
-                    history.samples.iter().map(|sample| [sample.time, value(sample) * scale.factor]).collect();
-                plot.line(Line::new(*name, points).color(color32(*color)).width(1.5));
-            }
-            plot.set_plot_bounds_x(end - WINDOW..=end);
-        });
-    });
+    }
 }
 
 fn color32([r, g, b]: [u8; 3]) -> egui::Color32 {
     egui::Color32::from_rgb(r, g, b)
 }
 
-/// A line at each whole second.
-fn seconds(from: f64, to: f64) -> Vec<GridMark> {
-    (from.ceil() as i64..=to.floor() as i64).map(|second| GridMark { value: second as f64, step_size: 1.0 }).collect()
+/// A line every other second.
+fn even_seconds(from: f64, to: f64) -> Vec<GridMark> {
+    let (first, last) = ((from / 2.0).ceil() as i64, (to / 2.0).floor() as i64);
+    (first..=last).map(|line| GridMark { value: 2.0 * line as f64, step_size: 2.0 }).collect()
 }
 
 /// Two to four lines, 1, 2 or 5 times a power of ten apart.

@@ -3,6 +3,7 @@
 mod actions;
 mod dragging;
 mod keys;
+mod panel;
 mod stage;
 mod startup;
 mod window;

@@ -28,7 +28,7 @@ pub fn apply(mut contexts: EguiContexts, mut done: Local<bool>) -> Result {
     context.set_theme(egui::Theme::Dark);
     context.all_styles_mut(|style| {
         let visuals = &mut style.visuals;
-        visuals.panel_fill = egui::Color32::from_rgba_unmultiplied(24, 26, 30, 244);
+        visuals.panel_fill = egui::Color32::from_rgb(27, 29, 33);
         visuals.window_fill = visuals.panel_fill;
         visuals.widgets.noninteractive.fg_stroke.color = egui::Color32::from_gray(205);
         visuals.widgets.inactive.fg_stroke.color = egui::Color32::from_gray(215);
