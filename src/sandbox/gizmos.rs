@@ -85,7 +85,7 @@ pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut shown: ResMut<ShownGizmos>) {
         (
             &mut edited.joints,
             "joints",
-            "each joint with lines to its bodies' centers of mass; size and color by what it carries: green nothing, \
+            "each joint with lines to the centers of mass that it moves; size and color by what it carries: green nothing, \
              red ten times an average body's weight",
         ),
         (
@@ -133,10 +133,10 @@ impl Measure {
         Self { size: (radii / count) as f32, weight: masses / count * g }
     }
 
-    /// The arrow of a force: as long as a body is wide where it equals a body's weight, and never
-    /// more than a dozen bodies long.
+    /// The arrow of a force: as long as a body's radius where it equals a body's weight, and never
+    /// more than twenty of them.
     fn arrow(&self, force: DVec3) -> Vec3 {
-        (force / self.weight * 2.0).clamp_length_max(24.0).as_vec3() * self.size
+        (force / self.weight).clamp_length_max(20.0).as_vec3() * self.size
     }
 
     /// How loaded something is, 0 to 1: 1 at ten times an average weight, where the square root
@@ -181,22 +181,25 @@ fn draw_contacts(
 fn draw_joints(
     mut gizmos: Gizmos<Overlay>,
     joints: Query<(&BallJoint, &JointLoad)>,
-    poses: Query<&Transform, With<RigidBody>>,
+    poses: Query<(&RigidBody, &Transform)>,
     gravity: Res<Gravity>,
     bodies: Query<(&RigidBody, &Collider, &Mass)>,
 ) {
     let measure = Measure::of(&bodies, &gravity);
     let (idle, loaded) = (color(palette::GREEN).to_linear(), color(palette::VERMILION).to_linear());
     for (joint, carried) in &joints {
-        let Ok([a, b]) = poses.get_many([joint.body_a, joint.body_b]) else { continue };
+        let Ok([(kind_a, a), (kind_b, b)]) = poses.get_many([joint.body_a, joint.body_b]) else { continue };
         let load = measure.load(carried.force.length());
         let tint = Color::from(idle.mix(&loaded, load));
         let anchor = |pose: &Transform, anchor: DVec3| pose.translation + pose.rotation * anchor.as_vec3();
         let (at_a, at_b) = (anchor(a, joint.anchor_a), anchor(b, joint.anchor_b));
         gizmos.sphere(at_b, measure.size * (0.08 + 0.16 * load), tint).resolution(12);
-        gizmos.line(a.translation, at_a, tint);
         gizmos.line(at_a, at_b, color(palette::PURPLE)); // as long as the joint is torn apart
-        gizmos.line(at_b, b.translation, tint);
+        for (kind, pose, at) in [(kind_a, a, at_a), (kind_b, b, at_b)] {
+            if *kind == RigidBody::Dynamic {
+                gizmos.line(pose.translation, at, tint);
+            }
+        }
     }
 }
 
@@ -269,8 +272,8 @@ mod tests {
     #[test]
     fn arrows_grow_with_the_force_and_stay_in_the_picture() {
         let measure = Measure { size: 0.5, weight: 100.0 };
-        assert!(measure.arrow(DVec3::Y * 100.0).abs_diff_eq(Vec3::Y, 1e-6));
-        assert!(measure.arrow(DVec3::Y * 1e9).abs_diff_eq(Vec3::Y * 12.0, 1e-5));
+        assert!(measure.arrow(DVec3::Y * 100.0).abs_diff_eq(Vec3::Y * 0.5, 1e-6));
+        assert!(measure.arrow(DVec3::Y * 1e9).abs_diff_eq(Vec3::Y * 10.0, 1e-5));
         assert_eq!(measure.arrow(DVec3::ZERO), Vec3::ZERO);
         assert_eq!(measure.load(0.0), 0.0);
         assert_eq!(measure.load(1e12), 1.0);

@@ -206,7 +206,7 @@ impl Chart<'_> {
             .set_margin_fraction(egui::vec2(0.0, 0.08))
             .y_axis_min_width(36.0)
             .y_grid_spacer(round_marks)
-            .x_grid_spacer(move |_| even_seconds(end - WINDOW, end))
+            .x_grid_spacer(move |_| fifth_seconds(end - WINDOW, end))
             .x_axis_formatter(|mark, _| format!("{} s", mark.value))
             .label_formatter(|position| match position {
                 HoverPosition::NearDataPoint { plot_name, position, .. } => {
@@ -232,16 +232,17 @@ fn color32([r, g, b]: [u8; 3]) -> egui::Color32 {
     egui::Color32::from_rgb(r, g, b)
 }
 
-/// A line every other second.
-fn even_seconds(from: f64, to: f64) -> Vec<GridMark> {
-    let (first, last) = ((from / 2.0).ceil() as i64, (to / 2.0).floor() as i64);
-    (first..=last).map(|line| GridMark { value: 2.0 * line as f64, step_size: 2.0 }).collect()
+/// A line every five seconds.
+fn fifth_seconds(from: f64, to: f64) -> Vec<GridMark> {
+    let (first, last) = ((from / 5.0).ceil() as i64, (to / 5.0).floor() as i64);
+    (first..=last).map(|line| GridMark { value: 5.0 * line as f64, step_size: 5.0 }).collect()
 }
 
-/// Two to four lines, 1, 2 or 5 times a power of ten apart.
+/// Up to three lines, 1, 2 or 5 times a power of ten apart: egui leaves out numbers that stand
+/// closer.
 fn round_marks(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
-    let least = (high - low) / 4.0;
+    let least = (high - low) / 2.5;
     if !(least.is_normal() && least > 0.0) {
         return Vec::new();
     }
@@ -287,7 +288,7 @@ mod tests {
     fn axes_have_a_few_round_marks() {
         for (low, high) in [(0.0, 1.0), (-3.0, 17.0), (0.0, 999.0), (-0.002, 0.0035)] {
             let marks = round_marks(GridInput { bounds: (low, high), base_step_size: 0.0 });
-            assert!((2..=5).contains(&marks.len()), "{low} to {high}: {marks:?}");
+            assert!((1..=3).contains(&marks.len()), "{low} to {high}: {marks:?}");
             assert!(marks.iter().all(|mark| (low..=high).contains(&mark.value)));
         }
         assert!(round_marks(GridInput { bounds: (0.0, f64::NAN), base_step_size: 0.0 }).is_empty());
