@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::pgs;
 use super::rows::{Scalar, body_terms, contact_rows, joint_rows};
-use super::warm_start::ContactCache;
+use super::warm_start::{ContactCache, KEPT_SHARE};
 use crate::physics::bodies::{Bodies, Body, Joint, Joints, world_inverse_inertia};
 use crate::physics::collision::Contacts;
 use crate::physics::constraint::row::{BodyTerms, Row, Twist};
@@ -363,12 +363,12 @@ impl IslandSolver {
         self.keep_forces(&work.rows, joints_from, h, terms);
     }
 
-    /// Starts each contact row from the force that its point carried.
+    /// Starts each contact row from most of the force that its point carried.
     fn warm_start<N: Scalar>(&self, rows: &mut [Row<N>], accelerations: &mut [Twist<N>]) {
         let mut end = rows.len();
         for point in self.points.iter().rev() {
             for row in &mut rows[point.first_row..end] {
-                row.lambda = N::of(point.force.dot(&row.jacobian.linear_b.map(Scalar::to_f64)));
+                row.lambda = N::of(KEPT_SHARE * point.force.dot(&row.jacobian.linear_b.map(Scalar::to_f64)));
             }
             rows[point.first_row].lambda = rows[point.first_row].lambda.simd_max(N::zero());
             end = point.first_row;
