@@ -9,7 +9,8 @@ fn plumb() -> Command {
     command
 }
 
-fn assert_one_line(output: &Output, words: &[&str]) {
+/// Exit status 2, and one line on standard error with these words in it.
+pub fn assert_one_line(output: &Output, words: &[&str]) {
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert_eq!(said.lines().count(), 1, "one line:\n{said}");

@@ -56,6 +56,23 @@ fn a_limb_is_dragged_in_a_real_window() {
     assert!(fallen.is_some(), "let go, it falls; last seen at {:?}", sandbox.last);
 }
 
+#[test]
+fn without_a_graphics_driver_one_line_says_so() {
+    if let Some(reason) = missing() {
+        println!("skipped: {reason}");
+        return;
+    }
+    let display = Display::open();
+    let output = Command::new(env!("CARGO_BIN_EXE_plumb"))
+        .env("DISPLAY", &display.name)
+        .env("VK_DRIVER_FILES", "/nonexistent")
+        .env("VK_ICD_FILENAMES", "/nonexistent")
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .unwrap();
+    crate::startup::assert_one_line(&output, &["no graphics driver", "plumb run"]);
+}
+
 /// What this machine lacks for a window, if anything.
 fn missing() -> Option<String> {
     for program in ["Xvfb", "xdotool"] {
