@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use super::bodies::Bodies;
 use super::body::ObserveContacts;
-use super::collision::Contacts;
+use super::collision::{Contacts, Manifold};
 use super::messages::{Collision, ContactEnded, ContactStarted};
 use super::{PhysicsSchedule, PhysicsSystems};
 
@@ -36,7 +36,8 @@ fn report_changes(
 ) {
     let Touching { pairs, present } = &mut *touching;
     present.clear();
-    present.extend(contacts.manifolds.iter().map(|manifold| {
+    let touching = |manifold: &&Manifold| contacts.points_of(manifold).iter().any(|point| point.depth >= 0.0);
+    present.extend(contacts.manifolds.iter().filter(touching).map(|manifold| {
         let a = bodies.list[manifold.pair.a as usize].entity;
         let b = bodies.list[manifold.pair.b as usize].entity;
         (a.min(b), a.max(b))
@@ -68,7 +69,7 @@ fn report_collisions(bodies: Res<Bodies>, contacts: Res<Contacts>, mut collision
         if !a.reports && !b.reports {
             continue;
         }
-        for point in contacts.points_of(manifold) {
+        for point in contacts.points_of(manifold).iter().filter(|point| point.depth >= 0.0) {
             collisions.write(Collision {
                 a: a.entity,
                 b: b.entity,

@@ -4,6 +4,7 @@ mod actions;
 mod dragging;
 mod keys;
 mod panel;
+mod rough_hands;
 mod stage;
 mod startup;
 mod window;

@@ -111,11 +111,16 @@ impl Stage {
 
     /// Where in the window a point of the world is seen.
     pub fn seen_at(&mut self, point: DVec3) -> Vec2 {
+        self.try_seen_at(point).expect("a point in the picture")
+    }
+
+    /// The same, if it is seen.
+    pub fn try_seen_at(&mut self, point: DVec3) -> Option<Vec2> {
         let world = self.app.world_mut();
         let origin = world.resource::<RenderOrigin>().0;
         let (camera, transform) =
             world.query_filtered::<(&Camera, &GlobalTransform), With<Camera3d>>().single(world).expect("one camera");
-        camera.world_to_viewport(transform, (point - origin).as_vec3()).expect("a point in the picture")
+        camera.world_to_viewport(transform, (point - origin).as_vec3()).ok()
     }
 
     /// Moves the pointer, as a hand would: in a few frames.

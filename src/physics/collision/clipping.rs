@@ -10,7 +10,7 @@
 use nalgebra::Vector3;
 
 use super::placed::{Placed, PlacedEdge};
-use super::sat::{AxisSource, Overlap};
+use super::sat::{AxisSource, Overlap, plane_depth};
 use super::{CONTACT_TOLERANCE, ContactPoint, FeatureId};
 use crate::physics::collider::Geometry;
 
@@ -55,6 +55,7 @@ pub(super) fn contact_points(
     a: &Placed,
     b: &Placed,
     overlap: &Overlap,
+    plane_gap: f64,
     buffers: &mut ClipBuffers,
     points: &mut Vec<ContactPoint>,
 ) {
@@ -72,11 +73,11 @@ pub(super) fn contact_points(
             feature: FeatureId::default(),
         }),
         (Geometry::HalfSpace, _) => {
-            vertices_below(a, b, &normal, &mut buffers.found);
+            vertices_below(a, b, &normal, plane_gap, &mut buffers.found);
             keep_spread(&mut buffers.found, &normal, b.radius, points);
         }
         (_, Geometry::HalfSpace) => {
-            vertices_below(b, a, &-normal, &mut buffers.found);
+            vertices_below(b, a, &-normal, plane_gap, &mut buffers.found);
             keep_spread(&mut buffers.found, &normal, a.radius, points);
         }
         _ if source == AxisSource::Edges => {
@@ -96,13 +97,11 @@ pub(super) fn contact_points(
     }
 }
 
-/// The vertices of a body on or below a plane, moved half-way up to it.
-fn vertices_below(plane: &Placed, body: &Placed, normal: &Vector3<f64>, found: &mut Vec<ContactPoint>) {
+/// The vertices of a body up to a gap over a plane, moved half-way to it.
+fn vertices_below(plane: &Placed, body: &Placed, normal: &Vector3<f64>, gap: f64, found: &mut Vec<ContactPoint>) {
     let level = plane.center.dot(normal);
     body.for_each_vertex(|index, vertex| {
-        let depth = level - vertex.dot(normal);
-        if depth >= -CONTACT_TOLERANCE * body.radius {
-            let depth = depth.max(0.0);
+        if let Some(depth) = plane_depth(level - vertex.dot(normal), gap, body.radius) {
             let point = vertex + normal * (depth / 2.0);
             found.push(ContactPoint { point, depth, feature: FeatureId::of_vertex(true, index) });
         }

@@ -7,13 +7,15 @@
 use std::ops::Range;
 
 use bevy::prelude::*;
+use nalgebra::Vector3;
 
 use super::clipping::{self, ClipBuffers};
 use super::extreme_vertices;
 use super::placed::Placed;
 use super::sat::{self, AxisBuffers, AxisSearch, Overlap};
-use super::{CONTACT_TOLERANCE, CandidatePairs, ContactPoint, Contacts, Manifold, Pair};
+use super::{CONTACT_TOLERANCE, CandidatePairs, ContactPoint, Contacts, Manifold, Pair, speculative_gap};
 use crate::physics::bodies::{Bodies, Body};
+use crate::physics::collider::Geometry;
 use crate::physics::diagnostics::StepStats;
 use crate::physics::settings::{ContactModel, SolverSettings};
 use crate::physics::threads::for_each_block;
@@ -110,18 +112,23 @@ pub(super) fn touch(
         return None;
     }
     let clips = settings.contacts == ContactModel::Clipping;
+    let plane_gap = match a.geometry {
+        Some(Geometry::HalfSpace) => speculative_gap(a, b, &(a.rotation * Vector3::y()), settings),
+        _ => 0.0,
+    };
     let search = AxisSearch {
         epsilon: settings.axis_epsilon,
         merge_opposites: settings.merge_opposite_axes,
         steady_faces: clips,
         touching_edges: clips,
+        plane_gap,
     };
     let origin = a.position;
     let (shape_a, shape_b) = (Placed::new(a, &origin)?, Placed::new(b, &origin)?);
     let overlap = sat::overlap(&shape_a, &shape_b, &search, &mut buffers.axes)?;
     let first = points.len();
     if clips {
-        clipping::contact_points(&shape_a, &shape_b, &overlap, &mut buffers.clip, points);
+        clipping::contact_points(&shape_a, &shape_b, &overlap, plane_gap, &mut buffers.clip, points);
     } else {
         extreme_vertices::contact_points(&shape_a, &shape_b, &overlap, points);
     }

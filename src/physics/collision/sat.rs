@@ -47,6 +47,8 @@ pub(super) struct AxisSearch {
     /// Of two hulls, takes only the edge pairs that can touch: the least depth is never along
     /// another, and there are tens of them instead of thousands. Not in the 2009 engine.
     pub touching_edges: bool,
+    /// Gap over a plane up to which a body counts, m.
+    pub plane_gap: f64,
 }
 
 /// How two shapes overlap.
@@ -54,7 +56,7 @@ pub(super) struct AxisSearch {
 pub(super) struct Overlap {
     /// Unit, from A to B.
     pub normal: Vector3<f64>,
-    /// m, ≥ 0.
+    /// m; negative only within the gap over a plane that was asked for.
     pub depth: f64,
     pub source: AxisSource,
 }
@@ -83,22 +85,26 @@ pub(super) struct AxisBuffers {
 /// Tests two shapes; none if they are apart. Not for two half-spaces.
 pub(super) fn overlap(a: &Placed, b: &Placed, search: &AxisSearch, buffers: &mut AxisBuffers) -> Option<Overlap> {
     match (a.geometry, b.geometry) {
-        (Geometry::HalfSpace, _) => plane_overlap(a, b),
-        (_, Geometry::HalfSpace) => {
-            plane_overlap(b, a).map(|overlap| Overlap { normal: -overlap.normal, source: AxisSource::B, ..overlap })
-        }
+        (Geometry::HalfSpace, _) => plane_overlap(a, b, search.plane_gap),
+        (_, Geometry::HalfSpace) => plane_overlap(b, a, search.plane_gap).map(|overlap| Overlap {
+            normal: -overlap.normal,
+            source: AxisSource::B,
+            ..overlap
+        }),
         _ => convex_overlap(a, b, search, buffers),
     }
 }
 
-fn plane_overlap(plane: &Placed, body: &Placed) -> Option<Overlap> {
+fn plane_overlap(plane: &Placed, body: &Placed, gap: f64) -> Option<Overlap> {
     let normal = plane.plane_normal();
     let depth = plane.center.dot(&normal) - body.project(&normal)[0];
-    (depth >= -CONTACT_TOLERANCE * body.radius).then_some(Overlap {
-        normal,
-        depth: depth.max(0.0),
-        source: AxisSource::A,
-    })
+    plane_depth(depth, gap, body.radius).map(|depth| Overlap { normal, depth, source: AxisSource::A })
+}
+
+/// The depth of a point or body below a plane, if it counts: what rounding could have made of zero
+/// is zero, a true gap stays negative.
+pub(super) fn plane_depth(depth: f64, gap: f64, radius: f64) -> Option<f64> {
+    if depth >= -CONTACT_TOLERANCE * radius { Some(depth.max(0.0)) } else { (depth >= -gap).then_some(depth) }
 }
 
 fn convex_overlap(a: &Placed, b: &Placed, search: &AxisSearch, buffers: &mut AxisBuffers) -> Option<Overlap> {

@@ -19,7 +19,7 @@ use std::ops::Range;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use super::{CONTACT_TOLERANCE, CandidatePairs, Pair};
+use super::{CONTACT_TOLERANCE, CandidatePairs, Pair, speculative_gap};
 use crate::physics::bodies::{Bodies, Body};
 use crate::physics::body::CollisionLayers;
 use crate::physics::collider::Geometry;
@@ -107,7 +107,7 @@ impl SweepAndSort {
         if swept == 0 {
             return;
         }
-        self.half_space_pairs(bodies, joined, pairs);
+        self.half_space_pairs(bodies, joined, settings, pairs);
         self.sort(bodies, swept);
         self.project(bodies);
         let block_count = self.spheres.len().div_ceil(BLOCK);
@@ -141,14 +141,21 @@ impl SweepAndSort {
         swept
     }
 
-    fn half_space_pairs(&self, bodies: &[Body], joined: &JoinedPairs, pairs: &mut Vec<Pair>) {
+    fn half_space_pairs(
+        &self,
+        bodies: &[Body],
+        joined: &JoinedPairs,
+        settings: &SolverSettings,
+        pairs: &mut Vec<Pair>,
+    ) {
         for &a in &self.half_spaces {
             let plane = &bodies[a as usize];
             let normal = plane.rotation * Vector3::y();
             for (b, body) in bodies.iter().enumerate() {
                 if is_swept(body)
                     && body.is_dynamic()
-                    && normal.dot(&(body.position - plane.position)) <= reach(body)
+                    && normal.dot(&(body.position - plane.position))
+                        <= reach(body) + speculative_gap(plane, body, &normal, settings)
                     && plane.layers.interact(body.layers)
                     && !joined.contains(a, b as u32)
                 {

@@ -197,7 +197,13 @@ fn edge_pairs_that_cannot_touch_do_not_matter() {
     for _ in 0..400 {
         let [a, b] = random_pair(&mut random, [2, 2]);
         let find = |touching_edges| {
-            let search = AxisSearch { epsilon: 0.0, merge_opposites: false, steady_faces: false, touching_edges };
+            let search = AxisSearch {
+                epsilon: 0.0,
+                merge_opposites: false,
+                steady_faces: false,
+                touching_edges,
+                plane_gap: 0.0,
+            };
             let [shape_a, shape_b] = [&a, &b].map(|body| Placed::new(body, &a.position).unwrap());
             sat::overlap(&shape_a, &shape_b, &search, &mut AxisBuffers::default())
         };
