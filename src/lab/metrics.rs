@@ -1,11 +1,11 @@
 //! What a run did, how true it was and what it cost: the object that `--json` prints.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use bevy::math::DVec3;
 use serde::Serialize;
 
-use crate::physics::{Diagnostics, Inertia, Mass, SolverSettings, StepStats};
+use crate::physics::{Diagnostics, Inertia, Mass, RigidBody, SolverSettings, StepStats};
 use crate::scene::{BodySpec, SceneSpec, ShapeSpec};
 
 use super::run::{BodyState, Plan, Simulation};
@@ -32,6 +32,8 @@ pub struct Metrics {
     pub seconds: f64,
     /// What a step cost.
     pub ms_per_step: StepMilliseconds,
+    /// What a step cost, in counts that no clock spoils.
+    pub counts: StepCounts,
     /// Energy at both ends, and how far it strayed.
     pub energy: EnergyMetrics,
     /// Largest distance between the two anchors of a joint after any step.
@@ -44,6 +46,8 @@ pub struct Metrics {
     pub drift_max_m: f64,
     /// Distance from the scene's reference answer, where it has one.
     pub truth: Option<TruthMetrics>,
+    /// How near it came to failing.
+    pub shares: Shares,
     /// Bodies and joints set aside, and why.
     pub quarantined: Vec<QuarantinedEntity>,
     /// The vector instructions that the program was built for.
@@ -61,6 +65,29 @@ pub struct StepMilliseconds {
     pub p95: f64,
     /// All steps together.
     pub total: f64,
+}
+
+/// Work of the last step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct StepCounts {
+    /// Row updates: rows × iterations × solves.
+    pub row_updates: u64,
+    /// Pairs that the narrow phase tested.
+    pub pairs: u32,
+}
+
+/// Errors relative to what they are errors of: see [`judge`](super::verdict::judge).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Shares {
+    /// Largest joint separation over the smaller bounding diameter of the two bodies.
+    pub joint_of_limb: f64,
+    /// Largest (E − E₀)/S; none where S is 0.
+    pub energy_rise: Option<f64>,
+    /// Deepest contact over the smallest size of a body that moves; a size is the smallest full
+    /// extent.
+    pub sunk_of_size: f64,
+    /// Largest move of a body over its size, in a scene that should stay as it is.
+    pub moved_of_size: Option<f64>,
 }
 
 /// Σ ½mv² + ½ωᵀIω − m g·(x − x₀) over what moves, J, x₀ each body's start.
@@ -85,6 +112,8 @@ pub struct TruthMetrics {
     pub error: f64,
     /// In this unit.
     pub unit: &'static str,
+    /// How far the answer itself may be off.
+    pub uncertainty: f64,
 }
 
 /// A body or joint that the step has set aside.
@@ -105,7 +134,11 @@ pub(super) struct Meter {
     energy_start: f64,
     energy_end: f64,
     energy_strays: f64,
+    energy_rises: f64,
     kinetic_max: f64,
+    limbs: Vec<Limb>,
+    joint_of_limb: f64,
+    moved_of_size: f64,
     joint_error: f64,
     penetration: f64,
     sink: f64,
@@ -118,6 +151,16 @@ struct Moving {
     mass: f64,
     inertia: DVec3,
     gravity: DVec3,
+    /// Smallest full extent, m.
+    size: f64,
+}
+
+/// A rigid joint, to see how far it parts.
+struct Limb {
+    bodies: [usize; 2],
+    anchors: [DVec3; 2],
+    /// Smaller bounding diameter of the bodies that have a shape, m.
+    diameter: f64,
 }
 
 impl Meter {
@@ -135,6 +178,10 @@ impl Meter {
             energy_start: 0.0,
             energy_end: 0.0,
             energy_strays: 0.0,
+            energy_rises: 0.0,
+            limbs: limbs(simulation.scene()),
+            joint_of_limb: 0.0,
+            moved_of_size: 0.0,
             kinetic_max: 0.0,
             joint_error: 0.0,
             penetration: 0.0,
@@ -162,11 +209,23 @@ impl Meter {
         let (kinetic, potential) = self.energy(sample.bodies);
         self.energy_end = kinetic + potential;
         self.energy_strays = self.energy_strays.max((self.energy_end - self.energy_start).abs());
+        self.energy_rises = self.energy_rises.max(self.energy_end - self.energy_start);
         self.kinetic_max = self.kinetic_max.max(kinetic);
         for (state, start) in sample.bodies.iter().zip(&self.start) {
             let moved = state.position - start.position;
             self.sink = self.sink.max(-moved.y);
             self.drift = self.drift.max(moved.x.hypot(moved.z));
+        }
+        for limb in &self.limbs {
+            let [one, other] = [0, 1].map(|side| {
+                let BodyState { position, rotation, .. } = sample.bodies[limb.bodies[side]];
+                position + rotation * limb.anchors[side]
+            });
+            self.joint_of_limb = self.joint_of_limb.max(one.distance(other) / limb.diameter);
+        }
+        for body in &self.moving {
+            let moved = sample.bodies[body.index].position.distance(self.start[body.index].position);
+            self.moved_of_size = self.moved_of_size.max(moved / body.size);
         }
         if let Some(truth) = &mut self.truth {
             truth.observe(&sample);
@@ -192,7 +251,7 @@ impl Meter {
         let scale = self.energy_scale(&plan.scene);
         let truth = self.truth.as_ref().and_then(|truth| {
             let error = truth.error()?;
-            Some(TruthMetrics { name: truth.name, error, unit: truth.unit })
+            Some(TruthMetrics { name: truth.name, error, unit: truth.unit, uncertainty: truth.uncertainty })
         });
         Metrics {
             scene: plan.scene.name.clone(),
@@ -213,6 +272,13 @@ impl Meter {
             sink_max_m: self.sink,
             drift_max_m: self.drift,
             truth,
+            counts: StepCounts { row_updates: stats.row_updates, pairs: stats.pairs },
+            shares: Shares {
+                joint_of_limb: self.joint_of_limb,
+                energy_rise: (scale > 0.0).then(|| self.energy_rises / scale),
+                sunk_of_size: self.penetration / self.moving.iter().map(|body| body.size).fold(f64::INFINITY, f64::min),
+                moved_of_size: self.truth.as_ref().filter(|truth| truth.stays).map(|_| self.moved_of_size),
+            },
             quarantined: simulation.quarantined(),
             simd: simd(),
             state_hash: format!("{:016x}", simulation.state_hash()),
@@ -236,11 +302,30 @@ fn moving(simulation: &Simulation) -> Vec<Moving> {
     let scene = simulation.scene();
     let bodies = scene.bodies.iter().zip(&simulation.entities().bodies).enumerate();
     bodies
-        .filter(|(_, (body, _))| body.kind == crate::physics::RigidBody::Dynamic)
+        .filter(|(_, (body, _))| body.kind == RigidBody::Dynamic)
         .filter_map(|(index, (body, &entity))| {
             let mass = simulation.world().get::<Mass>(entity)?.0;
             let inertia = simulation.world().get::<Inertia>(entity)?.0;
-            Some(Moving { index, mass, inertia, gravity: scene.gravity * body.gravity_scale })
+            let size = body.shape.map_or(f64::INFINITY, ShapeSpec::smallest_extent);
+            Some(Moving { index, mass, inertia, gravity: scene.gravity * body.gravity_scale, size })
+        })
+        .collect()
+}
+
+/// The rigid joints of a scene.
+fn limbs(scene: &SceneSpec) -> Vec<Limb> {
+    let by_name: HashMap<&str, usize> =
+        (0..).zip(&scene.bodies).map(|(index, body)| (body.name.as_str(), index)).collect();
+    let diameter = |body: usize| {
+        let body = &scene.bodies[body];
+        body.shape.filter(|_| body.kind == RigidBody::Dynamic).map_or(f64::INFINITY, |s| 2.0 * s.bounding_radius())
+    };
+    let rigid = scene.joints.iter().filter(|joint| joint.softness.is_none());
+    rigid
+        .filter_map(|joint| {
+            let bodies = [*by_name.get(joint.body_a.as_str())?, *by_name.get(joint.body_b.as_str())?];
+            let diameter = diameter(bodies[0]).min(diameter(bodies[1]));
+            Some(Limb { bodies, anchors: [joint.anchor_a, joint.anchor_b], diameter })
         })
         .collect()
 }

@@ -1,14 +1,20 @@
 //! Measuring: scenes run without a window, what they did and cost, how far they are from their
 //! reference answers; and the command line on top of it.
 
+pub mod chart;
 pub mod command;
+pub mod fit;
+pub mod map;
 mod metrics;
+mod picture;
 mod run;
 mod settings_file;
+pub mod sweep;
 mod trajectory;
 pub mod truth;
+pub mod verdict;
 
-pub use metrics::{EnergyMetrics, Metrics, QuarantinedEntity, StepMilliseconds, TruthMetrics};
+pub use metrics::{EnergyMetrics, Metrics, QuarantinedEntity, Shares, StepCounts, StepMilliseconds, TruthMetrics};
 pub use run::{BodyState, MOST_STEPS, Plan, PlanError, Sample, Simulation, measure};
-pub use settings_file::{SettingsFileError, read_settings};
+pub use settings_file::{SettingsFileError, read_settings, write_settings};
 pub use trajectory::TrajectoryWriter;

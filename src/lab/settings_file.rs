@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use ron::error::Position;
 use ron::extensions::Extensions;
+use ron::ser::PrettyConfig;
 use serde::de::{Deserializer, Error as _, IgnoredAny, MapAccess, Visitor};
 
 use crate::physics::{SettingsError, SolverSettings};
@@ -61,6 +62,25 @@ pub fn read_settings(path: &Path) -> Result<SolverSettings, SettingsFileError> {
         reason,
     })?;
     Ok(settings)
+}
+
+/// Writes settings to a file that [`read_settings`] reads, one a line.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_settings(path: &Path, settings: &SolverSettings) -> io::Result<()> {
+    let text = options().to_string_pretty(settings, PrettyConfig::new()).expect("numbers and names always have a text");
+    std::fs::write(path, text + "\n")
+}
+
+/// All settings on one line, as a settings file may have them.
+pub(super) fn settings_to_ron(settings: &SolverSettings) -> String {
+    options().to_string(settings).expect("numbers and names always have a text")
+}
+
+/// Settings from such a line.
+pub(super) fn settings_from_ron(text: &str) -> Result<SolverSettings, ron::error::SpannedError> {
+    options().from_str(text)
 }
 
 /// `correction_speed: 3.0` beside `Some(3.0)`.

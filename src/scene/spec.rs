@@ -232,6 +232,16 @@ impl ShapeSpec {
         }
     }
 
+    /// Smallest full extent, m: the size that errors are measured by; a half-space's is infinite.
+    pub fn smallest_extent(self) -> f64 {
+        match self {
+            Self::HalfSpace => f64::INFINITY,
+            Self::Sphere { radius } => 2.0 * radius,
+            Self::Cuboid { size } => size.min_element(),
+            Self::Cone { radius, height } => height.min(2.0 * radius),
+        }
+    }
+
     /// Radius of the smallest ball about the centre of mass that holds the shape, m; a
     /// half-space's is infinite.
     pub fn bounding_radius(self) -> f64 {

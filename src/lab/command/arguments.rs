@@ -8,6 +8,7 @@ use serde::de::IntoDeserializer;
 use serde::de::value::StrDeserializer;
 
 use crate::lab::read_settings;
+use crate::lab::sweep::Shard;
 use crate::physics::{Method, Precision, SolverSettings};
 use crate::scene;
 
@@ -31,6 +32,12 @@ pub(super) enum Subcommand {
     Scenes,
     /// Simulate a scene without a window and say what it did, how true it was and what it cost
     Run(Box<RunArguments>),
+    /// Measure error against cost over many settings and draw both on one chart a scene
+    Chart(ChartArguments),
+    /// Map where methods hold, degrade and fail over two parameters of a scene
+    Map(MapArguments),
+    /// Find the cheapest settings that hold an error for a scene
+    Fit(FitArguments),
 }
 
 #[derive(Args)]
@@ -58,11 +65,63 @@ pub(super) struct RunArguments {
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Time between the rows of the trajectory, s [default: every step]
-    #[arg(long, value_name = "DT", requires = "out", value_parser = interval, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DT", requires = "out", value_parser = positive, allow_negative_numbers = true)]
     pub every: Option<f64>,
     /// Print one JSON object instead of a summary
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct ChartArguments {
+    /// Built-in scenes or paths of RON files [default: all built-in scenes]
+    pub scenes: Vec<String>,
+    #[command(flatten)]
+    pub parameters: ParameterArguments,
+    /// Few points and short runs: all scenes within minutes
+    #[arg(long)]
+    pub quick: bool,
+    #[command(flatten)]
+    pub sweep: SweepArguments,
+    /// Draw what other engines did, from the folder that the peers crate wrote
+    #[arg(long, value_name = "DIR")]
+    pub peers: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub(super) struct MapArguments {
+    /// Scenes that have a map [default: all of them]
+    pub scenes: Vec<String>,
+    #[command(flatten)]
+    pub sweep: SweepArguments,
+}
+
+#[derive(Args)]
+pub(super) struct FitArguments {
+    /// A built-in scene
+    pub scene: String,
+    #[command(flatten)]
+    pub parameters: ParameterArguments,
+    /// Largest error to hold, in the unit of the scene's answer
+    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true)]
+    pub error: f64,
+    /// Time to simulate, s [default: the scene's own]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub seconds: Option<f64>,
+    /// Folder for points.csv and the settings file
+    #[arg(long, value_name = "DIR", default_value = "charts")]
+    pub out: PathBuf,
+}
+
+/// Where a sweep's results go, and which share of it to do.
+#[derive(Args)]
+pub(super) struct SweepArguments {
+    /// Folder for pictures and points.csv; points that are in it are not measured again
+    #[arg(long, value_name = "DIR", default_value = "charts")]
+    pub out: PathBuf,
+    /// Measure only the I-th of N shares
+    #[arg(long, value_name = "I/N", default_value = "1/1")]
+    pub shard: Shard,
 }
 
 #[derive(Args)]
@@ -149,8 +208,8 @@ fn assignment(text: &str) -> Result<(String, f64), String> {
     }
 }
 
-/// Time between rows.
-fn interval(text: &str) -> Result<f64, String> {
+/// A time or an error.
+fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if seconds.is_finite() && seconds > 0.0 => Ok(seconds),
         Ok(_) => Err("must be greater than 0 and finite".into()),

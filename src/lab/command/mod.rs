@@ -6,6 +6,9 @@
 //! where.
 
 mod arguments;
+mod chart;
+mod fit;
+mod map;
 mod run;
 mod scenes;
 mod summary;
@@ -17,6 +20,7 @@ use std::process::ExitCode;
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use clap::Parser;
 
+use crate::lab::chart::{ChartError, PeersError};
 use crate::lab::{PlanError, SettingsFileError};
 use crate::physics::{SettingsError, SolverSettings};
 use crate::scene::SceneError;
@@ -62,6 +66,12 @@ pub enum CommandError {
     /// A run that makes no sense.
     #[error(transparent)]
     Plan(#[from] PlanError),
+    /// Charts that cannot be made.
+    #[error(transparent)]
+    Chart(#[from] ChartError),
+    /// Rows of other engines that cannot be had.
+    #[error(transparent)]
+    Peers(#[from] PeersError),
     /// An output that cannot be written.
     #[error("{place}: cannot be written: {reason}")]
     Output {
@@ -77,7 +87,7 @@ pub enum CommandError {
 pub enum Outcome {
     /// Exit status 0.
     Done,
-    /// Exit status 1: a body was quarantined.
+    /// Exit status 1: a body was quarantined, or no settings hold the error asked for.
     CheckFailed,
 }
 
@@ -111,6 +121,9 @@ impl Task {
         match self.0 {
             Subcommand::Scenes => scenes::list(),
             Subcommand::Run(arguments) => run::run(&arguments),
+            Subcommand::Chart(arguments) => chart::chart(&arguments),
+            Subcommand::Map(arguments) => map::map(&arguments),
+            Subcommand::Fit(arguments) => fit::fit(&arguments),
         }
     }
 }

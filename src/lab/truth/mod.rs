@@ -30,11 +30,18 @@ pub struct Truth {
     pub unit: &'static str,
     /// What the scene's energy errors are relative to.
     pub energy_scale: EnergyScale,
+    /// How far the answer itself may be off, in the error's unit.
+    pub uncertainty: f64,
+    /// Whether every body should stay where it starts.
+    pub stays: bool,
     summary: Summary,
     distance: Distance,
     sum: f64,
     count: u64,
 }
+
+/// Of closed forms evaluated in double precision, in units of scenes of a metre and a second.
+const ROUNDING: f64 = 1e-12;
 
 /// Distance of a state from the answer; none where the answer says nothing about it.
 type Distance = Box<dyn FnMut(&Sample) -> Option<f64> + Send>;
@@ -66,7 +73,17 @@ impl Truth {
         distance: impl FnMut(&Sample) -> Option<f64> + Send + 'static,
     ) -> Self {
         let (summary, energy_scale) = (Summary::Largest, EnergyScale::LargestKinetic);
-        Self { name, unit, energy_scale, summary, distance: Box::new(distance), sum: 0.0, count: 0 }
+        Self {
+            name,
+            unit,
+            energy_scale,
+            uncertainty: ROUNDING,
+            stays: false,
+            summary,
+            distance: Box::new(distance),
+            sum: 0.0,
+            count: 0,
+        }
     }
 
     /// The mean over the run's steps.
@@ -81,6 +98,17 @@ impl Truth {
     fn with_energy_scale(mut self, scale: EnergyScale) -> Self {
         self.energy_scale = scale;
         self
+    }
+
+    fn with_uncertainty(mut self, uncertainty: f64) -> Self {
+        self.uncertainty = uncertainty;
+        self
+    }
+
+    /// Of a scene in equilibrium.
+    fn that_stays(mut self) -> Self {
+        self.stays = true;
+        self.with_energy_scale(EnergyScale::WeightTimesHeight)
     }
 
     /// Takes in the state at the start and after each step, in order.

@@ -3,7 +3,7 @@
 use crate::scene::SceneSpec;
 
 use super::super::run::Sample;
-use super::{EnergyScale, Truth, dynamic};
+use super::{Truth, dynamic};
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     // Gravity turned out of the plane of a joint grid makes it swing.
@@ -15,6 +15,5 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
         let moves = starts.iter().map(|(index, start)| sample.bodies[*index].position.distance(*start));
         Some(moves.fold(0.0, f64::max))
     };
-    Some(Truth::largest("largest move of a body that should stay", "m", distance))
-        .map(|truth| truth.with_energy_scale(EnergyScale::WeightTimesHeight))
+    Some(Truth::largest("largest move of a body that should stay", "m", distance).that_stays())
 }

@@ -32,7 +32,7 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     } else {
         ("tip of the last rod", RODS.iter().find(|(known, _)| *known == moving.len())?.1, -anchor_on(scene, last)?)
     };
-    let reference = parse(table);
+    let (reference, uncertainty) = parse(table);
     let mut previous: Option<Instant> = None;
     let mut next = 0;
     let distance = move |sample: &Sample| {
@@ -51,7 +51,7 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
         previous = Some(instant);
         largest
     };
-    Some(Truth::largest(name, "m", distance))
+    Some(Truth::largest(name, "m", distance).with_uncertainty(uncertainty))
 }
 
 /// A reference time this close to a step is at that step: steps × h is rounded.
@@ -83,15 +83,19 @@ impl Instant {
     }
 }
 
-/// `t_s,x_m,y_m,z_m,uncertainty_m` with a header.
-fn parse(table: &str) -> Vec<(f64, DVec3)> {
+/// Places by time from `t_s,x_m,y_m,z_m,uncertainty_m` with a header, and the largest uncertainty.
+fn parse(table: &str) -> (Vec<(f64, DVec3)>, f64) {
+    let mut uncertainty: f64 = 0.0;
     let number = |field: Option<&str>| field.and_then(|field| field.parse().ok()).expect("a table of this crate");
     let row = |line: &str| {
         let mut fields = line.split(',');
         let mut next = || number(fields.next());
-        (next(), DVec3::new(next(), next(), next()))
+        let place = (next(), DVec3::new(next(), next(), next()));
+        uncertainty = uncertainty.max(next());
+        place
     };
-    table.lines().skip(1).map(row).collect()
+    let places = table.lines().skip(1).map(row).collect();
+    (places, uncertainty)
 }
 
 #[cfg(test)]
@@ -101,7 +105,8 @@ mod tests {
     #[test]
     fn tables_run_to_two_seconds_in_tenths() {
         for table in RODS.iter().map(|(_, table)| table).chain(CHAIN.iter().map(|(_, table)| table)) {
-            let rows = parse(table);
+            let (rows, uncertainty) = parse(table);
+            assert!(uncertainty > 0.0 && uncertainty < 1e-9);
             assert_eq!(rows.len(), 21);
             for (n, (time, point)) in rows.iter().enumerate() {
                 assert!((time - 0.1 * n as f64).abs() < 1e-12);

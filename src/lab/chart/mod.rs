@@ -1,0 +1,139 @@
+//! Work–precision charts: error against cost, one picture a scene.
+//!
+//! `grid` says which settings are tried, the sweep measures them, `pareto` finds the front of
+//! what nothing beats on both axes, `picture` draws it, `peers` reads what other engines did on
+//! the same scenes, `page` puts all pictures on one page with a `remark` on each.
+
+mod grid;
+mod page;
+mod pareto;
+mod peers;
+mod picture;
+mod remark;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+pub use grid::{Extent, SERIES, Series, points};
+pub use pareto::front;
+pub use peers::{PeerRecord, PeersError, read_peers};
+
+use super::picture::{PictureError, write};
+use super::sweep::{Record, StoreError};
+use super::verdict::Verdict;
+use super::{Plan, PlanError};
+use page::Entry;
+use picture::{Chart, Curve, Dot};
+
+/// The file of a folder's records.
+pub const POINTS: &str = "points.csv";
+
+/// A scene to draw a chart of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Subject {
+    /// A built-in scene or the path of a RON file.
+    pub scene: String,
+    /// Its parameters that differ from their defaults.
+    pub parameters: Vec<(String, f64)>,
+}
+
+/// Why there are no charts.
+#[derive(Debug, thiserror::Error)]
+pub enum ChartError {
+    /// A scene that cannot be run.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// Records that cannot be kept.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// A picture that cannot be drawn.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// A page or folder that cannot be written.
+    #[error("{}: cannot be written: {reason}", path.display())]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        reason: io::Error,
+    },
+}
+
+impl Subject {
+    /// The points of its chart.
+    ///
+    /// # Errors
+    /// A scene or parameter that does not exist.
+    pub fn points(&self, extent: Extent) -> Result<Vec<super::sweep::Point>, PlanError> {
+        let plan = Plan::new(&self.scene, &self.parameters, (SERIES[0].base)(), None)?;
+        let seconds = plan.steps as f64 / plan.settings.hz;
+        Ok(points(&self.scene, &self.parameters, extent.seconds(seconds), extent))
+    }
+
+    /// What its picture's files are called, without extension.
+    pub fn stem(&self) -> String {
+        let scene = Path::new(&self.scene).file_stem().map_or(self.scene.clone(), |stem| stem.to_string_lossy().into());
+        let parameters = self.parameters.iter().map(|(name, value)| format!("-{name}-{value}"));
+        std::iter::once(scene).chain(parameters).collect()
+    }
+
+    /// `rods n=5`.
+    pub fn title(&self) -> String {
+        let parameters = self.parameters.iter().map(|(name, value)| format!(" {name}={value}"));
+        std::iter::once(self.scene.clone()).chain(parameters).collect()
+    }
+}
+
+/// Draws the chart of each subject from its records into a folder, and the page that shows all.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn draw_all(folder: &Path, subjects: &[(Subject, Vec<Record>)], peers: &[PeerRecord]) -> Result<(), ChartError> {
+    let mut entries = Vec::new();
+    for (subject, records) in subjects {
+        let peers: Vec<&PeerRecord> = peers.iter().filter(|peer| peer.is_of(subject)).collect();
+        write(&chart(subject, records, &peers), &folder.join(subject.stem()))?;
+        entries.push(Entry {
+            stem: subject.stem(),
+            title: subject.title(),
+            remark: remark::of(subject, records),
+            dropped: dropped(records),
+        });
+    }
+    page::write_page(folder, &entries)
+        .map_err(|reason| ChartError::Unwritable { path: folder.join("index.html"), reason })
+}
+
+fn chart(subject: &Subject, records: &[Record], peers: &[&PeerRecord]) -> Chart {
+    let known = records.iter().find(|record| record.error.is_some());
+    let unit = known.map_or("", |record| record.unit.as_str());
+    let own = SERIES.iter().enumerate().map(|(mark, series)| {
+        let dots = records.iter().filter(|record| record.series == series.name).filter_map(dot).collect();
+        Curve { name: series.name.to_owned(), mark, dots }
+    });
+    let others = peers::engines(peers).into_iter().enumerate().map(|(index, engine)| {
+        let dots = peers.iter().filter(|peer| peer.engine == engine).filter_map(|peer| peer.dot()).collect();
+        Curve { name: engine, mark: SERIES.len() + index, dots }
+    });
+    Chart {
+        title: format!("{}: error against cost", subject.title()),
+        error_label: format!("error, {unit}"),
+        floor: known.and_then(|record| record.uncertainty).unwrap_or(0.0).max(f64::MIN_POSITIVE.sqrt()),
+        curves: own.chain(others).filter(|curve| !curve.dots.is_empty()).collect(),
+    }
+}
+
+fn dot(record: &Record) -> Option<Dot> {
+    Some(Dot { cost: record.cost()?, error: record.error?, holds: record.verdict <= Verdict::Degrades })
+}
+
+/// One line a run that failed.
+fn dropped(records: &[Record]) -> Vec<String> {
+    let failed = records.iter().filter(|record| record.verdict > Verdict::Degrades);
+    failed
+        .map(|record| {
+            let Record { series, hz, substeps, iterations, verdict, reason, .. } = record;
+            format!("{series}, {hz} Hz, substeps {substeps}, iterations {iterations}: {verdict}: {reason}")
+        })
+        .collect()
+}

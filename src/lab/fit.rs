@@ -1,0 +1,114 @@
+//! The cheapest settings that hold an error for a scene, found among measured points.
+//!
+//! A coarse grid over every method, then, from the cheapest point that holds, one setting at a
+//! time made cheaper for as long as the error holds. Costs are compared within one sweep, errors
+//! with a margin, since a run that just holds may not hold with the next scene.
+
+use crate::physics::SolverSettings;
+
+use super::chart::SERIES;
+use super::sweep::{Point, Record};
+use super::verdict::Verdict;
+
+/// An error counts as held where it is below this share of what is asked for.
+pub const MARGIN: f64 = 0.8;
+
+/// What came of a fit.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// Everything tried, cheapest first; runs that failed last.
+    pub tried: Vec<Record>,
+    /// The cheapest record that holds the error.
+    pub best: Option<Record>,
+    /// Where none does: the nearest.
+    pub nearest: Option<Record>,
+}
+
+/// Whether a run is good enough.
+fn holds(record: &Record, error: f64) -> bool {
+    record.verdict <= Verdict::Degrades && record.error.is_some_and(|found| found <= MARGIN * error)
+}
+
+/// Searches. `measure` runs points and gives their records.
+///
+/// # Errors
+/// Those of `measure`.
+pub fn fit<E>(
+    scene: &str,
+    parameters: &[(String, f64)],
+    seconds: f64,
+    error: f64,
+    mut measure: impl FnMut(&[Point]) -> Result<Vec<Record>, E>,
+) -> Result<Fit, E> {
+    let point = |settings, series: &str| Point {
+        scene: scene.to_owned(),
+        parameters: parameters.to_vec(),
+        settings,
+        seconds,
+        series: series.to_owned(),
+    };
+    let coarse: Vec<Point> = SERIES
+        .iter()
+        .flat_map(|series| grid((series.base)()).into_iter().map(|settings| point(settings, series.name)))
+        .collect();
+    let mut tried = measure(&coarse)?;
+    let mut best = cheapest(&tried, error);
+    while let Some(known) = &best {
+        let Some(settings) = known.solver_settings() else { break };
+        let next: Vec<Point> = cheaper(settings)
+            .into_iter()
+            .map(|settings| point(settings, &known.series))
+            .filter(|point| tried.iter().all(|record| record.key != point.key()))
+            .collect();
+        if next.is_empty() {
+            break;
+        }
+        tried.extend(measure(&next)?);
+        let found = cheapest(&tried, error);
+        if found.as_ref().map(|record| &record.key) == Some(&known.key) {
+            break;
+        }
+        best = found;
+    }
+    let nearest = tried
+        .iter()
+        .filter(|record| record.verdict <= Verdict::Degrades && record.error.is_some())
+        .min_by(|one, other| one.error.unwrap_or(f64::NAN).total_cmp(&other.error.unwrap_or(f64::NAN)))
+        .cloned();
+    let cost = |record: &Record| record.cost().unwrap_or(f64::INFINITY);
+    tried.sort_by(|one, other| cost(one).total_cmp(&cost(other)));
+    Ok(Fit { tried, best, nearest })
+}
+
+/// Steps, substeps and sweeps over the whole range, coarsely.
+fn grid(base: SolverSettings) -> Vec<SolverSettings> {
+    let mut grid = Vec::new();
+    for hz in [60.0, 240.0, 960.0] {
+        for substeps in [1, 4, 16] {
+            for iterations in [4, 20, 100] {
+                grid.push(SolverSettings { hz, substeps, iterations, threads: 1, ..base });
+            }
+        }
+    }
+    grid
+}
+
+/// The same settings with one of them halved.
+fn cheaper(settings: SolverSettings) -> Vec<SolverSettings> {
+    let mut cheaper = Vec::new();
+    if settings.hz >= 60.0 {
+        cheaper.push(SolverSettings { hz: settings.hz / 2.0, ..settings });
+    }
+    if settings.substeps > 1 {
+        cheaper.push(SolverSettings { substeps: settings.substeps / 2, ..settings });
+    }
+    if settings.iterations > 1 {
+        cheaper.push(SolverSettings { iterations: settings.iterations / 2, ..settings });
+    }
+    cheaper
+}
+
+fn cheapest(records: &[Record], error: f64) -> Option<Record> {
+    let held = records.iter().filter(|record| holds(record, error) && record.cost().is_some());
+    held.min_by(|one, other| one.cost().unwrap_or(f64::NAN).total_cmp(&other.cost().unwrap_or(f64::NAN))).cloned()
+}

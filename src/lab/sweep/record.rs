@@ -1,0 +1,124 @@
+//! What came of one run of a sweep: a row of the CSV.
+
+use serde::{Deserialize, Serialize};
+
+use crate::lab::Metrics;
+use crate::lab::settings_file::{settings_from_ron, settings_to_ron};
+use crate::lab::verdict::{Judgement, Verdict};
+use crate::physics::SolverSettings;
+
+use super::Point;
+
+/// One row. Numbers that were not measured are empty.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// [`Point::key`].
+    pub key: String,
+    /// Fingerprint of the program that measured it.
+    pub program: String,
+    /// The scene.
+    pub scene: String,
+    /// Its parameters that differ from their defaults, as `n=5 tilt=30`.
+    pub parameters: String,
+    /// Time simulated, s.
+    pub seconds: f64,
+    /// The curve it belongs to.
+    pub series: String,
+    /// Steps per second.
+    pub hz: f64,
+    /// Substeps of a step.
+    pub substeps: u32,
+    /// Sweeps of a substep.
+    pub iterations: u32,
+    /// All settings, as a settings file has them.
+    pub settings: String,
+    /// Distance from the scene's answer.
+    pub error: Option<f64>,
+    /// Its unit.
+    pub unit: String,
+    /// The answer's own uncertainty, in the same unit.
+    pub uncertainty: Option<f64>,
+    /// Median wall-clock time of a step, ms.
+    pub ms_per_step: Option<f64>,
+    /// 95 of 100 steps took at most this, ms.
+    pub ms_p95: Option<f64>,
+    /// Row updates of the last step.
+    pub row_updates: u64,
+    /// Pairs tested in the last step.
+    pub pairs: u32,
+    /// Largest |E − E₀|/S.
+    pub energy_drift: Option<f64>,
+    /// Worst joint separation, m.
+    pub joint_error: Option<f64>,
+    /// Worst penetration, m.
+    pub penetration: Option<f64>,
+    /// Largest fall of any body below its start, m.
+    pub sink: Option<f64>,
+    /// Largest horizontal move of any body, m.
+    pub drift: Option<f64>,
+    /// Holds, degrades or fails.
+    pub verdict: Verdict,
+    /// Why it degrades or fails.
+    pub reason: String,
+}
+
+impl Record {
+    /// A run that came to its end.
+    pub(super) fn of(point: &Point, program: &str, metrics: &Metrics, judgement: Judgement) -> Self {
+        Self {
+            error: metrics.truth.as_ref().map(|truth| truth.error),
+            unit: metrics.truth.as_ref().map_or(String::new(), |truth| truth.unit.to_owned()),
+            uncertainty: metrics.truth.as_ref().map(|truth| truth.uncertainty),
+            ms_per_step: Some(metrics.ms_per_step.median),
+            ms_p95: Some(metrics.ms_per_step.p95),
+            row_updates: metrics.counts.row_updates,
+            pairs: metrics.counts.pairs,
+            energy_drift: metrics.energy.max_relative_drift,
+            joint_error: Some(metrics.joint_error_max_m),
+            penetration: Some(metrics.penetration_max_m),
+            sink: Some(metrics.sink_max_m),
+            drift: Some(metrics.drift_max_m),
+            ..Self::failed(point, program, judgement)
+        }
+    }
+
+    /// A run that did not.
+    pub(super) fn failed(point: &Point, program: &str, judgement: Judgement) -> Self {
+        Self {
+            key: point.key(),
+            program: program.to_owned(),
+            scene: point.scene.clone(),
+            parameters: point.parameters_text(),
+            seconds: point.seconds,
+            series: point.series.clone(),
+            hz: point.settings.hz,
+            substeps: point.settings.substeps,
+            iterations: point.settings.iterations,
+            settings: settings_to_ron(&point.settings),
+            error: None,
+            unit: String::new(),
+            uncertainty: None,
+            ms_per_step: None,
+            ms_p95: None,
+            row_updates: 0,
+            pairs: 0,
+            energy_drift: None,
+            joint_error: None,
+            penetration: None,
+            sink: None,
+            drift: None,
+            verdict: judgement.verdict,
+            reason: judgement.reason,
+        }
+    }
+
+    /// Wall-clock time for a simulated second, ms.
+    pub fn cost(&self) -> Option<f64> {
+        self.ms_per_step.map(|ms| ms * self.hz)
+    }
+
+    /// The settings it ran with; none if they cannot be read.
+    pub fn solver_settings(&self) -> Option<SolverSettings> {
+        settings_from_ron(&self.settings).ok()
+    }
+}

@@ -1,0 +1,160 @@
+//! Records in an append-only CSV.
+
+use std::collections::HashSet;
+use std::fs::{File, OpenOptions};
+use std::hash::Hasher;
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use xxhash_rust::xxh3::Xxh3;
+
+use super::Record;
+
+/// The records of a folder's sweeps, in memory and in its file.
+pub struct Store {
+    path: PathBuf,
+    file: File,
+    program: String,
+    records: Vec<Record>,
+    keys: HashSet<String>,
+    ignored: usize,
+}
+
+/// The file cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {reason}", path.display())]
+pub struct StoreError {
+    /// The file.
+    pub path: PathBuf,
+    /// What the system said.
+    pub reason: io::Error,
+}
+
+impl Store {
+    /// Opens or makes the file of records at `path`. Rows that another build of this program
+    /// measured, or that an interrupt cut short, are left in the file and ignored.
+    ///
+    /// # Errors
+    /// The file cannot be read or written.
+    pub fn open(path: &Path) -> Result<Self, StoreError> {
+        Self::open_as(path, &fingerprint())
+    }
+
+    fn open_as(path: &Path, program: &str) -> Result<Self, StoreError> {
+        let failed = |reason| StoreError { path: path.to_owned(), reason };
+        let mut file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(failed)?;
+        let mut text = Vec::new();
+        file.read_to_end(&mut text).map_err(failed)?;
+        if text.is_empty() {
+            write_row(&mut file, None).map_err(failed)?;
+        } else if text.last() != Some(&b'\n') {
+            // An interrupt: what was being written is lost, what follows must not be.
+            file.write_all(b"\n").map_err(failed)?;
+        }
+        let mut store = Self {
+            path: path.to_owned(),
+            file,
+            program: program.to_owned(),
+            records: Vec::new(),
+            keys: HashSet::new(),
+            ignored: 0,
+        };
+        let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(text.as_slice());
+        for row in reader.deserialize::<Record>() {
+            match row {
+                Ok(record) if record.program == store.program => store.take_in(record),
+                // The header of a file that was appended whole is no row.
+                _ => store.ignored += 1,
+            }
+        }
+        Ok(store)
+    }
+
+    fn take_in(&mut self, record: Record) {
+        if self.keys.insert(record.key.clone()) {
+            self.records.push(record);
+        }
+    }
+
+    /// Whether a point has been run.
+    pub fn has(&self, key: &str) -> bool {
+        self.keys.contains(key)
+    }
+
+    /// All records, in the order of the file.
+    pub fn records(&self) -> &[Record] {
+        &self.records
+    }
+
+    /// Rows of the file that are not used: another build's, or cut short.
+    pub fn ignored(&self) -> usize {
+        self.ignored
+    }
+
+    /// What this program's records are marked with.
+    pub fn program(&self) -> &str {
+        &self.program
+    }
+
+    /// Adds a record, to the file at once.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn add(&mut self, record: Record) -> Result<(), StoreError> {
+        write_row(&mut self.file, Some(&record)).map_err(|reason| StoreError { path: self.path.clone(), reason })?;
+        self.take_in(record);
+        Ok(())
+    }
+}
+
+/// A record, or the header, in one write: two programs that append to one file do not mix lines.
+fn write_row(file: &mut File, record: Option<&Record>) -> io::Result<()> {
+    file.seek(SeekFrom::End(0))?;
+    let mut writer = csv::WriterBuilder::new().has_headers(record.is_none()).from_writer(Vec::new());
+    match record {
+        Some(record) => writer.serialize(record)?,
+        None => writer.write_record(HEADER)?,
+    }
+    let row = writer.into_inner().map_err(|error| error.into_error())?;
+    file.write_all(&row)
+}
+
+/// The columns, in the order of [`Record`]'s fields.
+const HEADER: [&str; 24] = [
+    "key",
+    "program",
+    "scene",
+    "parameters",
+    "seconds",
+    "series",
+    "hz",
+    "substeps",
+    "iterations",
+    "settings",
+    "error",
+    "unit",
+    "uncertainty",
+    "ms_per_step",
+    "ms_p95",
+    "row_updates",
+    "pairs",
+    "energy_drift",
+    "joint_error",
+    "penetration",
+    "sink",
+    "drift",
+    "verdict",
+    "reason",
+];
+
+/// 16 hex digits over the running program's file: numbers of two builds are not to be mixed.
+fn fingerprint() -> String {
+    let mut hasher = Xxh3::new();
+    if let Ok(mut file) = std::env::current_exe().and_then(File::open) {
+        let mut buffer = vec![0; 1 << 20];
+        while let Ok(read @ 1..) = file.read(&mut buffer) {
+            hasher.write(&buffer[..read]);
+        }
+    }
+    format!("{:016x}", hasher.finish())
+}
