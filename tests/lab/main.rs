@@ -7,4 +7,5 @@ mod scene_builtin;
 mod scene_errors;
 mod scene_format;
 mod scene_overlap;
+mod sweeps;
 mod truth;

@@ -35,8 +35,6 @@ pub struct Axis {
 pub enum Quantity {
     /// A parameter of the scene.
     Parameter(&'static str),
-    /// Steps per second.
-    Hz,
     /// Substeps of a step.
     Substeps,
     /// Sweeps of a substep.
@@ -50,9 +48,6 @@ const ITERATIONS: Axis = Axis {
 };
 
 const SUBSTEPS: Axis = Axis { label: "substeps", quantity: Quantity::Substeps, values: &[1.0, 2.0, 4.0, 8.0, 16.0] };
-
-const RATES: Axis =
-    Axis { label: "steps per second", quantity: Quantity::Hz, values: &[30.0, 60.0, 120.0, 240.0, 480.0, 960.0] };
 
 /// Every map.
 pub const ATLAS: [MapInfo; 4] = [
