@@ -38,6 +38,7 @@ pub use body::{
     Position, QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, SurfaceMaterial, Velocity,
 };
 pub use collider::{Collider, MassProperties, Shape};
+pub use collision::PlacedCollider;
 pub use diagnostics::{ContactForce, ContactForces, Diagnostics, StepStats};
 pub use joint::{BallJoint, JointLoad, Softness};
 pub use messages::{BodyQuarantined, Collision, ContactEnded, ContactStarted};

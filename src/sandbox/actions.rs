@@ -3,9 +3,10 @@
 use bevy::app::FixedMain;
 use bevy::prelude::*;
 
+use super::build::UndoStack;
 use super::camera::{self, Framing};
-use super::meshes::BodyColor;
-use super::{CurrentScene, Notice, Playback, Selection, screenshot};
+use super::meshes::{self, BodyColor};
+use super::{CurrentScene, Notice, Playback, Selection, build, screenshot};
 use crate::physics::{Collider, Position, RigidBody, Velocity};
 use crate::scene::{self, SceneEntity, SceneSpec, SpawnedScene};
 
@@ -30,8 +31,22 @@ pub enum SandboxAction {
     ToggleSlowMotion,
     /// Throws a ball from the camera, at what the pointer is on.
     ThrowBall,
+    /// Adds a body of the [`super::Blueprint`] on the surface that the pointer is on; with the
+    /// pointer off the picture, on the one in its middle.
+    SpawnBody,
+    /// Joins the two picked bodies where the second was clicked.
+    JoinPicked,
+    /// Holds the picked body to the world where it was clicked.
+    PinPicked,
+    /// Cuts the joint nearest the pointer: of those between two picked bodies, of the picked body,
+    /// or of all where none is picked. With the pointer off the picture, nearest the last click.
+    CutPicked,
+    /// Cuts that joint.
+    Cut(Entity),
     /// Deletes the picked body and its joints.
     DeletePicked,
+    /// Takes back what was added, joined, pinned, cut or deleted last.
+    Undo,
     /// Unpicks; closes the help.
     Escape,
     /// Puts the camera back to where the scene is best seen from.
@@ -74,12 +89,14 @@ fn carry_out(world: &mut World, action: SandboxAction) {
             playback.slow = !playback.slow;
         }
         SandboxAction::ThrowBall => throw_ball(world),
-        SandboxAction::DeletePicked => {
-            if let Some(body) = world.resource_mut::<Selection>().0.take() {
-                world.despawn(body);
-            }
-        }
-        SandboxAction::Escape => world.resource_mut::<Selection>().0 = None,
+        SandboxAction::DeletePicked => build::delete_picked(world),
+        SandboxAction::SpawnBody => build::spawn_body(world),
+        SandboxAction::JoinPicked => build::join_picked(world),
+        SandboxAction::PinPicked => build::pin_picked(world),
+        SandboxAction::CutPicked => build::cut_picked(world),
+        SandboxAction::Cut(joint) => build::cut(world, joint),
+        SandboxAction::Undo => build::undo(world),
+        SandboxAction::Escape => world.insert_resource(Selection::default()),
         SandboxAction::FrameScene => frame_scene(world),
         SandboxAction::Screenshot => screenshot::take(world),
         SandboxAction::ToggleHelp => {} // the help's own
@@ -111,12 +128,11 @@ fn replace_bodies(world: &mut World, spec: &SceneSpec) -> SpawnedScene {
     for entity in old {
         world.despawn(entity);
     }
-    world.resource_mut::<Selection>().0 = None;
+    world.insert_resource(Selection::default());
+    world.resource_mut::<UndoStack>().clear();
     let spawned = spec.spawn(world);
     for (&entity, body) in spawned.bodies.iter().zip(&spec.bodies) {
-        if let Some([red, green, blue]) = body.color {
-            world.entity_mut(entity).insert(BodyColor(Color::srgb(red, green, blue)));
-        }
+        meshes::color(world, entity, body);
     }
     spawned
 }
@@ -133,8 +149,9 @@ fn frame_scene(world: &mut World) {
 fn throw_ball(world: &mut World) {
     let Some(aim) = world.run_system_cached(camera::aim).ok().flatten() else { return };
     let radius = (0.03 * aim.distance).clamp(0.1, 1.0);
+    let name = build::unique_name(world, "thrown ball");
     world.spawn((
-        Name::new("thrown ball"),
+        Name::new(name),
         SceneEntity,
         BodyColor(Color::srgb(0.95, 0.76, 0.2)),
         RigidBody::Dynamic,

@@ -171,22 +171,27 @@ pub(super) struct Aim {
     pub direction: DVec3,
     /// From the camera to what it orbits.
     pub distance: f64,
+    /// Whether it goes through the pointer.
+    pub by_pointer: bool,
 }
 
-/// Through the pointer, or through the middle of the picture where the pointer is on the panel.
+/// Through the pointer, or through the middle of what the panel leaves free of the picture where
+/// the pointer is on the panel.
 pub(super) fn aim(
     camera: Single<(&Camera, &GlobalTransform, &PanOrbitCamera)>,
     window: Single<&Window, With<PrimaryWindow>>,
     egui: Res<EguiWantsInput>,
+    covered: Res<Covered>,
     origin: Res<RenderOrigin>,
 ) -> Option<Aim> {
     let (camera, transform, orbit) = *camera;
     let pointer = window.cursor_position().filter(|_| !egui.is_pointer_over_area());
-    let position = pointer.or_else(|| Some(camera.logical_viewport_size()? / 2.0))?;
-    let ray = camera.viewport_to_world(transform, position).ok()?;
+    let middle = || Some((camera.logical_viewport_size()? - Vec2::new(covered.0, 0.0)) / 2.0);
+    let ray = camera.viewport_to_world(transform, pointer.or_else(middle)?).ok()?;
     Some(Aim {
-        origin: origin.0 + ray.origin.as_dvec3(),
+        origin: origin.0 + transform.translation().as_dvec3(), // the ray starts on the near plane
         direction: ray.direction.as_dvec3().normalize(),
         distance: f64::from(orbit.target_radius),
+        by_pointer: pointer.is_some(),
     })
 }

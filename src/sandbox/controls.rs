@@ -10,6 +10,8 @@ use super::SandboxAction;
 pub struct Binding {
     /// Any of these keys.
     pub keys: &'static [KeyCode],
+    /// Whether Ctrl (or ⌘) is held with it; without, it must not be.
+    pub with_control: bool,
     /// The keys as the help names them.
     pub label: &'static str,
     /// What they do, as the help says it.
@@ -19,7 +21,14 @@ pub struct Binding {
 }
 
 const fn binding(keys: &'static [KeyCode], label: &'static str, about: &'static str, action: SandboxAction) -> Binding {
-    Binding { keys, label, about, action }
+    Binding { keys, with_control: false, label, about, action }
+}
+
+impl Binding {
+    const fn with_control(mut self) -> Self {
+        self.with_control = true;
+        self
+    }
 }
 
 /// The keys, in the order of the help.
@@ -29,7 +38,12 @@ pub const BINDINGS: &[Binding] = &[
     binding(&[KeyCode::KeyM], "M", "slow motion", SandboxAction::ToggleSlowMotion),
     binding(&[KeyCode::KeyR], "R", "reset the scene", SandboxAction::Reset),
     binding(&[KeyCode::KeyB], "B", "throw a ball at the pointer", SandboxAction::ThrowBall),
+    binding(&[KeyCode::KeyA], "A", "add a body at the pointer", SandboxAction::SpawnBody),
+    binding(&[KeyCode::KeyJ], "J", "join the two picked bodies", SandboxAction::JoinPicked),
+    binding(&[KeyCode::KeyW], "W", "pin the picked body to the world", SandboxAction::PinPicked),
+    binding(&[KeyCode::KeyC], "C", "cut the joint at the pointer", SandboxAction::CutPicked),
     binding(&[KeyCode::Delete, KeyCode::KeyX], "Del or X", "delete the picked body", SandboxAction::DeletePicked),
+    binding(&[KeyCode::KeyZ], "Ctrl+Z", "undo what was built or cut", SandboxAction::Undo).with_control(),
     binding(&[KeyCode::KeyF], "F", "frame the scene", SandboxAction::FrameScene),
     binding(&[KeyCode::F12, KeyCode::KeyP], "F12 or P", "screenshot to plumb-N.png", SandboxAction::Screenshot),
     binding(&[KeyCode::KeyH, KeyCode::F1], "H or F1", "this help", SandboxAction::ToggleHelp),
@@ -39,6 +53,7 @@ pub const BINDINGS: &[Binding] = &[
 /// What the mouse does, as the help says it.
 pub const MOUSE: &[(&str, &str)] = &[
     ("left button", "pick a body and drag it"),
+    ("Shift + left button", "pick a second one"),
     ("wheel while dragging", "farther or nearer"),
     ("right button", "orbit"),
     ("middle button", "pan"),
@@ -49,8 +64,11 @@ pub(super) fn plugin(app: &mut App) {
     app.add_systems(PreUpdate, read_keys.after(InputSystems).run_if(not(egui_wants_any_keyboard_input)));
 }
 
+const CONTROL: [KeyCode; 4] = [KeyCode::ControlLeft, KeyCode::ControlRight, KeyCode::SuperLeft, KeyCode::SuperRight];
+
 fn read_keys(keys: Res<ButtonInput<KeyCode>>, mut actions: MessageWriter<SandboxAction>) {
-    for binding in BINDINGS {
+    let control = keys.any_pressed(CONTROL);
+    for binding in BINDINGS.iter().filter(|binding| binding.with_control == control) {
         if keys.any_just_pressed(binding.keys.iter().copied()) {
             actions.write(binding.action.clone());
         }

@@ -1,4 +1,4 @@
-//! Picking and dragging with the left button.
+//! Picking and dragging with the left button; with Shift held a second body is picked.
 //!
 //! The body is held at the very point that was hit, by a soft ball joint to a body without a
 //! shape: the *handle*. The handle goes where the pointer is, in the plane through the held point
@@ -12,7 +12,7 @@ use bevy::picking::pointer::{PointerId, PointerLocation, PointerMap, PointerPres
 use bevy::prelude::*;
 use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
 
-use super::Selection;
+use super::{Picked, Selection};
 use crate::physics::{
     BallJoint, Collider, Damping, Mass, Position, Quarantined, RenderOrigin, RigidBody, Rotation, Shape, Softness,
     SolverSettings,
@@ -84,7 +84,8 @@ struct Held {
     damping: Option<Damping>,
 }
 
-/// A press picks the body under it, and drags it if it can move.
+/// A press picks the body under it, and drags it if it can move; with Shift held it picks that body
+/// beside the one that is picked already.
 fn pick(
     press: On<Pointer<Press>>,
     mut commands: Commands,
@@ -94,6 +95,7 @@ fn pick(
     bodies: Query<(&RigidBody, &Collider, &Transform, Option<&Damping>, Has<Quarantined>)>,
     cameras: Query<&GlobalTransform, With<Camera>>,
     origin: Res<RenderOrigin>,
+    keys: Res<ButtonInput<KeyCode>>,
     joined: Joined,
 ) {
     // The event bubbles up to the window: it is ours at what was hit, and there only.
@@ -105,20 +107,33 @@ fn pick(
     if egui.iter_mut().any(|mut context| claims(context.get_mut(), position)) {
         return;
     }
+    let adds = selection.body.is_some() && keys.any_pressed([KeyCode::ShiftLeft, KeyCode::ShiftRight]);
     let Ok((kind, collider, transform, damping, quarantined)) = bodies.get(press.entity) else {
-        selection.set_if_neq(Selection(None));
+        if !adds {
+            selection.set_if_neq(Selection::default());
+        }
         return;
     };
     if collider.shape() == Shape::HalfSpace {
         return;
     }
-    selection.set_if_neq(Selection(Some(press.entity)));
     let (Some(hit), Ok(camera)) = (press.hit.position, cameras.get(press.hit.camera)) else { return };
+    // The picture, not the last step, is what was hit: it lags by up to one step.
+    let anchor = (transform.rotation.inverse() * (hit - transform.translation)).as_dvec3();
+    let picked = Some(Picked { entity: press.entity, point: anchor });
+    if adds {
+        let is_first = selection.entity() == Some(press.entity);
+        *selection = if is_first {
+            Selection { body: picked, ..*selection }
+        } else {
+            Selection { partner: picked, ..*selection }
+        };
+        return; // picked to be joined, not dragged
+    }
+    *selection = Selection { body: picked, partner: None };
     if *kind != RigidBody::Dynamic || quarantined {
         return;
     }
-    // The picture, not the last step, is what was hit: it lags by up to one step.
-    let anchor = (transform.rotation.inverse() * (hit - transform.translation)).as_dvec3();
     let target = origin.0 + hit.as_dvec3();
     let handle = commands.spawn((Name::new("drag handle"), RigidBody::Kinematic, Position(target))).id();
     let joint = BallJoint::new(handle, press.entity)
@@ -194,7 +209,7 @@ impl Joined<'_, '_> {
 /// Lets go when the button is up or the body is no longer one that moves.
 fn end_drag(
     mut commands: Commands,
-    mut drag: ResMut<Drag>,
+    drag: Res<Drag>,
     bodies: Query<(&RigidBody, Has<Quarantined>)>,
     pointers: Query<&PointerPress>,
     pointer_map: Res<PointerMap>,
@@ -206,15 +221,21 @@ fn end_drag(
         .is_some_and(PointerPress::is_primary_pressed);
     let moves = bodies.get(held.body).is_ok_and(|(kind, quarantined)| *kind == RigidBody::Dynamic && !quarantined);
     if !is_pressed || !moves {
-        commands.entity(held.joint).try_despawn();
-        commands.entity(held.handle).try_despawn();
-        if let Ok(mut body) = commands.get_entity(held.body) {
-            match held.damping {
-                Some(damping) => body.try_insert(damping),
-                None => body.try_remove::<Damping>(),
-            };
-        }
-        drag.0 = None;
+        commands.queue(release);
+    }
+}
+
+/// Lets go of what is held, if anything is.
+pub(super) fn release(world: &mut World) {
+    let Some(held) = world.resource_mut::<Drag>().0.take() else { return };
+    for part in [held.joint, held.handle] {
+        let _ = world.try_despawn(part); // gone with the body, perhaps
+    }
+    if let Ok(mut body) = world.get_entity_mut(held.body) {
+        match held.damping {
+            Some(damping) => body.insert(damping),
+            None => body.remove::<Damping>(),
+        };
     }
 }
 

@@ -30,7 +30,7 @@ struct GroundAssets {
 
 /// The picture of a half-space. An entity of its own, because it moves with the camera.
 #[derive(Component)]
-struct GroundOf(Entity);
+pub(super) struct GroundOf(Entity);
 
 fn make_assets(
     mut commands: Commands,

@@ -64,7 +64,7 @@ fn show_hint(
     help: Res<HelpOpen>,
     mut understood: Local<bool>,
 ) -> Result {
-    *understood |= selection.0.is_some() || help.0;
+    *understood |= selection.body.is_some() || help.0;
     if *understood {
         return Ok(());
     }

@@ -1,4 +1,5 @@
-//! The picked body wears an outline: its shape, a little larger, seen from the inside.
+//! What is picked: each body wears an outline (its shape, a little larger, seen from the inside), the
+//! place that was clicked a dot, and its joints are drawn.
 
 use bevy::light::{NotShadowCaster, NotShadowReceiver};
 use bevy::math::DVec3;
@@ -8,14 +9,21 @@ use bevy_panorbit_camera::PanOrbitCamera;
 
 use super::Selection;
 use super::meshes::mesh_of;
-use crate::physics::{Collider, Shape};
+use crate::physics::{BallJoint, Collider, RigidBody, Shape};
+use crate::scene::SceneEntity;
 
-const OUTLINE_COLOR: Color = Color::srgb(1.0, 0.85, 0.1);
+/// Of the body that was clicked, and of the one it may be joined to.
+const COLORS: [Color; 2] = [Color::srgb(1.0, 0.85, 0.1), Color::srgb(0.34, 0.71, 0.91)];
+/// Radius of a dot, of the camera's distance.
+const DOT: f32 = 0.006;
 /// Of the camera's distance, so that it looks the same at any.
 const THICKNESS: f32 = 0.004;
 
 pub(super) fn plugin(app: &mut App) {
-    app.add_systems(Update, outline_selection.after(super::actions::carry_out_actions));
+    app.init_gizmo_group::<Marks>()
+        .add_systems(Startup, set_up_marks)
+        .add_systems(Update, outline_selection.after(super::actions::carry_out_actions))
+        .add_systems(PostUpdate, draw_marks.before(TransformSystems::Propagate));
 }
 
 #[derive(Component)]
@@ -30,10 +38,12 @@ fn outline_selection(
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    if let Some(body) = selection.0
-        && !bodies.contains(body)
-    {
-        selection.0 = None; // despawned by somebody else
+    // Despawned by somebody else.
+    if selection.partner.is_some_and(|picked| !bodies.contains(picked.entity)) {
+        selection.partner = None;
+    }
+    if selection.body.is_some_and(|picked| !bodies.contains(picked.entity)) {
+        *selection = Selection::default();
     }
     if !selection.is_changed() {
         return;
@@ -42,25 +52,64 @@ fn outline_selection(
         commands.entity(outline).try_despawn();
     }
     let thickness = f64::from(THICKNESS * camera.radius.unwrap_or(10.0));
-    let Some(body) = selection.0 else { return };
-    let Some(mesh) = bodies.get(body).ok().and_then(|collider| mesh_of(grown(collider.shape(), thickness))) else {
-        return;
-    };
-    commands.spawn((
-        Outline,
-        ChildOf(body),
-        Pickable::IGNORE,
-        NotShadowCaster,
-        NotShadowReceiver,
-        Mesh3d(meshes.add(mesh)),
-        MeshMaterial3d(materials.add(StandardMaterial {
-            base_color: OUTLINE_COLOR,
-            unlit: true,
-            fog_enabled: false,
-            cull_mode: Some(Face::Front),
-            ..default()
-        })),
-    ));
+    for (picked, color) in selection.picks().zip(COLORS) {
+        let shape = bodies.get(picked.entity).map(Collider::shape);
+        let Some(mesh) = shape.ok().and_then(|shape| mesh_of(grown(shape, thickness))) else { continue };
+        commands.spawn((
+            Outline,
+            ChildOf(picked.entity),
+            Pickable::IGNORE,
+            NotShadowCaster,
+            NotShadowReceiver,
+            Mesh3d(meshes.add(mesh)),
+            MeshMaterial3d(materials.add(StandardMaterial {
+                base_color: color,
+                unlit: true,
+                fog_enabled: false,
+                cull_mode: Some(Face::Front),
+                ..default()
+            })),
+        ));
+    }
+}
+
+/// Drawn over everything: a joint lies inside its bodies.
+#[derive(Default, Reflect, GizmoConfigGroup)]
+struct Marks;
+
+fn set_up_marks(mut store: ResMut<GizmoConfigStore>) {
+    let (config, _) = store.config_mut::<Marks>();
+    config.line.width = 2.0;
+    config.depth_bias = -1.0;
+}
+
+/// A dot where each body was clicked; of each joint that the scene or the user gave it a dot, with
+/// lines to the centers of mass that it holds.
+fn draw_marks(
+    selection: Res<Selection>,
+    poses: Query<(&RigidBody, &Transform)>,
+    joints: Query<&BallJoint, With<SceneEntity>>,
+    camera: Single<&GlobalTransform, With<Camera3d>>,
+    mut gizmos: Gizmos<Marks>,
+) {
+    let eye = camera.translation();
+    let place = |pose: &Transform, point: DVec3| pose.translation + pose.rotation * point.as_vec3();
+    for (picked, color) in selection.picks().zip(COLORS) {
+        let Ok((_, pose)) = poses.get(picked.entity) else { continue };
+        let clicked = place(pose, picked.point);
+        gizmos.sphere(clicked, DOT * clicked.distance(eye), color).resolution(16);
+        let own = joints.iter().filter(|joint| joint.body_a == picked.entity || joint.body_b == picked.entity);
+        for joint in own {
+            for (body, anchor) in [(joint.body_a, joint.anchor_a), (joint.body_b, joint.anchor_b)] {
+                let Ok((kind, pose)) = poses.get(body) else { continue };
+                let end = place(pose, anchor);
+                gizmos.sphere(end, 0.7 * DOT * end.distance(eye), Color::WHITE).resolution(12);
+                if *kind == RigidBody::Dynamic {
+                    gizmos.line(pose.translation, end, Color::WHITE);
+                }
+            }
+        }
+    }
 }
 
 /// The shape with every face moved out by `thickness`. A cone's centre of mass moves against its

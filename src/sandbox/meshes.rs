@@ -5,10 +5,18 @@ use std::collections::HashMap;
 use bevy::prelude::*;
 
 use crate::physics::{Collider, RigidBody, Shape};
+use crate::scene::BodySpec;
 
 /// The color of a body; without it, one is chosen from its shape.
 #[derive(Component, Clone, Copy, Debug)]
 pub(super) struct BodyColor(pub Color);
+
+/// Gives a body the color that its description has.
+pub(super) fn color(world: &mut World, body: Entity, described: &BodySpec) {
+    if let Some([red, green, blue]) = described.color {
+        world.entity_mut(body).insert(BodyColor(Color::srgb(red, green, blue)));
+    }
+}
 
 /// Shades of dynamic bodies, sRGB, one row a shape: spheres, cuboids, cones. Neighbors in a
 /// row differ enough to tell stacked boxes apart.

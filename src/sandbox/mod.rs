@@ -1,4 +1,4 @@
-//! The window: picture, camera, drag, panel.
+//! The window: picture, camera, drag, building, panel.
 //!
 //! Keys ([`controls::BINDINGS`]) and the buttons of the panel write the same [`SandboxAction`]s,
 //! carried out in one place; the panel shows [`CurrentScene`], [`Playback`] and [`Notice`], and works
@@ -11,6 +11,7 @@
 //! [`RenderOrigin`]: crate::physics::RenderOrigin
 
 mod actions;
+mod build;
 mod camera;
 pub mod controls;
 mod drag;
@@ -30,7 +31,8 @@ mod state;
 mod window;
 
 pub use actions::SandboxAction;
-pub use state::{CurrentScene, Notice, Playback, Selection};
+pub use build::{Blueprint, Weight};
+pub use state::{CurrentScene, Notice, Picked, Playback, Selection};
 pub use window::{Launch, LaunchError, launch};
 
 use bevy::prelude::*;
@@ -48,7 +50,7 @@ impl Plugin for SandboxPlugin {
         app.add_plugins((PhysicsPlugin::default(), MeshPickingPlugin, EguiPlugin::default(), PanOrbitCameraPlugin))
             .add_plugins((state::plugin, playback::plugin, actions::plugin, controls::plugin, screenshot::plugin))
             .add_plugins((quality::plugin, camera::plugin, light::plugin, sky::plugin, ground::plugin, meshes::plugin))
-            .add_plugins((drag::plugin, highlight::plugin))
+            .add_plugins((drag::plugin, highlight::plugin, build::plugin))
             .add_plugins((panel::plugin, plots::plugin, gizmos::plugin, help::plugin));
     }
 }

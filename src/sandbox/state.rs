@@ -1,11 +1,12 @@
 //! What the parts of the sandbox share.
 
+use bevy::math::DVec3;
 use bevy::prelude::*;
 
 use crate::scene::{SceneSpec, SpawnedScene};
 
-/// The scene that is loaded; written by [`super::SandboxAction::LoadScene`] and
-/// [`super::SandboxAction::Reset`] alone, and changed at each.
+/// The scene that is loaded; written by [`super::SandboxAction::LoadScene`],
+/// [`super::SandboxAction::ReloadScene`] and [`super::SandboxAction::Reset`] alone, and changed at each.
 #[derive(Resource, Clone, Debug)]
 pub struct CurrentScene {
     /// A built-in name, or the path of a RON file.
@@ -18,9 +19,40 @@ pub struct CurrentScene {
     pub entities: SpawnedScene,
 }
 
-/// The body that was picked last.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Selection(pub Option<Entity>);
+/// The bodies that are picked.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+pub struct Selection {
+    /// By a click.
+    pub body: Option<Picked>,
+    /// By a click with Shift held: what [`Self::body`] is to be joined to.
+    pub partner: Option<Picked>,
+}
+
+/// A body, and the place of it that was clicked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Picked {
+    /// The body.
+    pub entity: Entity,
+    /// From its centre of mass, body axes, m.
+    pub point: DVec3,
+}
+
+impl Selection {
+    /// That body alone, picked at its centre of mass.
+    pub fn of(entity: Entity) -> Self {
+        Self { body: Some(Picked { entity, point: DVec3::ZERO }), partner: None }
+    }
+
+    /// The body picked by a click.
+    pub fn entity(&self) -> Option<Entity> {
+        self.body.map(|picked| picked.entity)
+    }
+
+    /// All that is picked.
+    pub fn picks(&self) -> impl Iterator<Item = Picked> {
+        self.body.into_iter().chain(self.partner)
+    }
+}
 
 /// How simulation time runs against the clock.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -41,6 +41,14 @@ impl SceneSpec {
     }
 }
 
+impl BodySpec {
+    /// Spawns it alone, as [`SceneSpec::spawn`] does with each of its bodies. It must be valid.
+    pub fn spawn(&self, world: &mut World) -> Entity {
+        let origin = world.get_resource::<RenderOrigin>().copied().unwrap_or_default();
+        spawn_body(self, origin, world)
+    }
+}
+
 /// Components that have a default are left out where the body has it, so that what a scene does
 /// not need costs it nothing.
 fn spawn_body(body: &BodySpec, origin: RenderOrigin, world: &mut World) -> Entity {
@@ -54,7 +62,7 @@ fn spawn_body(body: &BodySpec, origin: RenderOrigin, world: &mut World) -> Entit
         Transform::from_translation((body.position - origin.0).as_vec3()).with_rotation(body.rotation.as_quat()),
     ));
     if let Some(shape) = body.shape {
-        entity.insert(collider(shape));
+        entity.insert(shape.collider());
         insert_unless_default(
             &mut entity,
             SurfaceMaterial { friction: body.material.friction, restitution: body.material.restitution },
@@ -82,12 +90,15 @@ fn insert_unless_default<C: Component + Default + PartialEq>(entity: &mut Entity
     }
 }
 
-fn collider(shape: ShapeSpec) -> Collider {
-    match shape {
-        ShapeSpec::HalfSpace => Collider::half_space(),
-        ShapeSpec::Sphere { radius } => Collider::sphere(radius),
-        ShapeSpec::Cuboid { size } => Collider::cuboid(size.x, size.y, size.z),
-        ShapeSpec::Cone { radius, height } => Collider::cone(radius, height),
+impl ShapeSpec {
+    /// As a component.
+    pub fn collider(self) -> Collider {
+        match self {
+            Self::HalfSpace => Collider::half_space(),
+            Self::Sphere { radius } => Collider::sphere(radius),
+            Self::Cuboid { size } => Collider::cuboid(size.x, size.y, size.z),
+            Self::Cone { radius, height } => Collider::cone(radius, height),
+        }
     }
 }
 

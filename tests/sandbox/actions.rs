@@ -98,7 +98,7 @@ fn reset_puts_back_what_moved_and_removes_what_was_thrown() {
     stage.act(SandboxAction::Reset);
     assert_eq!([stage.position("ball"), stage.position("bob")], start);
     assert_eq!((count::<RigidBody>(&mut stage), count::<BallJoint>(&mut stage)), (bodies, 1));
-    assert_eq!(stage.world().resource::<Selection>().0, None);
+    assert_eq!(stage.world().resource::<Selection>().entity(), None);
 }
 
 #[test]
@@ -124,22 +124,22 @@ fn delete_removes_the_picked_body_and_its_joints() {
     let (bob, hook) = (stage.body("bob"), stage.body("hook"));
     stage.act(SandboxAction::DeletePicked);
     assert!(stage.world().get_entity(bob).is_ok(), "nothing is picked, nothing goes");
-    stage.world().resource_mut::<Selection>().0 = Some(bob);
+    *stage.world().resource_mut::<Selection>() = Selection::of(bob);
     stage.act(SandboxAction::DeletePicked);
     stage.frames(2);
     assert!(stage.world().get_entity(bob).is_err());
     assert!(stage.world().get_entity(hook).is_ok());
     assert_eq!(count::<BallJoint>(&mut stage), 0);
-    assert_eq!(stage.world().resource::<Selection>().0, None);
+    assert_eq!(stage.world().resource::<Selection>().entity(), None);
 }
 
 #[test]
 fn escape_unpicks() {
     let mut stage = Stage::open(FALLING);
     let bob = stage.body("bob");
-    stage.world().resource_mut::<Selection>().0 = Some(bob);
+    *stage.world().resource_mut::<Selection>() = Selection::of(bob);
     stage.act(SandboxAction::Escape);
-    assert_eq!(stage.world().resource::<Selection>().0, None);
+    assert_eq!(stage.world().resource::<Selection>().entity(), None);
 }
 
 #[test]

@@ -50,7 +50,7 @@ fn a_drag_takes_the_held_point_to_the_pointer() {
     // The plane it moves in is parallel to the picture: no nearer, no farther.
     let depth = stage.depth(now);
     assert!((depth - 7.5).abs() < 0.02, "it is {depth} m away");
-    assert_eq!(stage.world().resource::<Selection>().0, Some(body));
+    assert_eq!(stage.world().resource::<Selection>().entity(), Some(body));
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn a_drag_that_starts_over_the_panel_moves_nothing() {
         stage.frames(30);
         let moved = stage.position("wall").length();
         assert_eq!(moved > 0.5, moves, "pressed at x = {x}, it moved by {moved} m");
-        assert_eq!(stage.world().resource::<Selection>().0 == Some(body), moves);
+        assert_eq!(stage.world().resource::<Selection>().entity() == Some(body), moves);
     }
 }
 
@@ -185,7 +185,7 @@ fn a_static_body_is_picked_but_not_dragged() {
     stage.move_to(place + Vec2::new(100.0, 0.0));
     stage.frames(10);
     let post = stage.body("post");
-    assert_eq!(stage.world().resource::<Selection>().0, Some(post));
+    assert_eq!(stage.world().resource::<Selection>().entity(), Some(post));
     assert_eq!(handles(&mut stage), before);
     assert_eq!(stage.position("post"), DVec3::ZERO);
 }

@@ -28,9 +28,16 @@ fn every_key_writes_its_action_once() {
     stage.world().resource_mut::<Written>().0.clear();
     for binding in BINDINGS {
         for &key in binding.keys {
-            stage.key(key);
-            let written = std::mem::take(&mut stage.world().resource_mut::<Written>().0);
-            assert_eq!(written, std::slice::from_ref(&binding.action), "{key:?}");
+            for control in [false, true] {
+                if control {
+                    stage.key_with_control(key)
+                } else {
+                    stage.key(key)
+                }
+                let written = std::mem::take(&mut stage.world().resource_mut::<Written>().0);
+                let expected = if control == binding.with_control { vec![binding.action.clone()] } else { Vec::new() };
+                assert_eq!(written, expected, "{key:?}, Ctrl {control}");
+            }
         }
     }
 }

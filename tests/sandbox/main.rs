@@ -1,6 +1,7 @@
 //! Tests of the window: picking and dragging, without a display and with one.
 
 mod actions;
+mod building;
 mod dragging;
 mod keys;
 mod panel;

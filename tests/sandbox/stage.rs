@@ -163,19 +163,33 @@ impl Stage {
 
     /// Presses and releases a key.
     pub fn key(&mut self, key_code: KeyCode) {
+        self.hold(key_code);
+        self.let_go(key_code);
+        self.frames(1);
+    }
+
+    /// Presses and releases a key while Ctrl is held.
+    pub fn key_with_control(&mut self, key_code: KeyCode) {
+        self.hold(KeyCode::ControlLeft);
+        self.key(key_code);
+        self.let_go(KeyCode::ControlLeft);
+    }
+
+    /// Presses a key.
+    pub fn hold(&mut self, key_code: KeyCode) {
+        self.turn_key(key_code, ButtonState::Pressed);
+    }
+
+    /// Releases a key.
+    pub fn let_go(&mut self, key_code: KeyCode) {
+        self.turn_key(key_code, ButtonState::Released);
+    }
+
+    fn turn_key(&mut self, key_code: KeyCode, state: ButtonState) {
         let window = self.window();
-        for state in [ButtonState::Pressed, ButtonState::Released] {
-            let logical_key = Key::Unidentified(bevy::input::keyboard::NativeKey::Unidentified);
-            self.app.world_mut().write_message(KeyboardInput {
-                key_code,
-                logical_key,
-                state,
-                text: None,
-                repeat: false,
-                window,
-            });
-            self.frames(1);
-        }
+        let logical_key = Key::Unidentified(bevy::input::keyboard::NativeKey::Unidentified);
+        let (text, repeat) = (None, false);
+        self.app.world_mut().write_message(KeyboardInput { key_code, logical_key, state, text, repeat, window });
         self.frames(1);
     }
 

@@ -7,18 +7,21 @@
 //!
 //! Everything is `f64` and computed relative to body A of each pair, so that it does not depend
 //! on the distance from the origin. What contacts do to bodies is the constraints' business, and
-//! who is told of them that of the events.
+//! who is told of them that of the events. Outside a step, [`probe`] tells whether two overlap.
 
 mod clipping;
 mod extreme_vertices;
 mod narrow_phase;
 mod placed;
+mod probe;
 mod sat;
 mod sweep_and_sort;
 pub(crate) mod vector_set;
 
 #[cfg(all(test, feature = "lab"))]
 mod tests;
+
+pub use probe::PlacedCollider;
 
 use bevy::prelude::*;
 use nalgebra::Vector3;

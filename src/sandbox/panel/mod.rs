@@ -1,9 +1,11 @@
-//! The panel at the right: playback, scenes, solver, plots, gizmos, read-outs.
+//! The panel at the right: playback, scenes, building, solver, plots, gizmos, read-outs.
 //!
 //! Each section is a system that is handed egui's `Ui`, so that it names the resources it shows
 //! and nothing else. What a section asks of the sandbox it writes as a
 //! [`SandboxAction`](super::SandboxAction); physics resources it edits in place.
 
+mod build;
+mod buttons;
 mod playback;
 mod readouts;
 mod scenes;
@@ -81,6 +83,7 @@ fn sections(ui: &mut egui::Ui, world: &mut World) -> Result<bool> {
             // The scroll bar floats over the contents.
             ui.set_max_width(ui.available_width() - SCROLL_BAR);
             section(ui, world, "Scene", true, scenes::show)?;
+            section(ui, world, "Build", true, build::show)?;
             section(ui, world, "Gizmos", true, gizmos::show)?;
             let plots_open = section(ui, world, "Plots", true, plots::show)?;
             section(ui, world, "Solver", true, solver::show)?;

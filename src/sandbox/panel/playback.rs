@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use bevy_egui::egui;
 
-use super::super::controls::BINDINGS;
 use super::super::{CurrentScene, Playback, SandboxAction};
+use super::buttons::{ActionButton, button_row};
 use super::theme::Quantity;
 use crate::physics::{SolverSettings, StepStats};
 
@@ -61,31 +61,26 @@ pub(super) fn show(
 ) {
     ui.add_space(4.0);
     let play = if playback.paused { "▶ Play" } else { "⏸ Pause" };
-    let rows = [
+    button_row(
+        ui,
+        &mut actions,
         [
-            (play, SandboxAction::TogglePause, playback.paused),
-            ("⏭ Step", SandboxAction::StepOnce, false),
-            ("⟲ Reset", SandboxAction::Reset, false),
-            ("🐢 Slow", SandboxAction::ToggleSlowMotion, playback.slow),
+            ActionButton::new(play, SandboxAction::TogglePause).lit_if(playback.paused),
+            ActionButton::new("⏭ Step", SandboxAction::StepOnce),
+            ActionButton::new("⟲ Reset", SandboxAction::Reset),
+            ActionButton::new("🐢 Slow", SandboxAction::ToggleSlowMotion).lit_if(playback.slow),
         ],
+    );
+    button_row(
+        ui,
+        &mut actions,
         [
-            ("⚽ Ball", SandboxAction::ThrowBall, false),
-            ("🗑 Delete", SandboxAction::DeletePicked, false),
-            ("📷 Photo", SandboxAction::Screenshot, false),
-            ("❓ Help", SandboxAction::ToggleHelp, false),
+            ActionButton::new("⚽ Ball", SandboxAction::ThrowBall),
+            ActionButton::new("🗑 Delete", SandboxAction::DeletePicked),
+            ActionButton::new("📷 Photo", SandboxAction::Screenshot),
+            ActionButton::new("❓ Help", SandboxAction::ToggleHelp),
         ],
-    ];
-    for row in rows {
-        ui.columns(4, |columns| {
-            for (column, (label, action, lit)) in columns.iter_mut().zip(row) {
-                let button =
-                    egui::Button::new(label).selected(lit).min_size(egui::vec2(column.available_width(), 24.0));
-                if column.add(button).on_hover_text(tooltip(&action)).clicked() {
-                    actions.write(action);
-                }
-            }
-        });
-    }
+    );
     ui.horizontal(|ui| {
         ui.label(format!("{:.2} s", stats.time - start.time)).on_hover_text("simulation time since the scene began");
         ui.separator();
@@ -99,34 +94,4 @@ pub(super) fn show(
                 .on_hover_text("bodies or joints whose state made no sense; the read-outs name them");
         }
     });
-}
-
-/// What the key of an action does, and the key.
-fn tooltip(action: &SandboxAction) -> String {
-    BINDINGS
-        .iter()
-        .find(|binding| binding.action == *action)
-        .map(|binding| format!("{} ({})", binding.about, binding.label))
-        .unwrap_or_default()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_button_names_its_key() {
-        for action in [
-            SandboxAction::TogglePause,
-            SandboxAction::StepOnce,
-            SandboxAction::Reset,
-            SandboxAction::ToggleSlowMotion,
-            SandboxAction::ThrowBall,
-            SandboxAction::DeletePicked,
-            SandboxAction::Screenshot,
-            SandboxAction::ToggleHelp,
-        ] {
-            assert!(tooltip(&action).contains('('), "{action:?} has no key");
-        }
-    }
 }

@@ -1,0 +1,187 @@
+//! Ball joints between picked bodies, pins to the world, and cutting them.
+
+use bevy::math::DVec3;
+use bevy::prelude::*;
+
+use super::undo::{Deed, UndoStack, remove};
+use super::{name_of, report, unique_name};
+use crate::physics::{BallJoint, Collider, Position, RigidBody, Rotation};
+use crate::sandbox::camera;
+use crate::sandbox::{Picked, Selection};
+use crate::scene::{BodySpec, SceneEntity};
+
+/// Two joints of the same bodies closer than this share of a bounding radius are one and the same.
+const SAME_PLACE: f64 = 0.01;
+/// Where nothing is picked, a joint is meant that lies within this angle of the pointer, rad.
+const POINTING: f64 = 0.03;
+
+/// A body without a shape that stands still, made by [`pin_picked`]: it goes when it holds nothing.
+#[derive(Component)]
+pub struct Pin;
+
+/// Joins the two picked bodies where the second was clicked.
+pub fn join_picked(world: &mut World) {
+    let outcome = try_join(world);
+    report(world, outcome);
+}
+
+fn try_join(world: &mut World) -> Result<String, String> {
+    let Selection { body: Some(a), partner: Some(b) } = *world.resource::<Selection>() else {
+        return Err("pick two bodies to join: click one, then another with Shift held".into());
+    };
+    let (name_a, name_b) = (name_of(world, a.entity), name_of(world, b.entity));
+    if a.entity == b.entity {
+        return Err(format!("{name_a} cannot be joined to itself"));
+    }
+    if !moves(world, a.entity) && !moves(world, b.entity) {
+        return Err(format!("neither {name_a} nor {name_b} can move: a joint would do nothing"));
+    }
+    let place = place_of(world, b).ok_or("a picked body is gone")?;
+    let anchor = anchor_at(world, a.entity, place).ok_or("a picked body is gone")?;
+    let radius = world.get::<Collider>(b.entity).map_or(1.0, Collider::bounding_radius);
+    let again = joints(world).into_iter().any(|(_, ball)| {
+        links(&ball, a.entity, b.entity)
+            && place_of_joint(world, &ball).is_some_and(|there| there.distance(place) < SAME_PLACE * radius)
+    });
+    if again {
+        return Err(format!("{name_a} and {name_b} are joined there already"));
+    }
+    let ball = BallJoint::new(a.entity, b.entity).with_anchors(anchor, b.point);
+    let what = format!("{name_a} to {name_b}");
+    let joint = world.spawn((Name::new(what.clone()), SceneEntity, ball)).id();
+    world.resource_mut::<UndoStack>().push(format!("joining {what}"), Deed::Added(vec![joint]));
+    Ok(format!("joined {what}"))
+}
+
+/// Holds the picked body to the world at the place that was clicked.
+pub fn pin_picked(world: &mut World) {
+    let outcome = try_pin(world);
+    report(world, outcome);
+}
+
+fn try_pin(world: &mut World) -> Result<String, String> {
+    let Some(picked) = world.resource::<Selection>().body else {
+        return Err("pick a body to pin: click it where it is to be held".into());
+    };
+    let name = name_of(world, picked.entity);
+    if !moves(world, picked.entity) {
+        return Err(format!("{name} cannot move: there is nothing to pin"));
+    }
+    let place = place_of(world, picked).ok_or("the picked body is gone")?;
+    let pin_name = unique_name(world, "pin");
+    let pin = BodySpec::pin(&pin_name, place).spawn(world);
+    world.entity_mut(pin).insert(Pin);
+    let ball = BallJoint::new(pin, picked.entity).with_anchors(DVec3::ZERO, picked.point);
+    let joint = world.spawn((Name::new(format!("{pin_name} to {name}")), SceneEntity, ball)).id();
+    world.resource_mut::<UndoStack>().push(format!("pinning {name}"), Deed::Added(vec![joint, pin]));
+    Ok(format!("pinned {name} to the world"))
+}
+
+/// Cuts the joint that is meant: of those between two picked bodies, of the picked body, or of all
+/// where none is picked, the one nearest the pointer. With the pointer off the picture, nearest the
+/// place that was clicked.
+pub fn cut_picked(world: &mut World) {
+    match meant_joint(world) {
+        Ok(joint) => cut(world, joint),
+        Err(reason) => report(world, Err(reason)),
+    }
+}
+
+fn meant_joint(world: &mut World) -> Result<Entity, String> {
+    let selection = *world.resource::<Selection>();
+    let mut candidates = joints(world);
+    candidates.retain(|(_, ball)| match (selection.body, selection.partner) {
+        (Some(a), Some(b)) => links(ball, a.entity, b.entity),
+        (Some(a), None) => ball.body_a == a.entity || ball.body_b == a.entity,
+        _ => true,
+    });
+    let picked = selection.partner.or(selection.body);
+    let aim = world.run_system_cached(camera::aim).ok().flatten().ok_or("there is no picture to point into")?;
+    let toward = match picked.and_then(|picked| place_of(world, picked)) {
+        Some(place) if !aim.by_pointer => (place - aim.origin).normalize_or(aim.direction),
+        _ => aim.direction,
+    };
+    let nearest = candidates
+        .into_iter()
+        .filter_map(|(joint, ball)| Some((joint, toward.angle_between(place_of_joint(world, &ball)? - aim.origin))))
+        .min_by(|(_, a), (_, b)| a.total_cmp(b));
+    match (nearest, picked) {
+        (Some((joint, _)), Some(_)) => Ok(joint),
+        (Some((joint, angle)), None) if angle < POINTING => Ok(joint),
+        (_, None) => Err("no joint there: pick a body, or point at a joint".into()),
+        (None, Some(picked)) => match selection.partner {
+            Some(_) => Err("no joint between the two picked bodies".into()),
+            None => Err(format!("{} has no joint", name_of(world, picked.entity))),
+        },
+    }
+}
+
+/// Cuts that joint.
+pub fn cut(world: &mut World, joint: Entity) {
+    let outcome = try_cut(world, joint);
+    report(world, outcome);
+}
+
+fn try_cut(world: &mut World, joint: Entity) -> Result<String, String> {
+    let ball = *world.get::<BallJoint>(joint).ok_or("that joint is gone")?;
+    let what = name_of(world, joint);
+    let cut = [(joint, ball)];
+    let pins = idle_without(world, &cut);
+    let deed = remove(world, pins, &cut);
+    world.resource_mut::<UndoStack>().push(format!("cutting {what}"), deed);
+    Ok(format!("cut {what}"))
+}
+
+/// The joints of the scene and of the user; not the one that drags.
+pub fn joints(world: &mut World) -> Vec<(Entity, BallJoint)> {
+    let mut joints = world.query_filtered::<(Entity, &BallJoint), With<SceneEntity>>();
+    joints.iter(world).map(|(joint, ball)| (joint, *ball)).collect()
+}
+
+/// A body's own.
+pub fn joints_of(world: &mut World, body: Entity) -> Vec<(Entity, BallJoint)> {
+    let mut joints = joints(world);
+    joints.retain(|(_, ball)| ball.body_a == body || ball.body_b == body);
+    joints
+}
+
+/// The pins that would hold nothing without these joints.
+pub fn idle_without(world: &mut World, cut: &[(Entity, BallJoint)]) -> Vec<Entity> {
+    let all = joints(world);
+    let mut idle: Vec<Entity> = cut.iter().flat_map(|(_, ball)| [ball.body_a, ball.body_b]).collect();
+    idle.sort_unstable();
+    idle.dedup();
+    idle.retain(|&end| {
+        let stays = |(joint, ball): &(Entity, BallJoint)| {
+            (ball.body_a == end || ball.body_b == end) && !cut.iter().any(|(gone, _)| gone == joint)
+        };
+        world.get::<Pin>(end).is_some() && !all.iter().any(stays)
+    });
+    idle
+}
+
+fn links(ball: &BallJoint, a: Entity, b: Entity) -> bool {
+    (ball.body_a, ball.body_b) == (a, b) || (ball.body_a, ball.body_b) == (b, a)
+}
+
+fn moves(world: &World, body: Entity) -> bool {
+    world.get::<RigidBody>(body) == Some(&RigidBody::Dynamic)
+}
+
+/// World, m.
+fn place_of(world: &World, picked: Picked) -> Option<DVec3> {
+    let body = world.get_entity(picked.entity).ok()?;
+    Some(body.get::<Position>()?.0 + body.get::<Rotation>()?.0 * picked.point)
+}
+
+/// A place of the world from a body's centre of mass, body axes, m.
+fn anchor_at(world: &World, body: Entity, place: DVec3) -> Option<DVec3> {
+    let body = world.get_entity(body).ok()?;
+    Some(body.get::<Rotation>()?.0.inverse() * (place - body.get::<Position>()?.0))
+}
+
+/// Half-way between the two points that a joint holds together, world, m.
+fn place_of_joint(world: &World, ball: &BallJoint) -> Option<DVec3> {
+    let end = |entity, point| place_of(world, Picked { entity, point });
+    Some(end(ball.body_a, ball.anchor_a)?.midpoint(end(ball.body_b, ball.anchor_b)?))
+}

@@ -1,0 +1,109 @@
+//! A new body where the user looks: on the surface there, clear of everything else.
+
+use std::collections::HashSet;
+
+use bevy::math::{DQuat, DVec3};
+use bevy::picking::mesh_picking::ray_cast::{MeshRayCast, MeshRayCastSettings, RayCastVisibility};
+use bevy::prelude::*;
+
+use super::undo::{Deed, UndoStack};
+use super::{Blueprint, report};
+use crate::physics::{Collider, CollisionLayers, Gravity, PlacedCollider, Position, RenderOrigin, RigidBody, Rotation};
+use crate::sandbox::camera::{self, Aim};
+use crate::sandbox::ground::GroundOf;
+use crate::scene::SceneSpec;
+
+/// A surface farther away than this many times the distance to what the camera orbits is scenery:
+/// what is put there would hardly be seen.
+const FARTHEST: f64 = 3.0;
+/// Gap to the surface, in bounding radii: clear of it by any rounding, and too little to be seen
+/// falling.
+const GAP: f64 = 1e-3;
+/// Least step up out of an overlap, in bounding radii, and how many are made at most.
+const LIFT: f64 = 0.05;
+const MOST_LIFTS: usize = 400;
+
+/// Spawns what the [`Blueprint`] says.
+pub fn spawn_body(world: &mut World) {
+    let outcome = try_spawn(world).map(|name| format!("added {name}"));
+    report(world, outcome);
+}
+
+fn try_spawn(world: &mut World) -> Result<String, String> {
+    let blueprint = world.resource::<Blueprint>().clone();
+    let name = unique_name(world, blueprint.noun());
+    let mut body = blueprint.body(name.clone());
+    let alone = SceneSpec { bodies: vec![body.clone()], ..SceneSpec::new("new body", DVec3::ZERO) };
+    alone.validate().map_err(|error| error.to_string())?;
+    let aim = world.run_system_cached(camera::aim).ok().flatten().ok_or("there is no picture to put a body into")?;
+    let collider = blueprint.shape.collider();
+    body.position = world
+        .run_system_cached_with(find_room, (aim, collider))
+        .map_err(|error| error.to_string())?
+        .ok_or("there is no room for a body")?;
+    let entity = body.spawn(world);
+    world.resource_mut::<UndoStack>().push(format!("adding {name}"), Deed::Added(vec![entity]));
+    Ok(name)
+}
+
+/// The noun, or with the least number that makes it a name no body has: what is saved is told
+/// apart by names.
+pub fn unique_name(world: &mut World, noun: &str) -> String {
+    let mut names = world.query_filtered::<&Name, With<RigidBody>>();
+    let taken: HashSet<&str> = names.iter(world).map(Name::as_str).collect();
+    let numbered = (2_u64..).map(|number| format!("{noun} {number}"));
+    std::iter::once(noun.to_owned()).chain(numbered).find(|name| !taken.contains(name.as_str())).expect("a free number")
+}
+
+/// Where a body of that shape rests just above what is aimed at, upright, clear of all that it
+/// would touch. None: everything for a long way up is full.
+fn find_room(
+    In((aim, collider)): In<(Aim, Collider)>,
+    mut rays: MeshRayCast,
+    grounds: Query<(), With<GroundOf>>,
+    bodies: Query<(&Collider, &Position, &Rotation, Option<&CollisionLayers>), With<RigidBody>>,
+    origin: Res<RenderOrigin>,
+    gravity: Res<Gravity>,
+) -> Option<DVec3> {
+    let size = collider.bounding_radius();
+    let at = |position: DVec3| PlacedCollider {
+        collider: &collider,
+        position: Position(position),
+        rotation: Rotation(DQuat::IDENTITY),
+    };
+
+    let solid = |entity| bodies.contains(entity) || grounds.contains(entity);
+    // What was spawned in this frame has not been found visible yet.
+    let settings = MeshRayCastSettings::default().with_filter(&solid).with_visibility(RayCastVisibility::Any);
+    let from = (aim.origin - origin.0).as_vec3();
+    let direction = Dir3::new(aim.direction.as_vec3()).ok()?;
+    let hit = rays.cast_ray(Ray3d::new(from, direction), &settings).first();
+    let mut position = match hit.map(|(_, hit)| hit) {
+        Some(hit) if f64::from(hit.distance) < FARTHEST * aim.distance => {
+            let normal = hit.normal.as_dvec3().normalize_or(DVec3::Y);
+            let point = origin.0 + hit.point.as_dvec3();
+            // A plane through the point says how far the shape reaches below its centre.
+            let plane = PlacedCollider {
+                collider: &Collider::half_space(),
+                position: Position(point),
+                rotation: Rotation(DQuat::from_rotation_arc(DVec3::Y, normal)),
+            };
+            let reach = at(point).overlap(&plane).unwrap_or(size);
+            point + normal * (reach + GAP * size)
+        }
+        _ => aim.origin + aim.direction * aim.distance,
+    };
+
+    let up = (-gravity.0).normalize_or(DVec3::Y);
+    let others: Vec<_> = bodies
+        .iter()
+        .filter(|(.., layers)| layers.is_none_or(|layers| layers.interact(CollisionLayers::ALL)))
+        .map(|(collider, position, rotation, _)| PlacedCollider { collider, position: *position, rotation: *rotation })
+        .collect();
+    for _ in 0..MOST_LIFTS {
+        let deepest = others.iter().filter_map(|other| at(position).overlap(other)).reduce(f64::max);
+        let Some(depth) = deepest else { return Some(position) };
+        position += up * (depth + GAP * size).max(LIFT * size);
+    }
+    None
+}

@@ -1,0 +1,81 @@
+//! Buttons that ask for what keys ask for too.
+
+use bevy::prelude::*;
+use bevy_egui::egui;
+
+use super::super::SandboxAction;
+use super::super::controls::BINDINGS;
+
+/// A button and what it asks for.
+pub(super) struct ActionButton {
+    pub label: &'static str,
+    pub action: SandboxAction,
+    /// Shown as switched on.
+    pub lit: bool,
+    /// Whether it makes sense now.
+    pub enabled: bool,
+}
+
+impl ActionButton {
+    /// Enabled, not lit.
+    pub fn new(label: &'static str, action: SandboxAction) -> Self {
+        Self { label, action, lit: false, enabled: true }
+    }
+
+    pub fn lit_if(self, lit: bool) -> Self {
+        Self { lit, ..self }
+    }
+
+    pub fn enabled_if(self, enabled: bool) -> Self {
+        Self { enabled, ..self }
+    }
+}
+
+/// Four buttons over the width of the panel.
+pub(super) fn button_row(ui: &mut egui::Ui, actions: &mut MessageWriter<SandboxAction>, buttons: [ActionButton; 4]) {
+    ui.columns(4, |columns| {
+        for (column, ActionButton { label, action, lit, enabled }) in columns.iter_mut().zip(buttons) {
+            let button = egui::Button::new(label).selected(lit).min_size(egui::vec2(column.available_width(), 24.0));
+            let tooltip = tooltip(&action);
+            let shown = column.add_enabled(enabled, button);
+            if shown.on_hover_text(&tooltip).on_disabled_hover_text(tooltip).clicked() {
+                actions.write(action);
+            }
+        }
+    });
+}
+
+/// What the key of an action does, and the key.
+pub(super) fn tooltip(action: &SandboxAction) -> String {
+    BINDINGS
+        .iter()
+        .find(|binding| binding.action == *action)
+        .map(|binding| format!("{} ({})", binding.about, binding.label))
+        .unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_button_names_its_key() {
+        for action in [
+            SandboxAction::TogglePause,
+            SandboxAction::StepOnce,
+            SandboxAction::Reset,
+            SandboxAction::ToggleSlowMotion,
+            SandboxAction::ThrowBall,
+            SandboxAction::SpawnBody,
+            SandboxAction::JoinPicked,
+            SandboxAction::PinPicked,
+            SandboxAction::CutPicked,
+            SandboxAction::Undo,
+            SandboxAction::DeletePicked,
+            SandboxAction::Screenshot,
+            SandboxAction::ToggleHelp,
+        ] {
+            assert!(tooltip(&action).contains('('), "{action:?} has no key");
+        }
+    }
+}
