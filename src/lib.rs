@@ -14,9 +14,9 @@ pub mod scene;
 pub mod prelude {
     pub use crate::physics::{
         BallJoint, BodyQuarantined, Collider, Collision, CollisionLayers, ContactEnded, ContactModel, ContactStarted,
-        Damping, Density, ExternalForce, FrictionModel, Gravity, GravityScale, Inertia, Integrator, JointLoad,
-        LockedAxes, Mass, Method, ObserveContacts, PhysicsPlugin, PhysicsSchedule, PhysicsSystems, Position, Precision,
-        Quarantined, RenderOrigin, ReportCollisions, RigidBody, Rotation, Softness, SolverSettings, StepStats,
-        SurfaceMaterial, Velocity, headless_app, step,
+        ConvexHull, Damping, Density, ExternalForce, FrictionModel, Gravity, GravityScale, Inertia, Integrator,
+        JointLoad, LockedAxes, Mass, Method, ObserveContacts, PhysicsPlugin, PhysicsSchedule, PhysicsSystems, Position,
+        Precision, Quarantined, RenderOrigin, ReportCollisions, RigidBody, Rotation, Softness, SolverSettings,
+        StepStats, SurfaceMaterial, Velocity, headless_app, step,
     };
 }

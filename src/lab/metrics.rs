@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use bevy::math::DVec3;
 use serde::Serialize;
 
-use crate::physics::{Diagnostics, Inertia, Mass, RigidBody, SolverSettings, StepStats};
+use crate::physics::{ConvexHull, Diagnostics, Inertia, Mass, RigidBody, SolverSettings, StepStats};
 use crate::scene::{BodySpec, SceneSpec, ShapeSpec};
 
 use super::run::{BodyState, Plan, Simulation};
@@ -306,7 +306,7 @@ fn moving(simulation: &Simulation) -> Vec<Moving> {
         .filter_map(|(index, (body, &entity))| {
             let mass = simulation.world().get::<Mass>(entity)?.0;
             let inertia = simulation.world().get::<Inertia>(entity)?.0;
-            let size = body.shape.map_or(f64::INFINITY, ShapeSpec::smallest_extent);
+            let size = body.shape.as_ref().map_or(f64::INFINITY, ShapeSpec::smallest_extent);
             Some(Moving { index, mass, inertia, gravity: scene.gravity * body.gravity_scale, size })
         })
         .collect()
@@ -318,7 +318,8 @@ fn limbs(scene: &SceneSpec) -> Vec<Limb> {
         (0..).zip(&scene.bodies).map(|(index, body)| (body.name.as_str(), index)).collect();
     let diameter = |body: usize| {
         let body = &scene.bodies[body];
-        body.shape.filter(|_| body.kind == RigidBody::Dynamic).map_or(f64::INFINITY, |s| 2.0 * s.bounding_radius())
+        let shape = body.shape.as_ref().filter(|_| body.kind == RigidBody::Dynamic);
+        shape.map_or(f64::INFINITY, |shape| 2.0 * shape.bounding_radius())
     };
     let rigid = scene.joints.iter().filter(|joint| joint.softness.is_none());
     rigid
@@ -343,14 +344,19 @@ fn height<'a>(scene: &SceneSpec, bodies: impl Iterator<Item = &'a BodySpec>) -> 
 /// How far a body reaches from its centre of mass along a unit direction.
 fn reach(body: &BodySpec, direction: DVec3) -> f64 {
     let direction = body.rotation.inverse() * direction;
-    match body.shape {
+    match &body.shape {
         None | Some(ShapeSpec::HalfSpace) => 0.0,
-        Some(ShapeSpec::Sphere { radius }) => radius,
-        Some(ShapeSpec::Cuboid { size }) => (0.5 * size).dot(direction.abs()),
+        Some(ShapeSpec::Sphere { radius }) => *radius,
+        Some(ShapeSpec::Cuboid { size }) => (0.5 * *size).dot(direction.abs()),
         Some(ShapeSpec::Cone { radius, height }) => {
             let apex = 0.75 * height * direction.y;
             let rim = radius * direction.x.hypot(direction.z) - 0.25 * height * direction.y;
             apex.max(rim)
+        }
+        Some(shape @ (ShapeSpec::Hull(_) | ShapeSpec::Mesh(_))) => {
+            let direction = shape.axes().inverse() * direction;
+            let vertices = shape.convex_hull().into_iter().flat_map(ConvexHull::vertices);
+            vertices.map(|vertex| vertex.dot(direction)).fold(0.0, f64::max)
         }
     }
 }

@@ -37,7 +37,7 @@ pub use body::{
     CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, ObserveContacts,
     Position, QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, SurfaceMaterial, Velocity,
 };
-pub use collider::{Collider, MassProperties, Shape};
+pub use collider::{Collider, ConvexHull, HullError, MassProperties, Shape};
 pub use collision::PlacedCollider;
 pub use diagnostics::{ContactForce, ContactForces, Diagnostics, StepStats};
 pub use joint::{BallJoint, JointLoad, Softness};

@@ -242,7 +242,7 @@ fn gather_surface(item: &BodyQueryItem, body: &mut Body, settings: &SolverSettin
 
 fn gather_shape(item: &BodyQueryItem, body: &mut Body) -> Result<(), QuarantineReason> {
     let Some(collider) = &item.collider else { return Ok(()) };
-    if !collider.is_valid() || (body.kind != RigidBody::Static && collider.shape() == Shape::HalfSpace) {
+    if !collider.is_valid() || (body.kind != RigidBody::Static && *collider.shape() == Shape::HalfSpace) {
         body.geometry = None;
         body.radius = 0.0;
         return Err(QuarantineReason::BadMass);

@@ -72,11 +72,9 @@ impl Framing {
 /// The box around all bodies but the ground.
 fn bounds(spec: &SceneSpec) -> (DVec3, DVec3) {
     let spheres = spec.bodies.iter().filter_map(|body| {
-        let radius = match body.shape {
+        let radius = match &body.shape {
             Some(ShapeSpec::HalfSpace) => return None,
-            Some(ShapeSpec::Sphere { radius }) => radius,
-            Some(ShapeSpec::Cuboid { size }) => 0.5 * size.length(),
-            Some(ShapeSpec::Cone { radius, height }) => radius.max(0.75 * height),
+            Some(shape) => shape.bounding_radius(),
             None => 0.0,
         };
         Some((body.position - radius, body.position + radius))

@@ -114,7 +114,7 @@ fn pick(
         }
         return;
     };
-    if collider.shape() == Shape::HalfSpace {
+    if *collider.shape() == Shape::HalfSpace {
         return;
     }
     let (Some(hit), Ok(camera)) = (press.hit.position, cameras.get(press.hit.camera)) else { return };
@@ -279,7 +279,7 @@ fn aim_handle(
     let offset = ray.direction.as_dvec3() * (held.depth / along_view);
     let mut target = origin.0 + transform.translation().as_dvec3() + offset;
     for (collider, position, rotation) in &grounds {
-        if collider.shape() == Shape::HalfSpace {
+        if *collider.shape() == Shape::HalfSpace {
             let up = rotation.0 * DVec3::Y;
             target -= up * (target - position.0).dot(up).min(0.0);
         }

@@ -57,7 +57,7 @@ fn spawn_grounds(
     bodies: Query<(Entity, &Collider), (With<RigidBody>, Changed<Collider>)>,
 ) {
     for (body, collider) in &bodies {
-        if collider.shape() == Shape::HalfSpace {
+        if *collider.shape() == Shape::HalfSpace {
             let (mesh, material) = (Mesh3d(assets.mesh.clone()), MeshMaterial3d(assets.material.clone()));
             commands.spawn((Name::new("ground"), GroundOf(body), NotShadowCaster, mesh, material));
         }

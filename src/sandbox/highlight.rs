@@ -1,16 +1,19 @@
-//! What is picked: each body wears an outline (its shape, a little larger, seen from the inside), the
-//! place that was clicked a dot, and its joints are drawn.
+//! What is picked: each body wears an outline (its picture, a little larger, seen from the inside),
+//! the place that was clicked a dot, and its joints are drawn.
+
+use std::collections::HashMap;
 
 use bevy::light::{NotShadowCaster, NotShadowReceiver};
 use bevy::math::DVec3;
+use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use bevy::render::render_resource::Face;
 use bevy_panorbit_camera::PanOrbitCamera;
 
 use super::Selection;
-use super::meshes::mesh_of;
+use super::meshes::{mesh_of, picture_of};
 use crate::physics::{BallJoint, Collider, RigidBody, Shape};
-use crate::scene::SceneEntity;
+use crate::scene::{PictureMesh, SceneEntity};
 
 /// Of the body that was clicked, and of the one it may be joined to.
 const COLORS: [Color; 2] = [Color::srgb(1.0, 0.85, 0.1), Color::srgb(0.34, 0.71, 0.91)];
@@ -33,7 +36,7 @@ fn outline_selection(
     mut commands: Commands,
     mut selection: ResMut<Selection>,
     camera: Single<&PanOrbitCamera>,
-    bodies: Query<&Collider>,
+    bodies: Query<(&Collider, Option<&PictureMesh>)>,
     outlines: Query<Entity, With<Outline>>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
@@ -51,10 +54,14 @@ fn outline_selection(
     for outline in &outlines {
         commands.entity(outline).try_despawn();
     }
-    let thickness = f64::from(THICKNESS * camera.radius.unwrap_or(10.0));
+    let thickness = THICKNESS * camera.radius.unwrap_or(10.0);
     for (picked, color) in selection.picks().zip(COLORS) {
-        let shape = bodies.get(picked.entity).map(Collider::shape);
-        let Some(mesh) = shape.ok().and_then(|shape| mesh_of(grown(shape, thickness))) else { continue };
+        let Ok((collider, picture)) = bodies.get(picked.entity) else { continue };
+        let mesh = match collider.shape() {
+            shape @ Shape::Hull(_) => picture_of(shape, picture).map(|mesh| inflated(mesh, thickness)),
+            shape => mesh_of(&grown(shape, f64::from(thickness))),
+        };
+        let Some(mesh) = mesh else { continue };
         commands.spawn((
             Outline,
             ChildOf(picked.entity),
@@ -114,14 +121,32 @@ fn draw_marks(
 
 /// The shape with every face moved out by `thickness`. A cone's centre of mass moves against its
 /// body's by less than the thickness, which does not show.
-fn grown(shape: Shape, thickness: f64) -> Shape {
+fn grown(shape: &Shape, thickness: f64) -> Shape {
     match shape {
-        Shape::HalfSpace => Shape::HalfSpace,
+        Shape::HalfSpace | Shape::Hull(_) => shape.clone(),
         Shape::Sphere { radius } => Shape::Sphere { radius: radius + thickness },
-        Shape::Cuboid { size } => Shape::Cuboid { size: size + DVec3::splat(2.0 * thickness) },
+        Shape::Cuboid { size } => Shape::Cuboid { size: *size + DVec3::splat(2.0 * thickness) },
         Shape::Cone { radius, height } => {
-            let scale = 1.0 + thickness * (1.0 + radius.hypot(height) / radius) / height;
+            let scale = 1.0 + thickness * (1.0 + radius.hypot(*height) / radius) / height;
             Shape::Cone { radius: radius * scale, height: height * scale }
         }
     }
+}
+
+/// A list of triangles with every corner moved out by about `thickness`: along the mean of the
+/// normals that meet there, so that no gap opens at an edge.
+fn inflated(mut mesh: Mesh, thickness: f32) -> Mesh {
+    let floats = |name| mesh.attribute(name).and_then(VertexAttributeValues::as_float3).unwrap_or_default().to_vec();
+    let (corners, normals) = (floats(Mesh::ATTRIBUTE_POSITION), floats(Mesh::ATTRIBUTE_NORMAL));
+    let place = |corner: &[f32; 3]| corner.map(f32::to_bits);
+    let mut outward: HashMap<[u32; 3], Vec3> = HashMap::new();
+    for (corner, &normal) in corners.iter().zip(&normals) {
+        *outward.entry(place(corner)).or_default() += Vec3::from(normal);
+    }
+    let moved: Vec<Vec3> = corners
+        .iter()
+        .map(|corner| Vec3::from(*corner) + outward[&place(corner)].normalize_or_zero() * thickness)
+        .collect();
+    mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, moved);
+    mesh
 }

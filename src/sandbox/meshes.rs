@@ -2,10 +2,14 @@
 
 use std::collections::HashMap;
 
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::PrimitiveTopology;
+use bevy::picking::mesh_picking::ray_cast::RayCastBackfaces;
 use bevy::prelude::*;
+use bevy::render::render_resource::Face;
 
-use crate::physics::{Collider, RigidBody, Shape};
-use crate::scene::BodySpec;
+use crate::physics::{Collider, ConvexHull, RigidBody, Shape};
+use crate::scene::{BodySpec, MeshSpec, PictureMesh};
 
 /// The color of a body; without it, one is chosen from its shape.
 #[derive(Component, Clone, Copy, Debug)]
@@ -18,12 +22,13 @@ pub(super) fn color(world: &mut World, body: Entity, described: &BodySpec) {
     }
 }
 
-/// Shades of dynamic bodies, sRGB, one row a shape: spheres, cuboids, cones. Neighbors in a
+/// Shades of dynamic bodies, sRGB, one row a shape: spheres, cuboids, cones, hulls. Neighbors in a
 /// row differ enough to tell stacked boxes apart.
-const PALETTE: [[[f32; 3]; 4]; 3] = [
+const PALETTE: [[[f32; 3]; 4]; 4] = [
     [[0.16, 0.62, 0.56], [0.25, 0.71, 0.60], [0.12, 0.52, 0.53], [0.42, 0.76, 0.66]],
     [[0.90, 0.44, 0.32], [0.94, 0.58, 0.36], [0.82, 0.34, 0.32], [0.96, 0.69, 0.45]],
     [[0.35, 0.40, 0.73], [0.47, 0.51, 0.82], [0.28, 0.32, 0.62], [0.58, 0.56, 0.85]],
+    [[0.62, 0.55, 0.47], [0.72, 0.64, 0.54], [0.53, 0.48, 0.43], [0.78, 0.72, 0.62]],
 ];
 const STATIC_COLOR: Color = Color::srgb(0.48, 0.50, 0.53);
 const KINEMATIC_COLOR: Color = Color::srgb(0.55, 0.48, 0.62);
@@ -35,44 +40,63 @@ pub(super) fn plugin(app: &mut App) {
 /// Bodies alike share mesh and material, and are drawn in one batch.
 #[derive(Resource, Default)]
 struct SharedAssets {
-    meshes: HashMap<[u64; 4], Handle<Mesh>>,
-    materials: HashMap<[u32; 4], Handle<StandardMaterial>>,
+    meshes: HashMap<Vec<u64>, Handle<Mesh>>,
+    materials: HashMap<([u32; 4], bool), Handle<StandardMaterial>>,
     dressed: usize,
 }
 
 fn dress_bodies(
     mut commands: Commands,
-    bodies: Query<(Entity, &RigidBody, &Collider, Option<&BodyColor>), Or<(Changed<Collider>, Changed<BodyColor>)>>,
+    bodies: Query<
+        (Entity, &RigidBody, &Collider, Option<&PictureMesh>, Option<&BodyColor>),
+        Or<(Changed<Collider>, Changed<PictureMesh>, Changed<BodyColor>)>,
+    >,
     mut shared: ResMut<SharedAssets>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    for (entity, kind, collider, color) in &bodies {
-        let Some(mesh) = mesh_of(collider.shape()) else { continue };
+    for (entity, kind, collider, picture, color) in &bodies {
         let color = color.map_or_else(|| shared.choose_color(*kind, collider.shape()), |color| color.0);
-        let mesh = shared.meshes.entry(shape_key(collider.shape())).or_insert_with(|| meshes.add(mesh)).clone();
+        let key = picture_key(collider.shape(), picture);
+        let mesh = match shared.meshes.get(&key) {
+            Some(mesh) => mesh.clone(),
+            None => {
+                let Some(mesh) = picture_of(collider.shape(), picture) else { continue };
+                let mesh = meshes.add(mesh);
+                shared.meshes.insert(key, mesh.clone());
+                mesh
+            }
+        };
+        // A mesh file may be open, or its triangles turned either way.
+        let has_insides = picture.is_some();
         let material = shared
             .materials
-            .entry(color.to_linear().to_f32_array().map(f32::to_bits))
+            .entry((color.to_linear().to_f32_array().map(f32::to_bits), has_insides))
             .or_insert_with(|| {
                 materials.add(StandardMaterial {
                     base_color: color,
                     perceptual_roughness: 0.55,
                     reflectance: 0.35,
+                    double_sided: has_insides,
+                    cull_mode: (!has_insides).then_some(Face::Back),
                     ..default()
                 })
             })
             .clone();
         commands.entity(entity).insert((Mesh3d(mesh), MeshMaterial3d(material)));
+        if has_insides {
+            commands.entity(entity).insert(RayCastBackfaces);
+        }
     }
 }
 
 impl SharedAssets {
-    fn choose_color(&mut self, kind: RigidBody, shape: Shape) -> Color {
+    fn choose_color(&mut self, kind: RigidBody, shape: &Shape) -> Color {
         let row = match shape {
             Shape::Sphere { .. } => 0,
             Shape::Cuboid { .. } | Shape::HalfSpace => 1,
             Shape::Cone { .. } => 2,
+            Shape::Hull(_) => 3,
         };
         match kind {
             RigidBody::Static => STATIC_COLOR,
@@ -86,29 +110,74 @@ impl SharedAssets {
     }
 }
 
-fn shape_key(shape: Shape) -> [u64; 4] {
-    let (kind, x, y, z) = match shape {
-        Shape::HalfSpace => (0, 0.0, 0.0, 0.0),
-        Shape::Sphere { radius } => (1, radius, 0.0, 0.0),
-        Shape::Cuboid { size } => (2, size.x, size.y, size.z),
-        Shape::Cone { radius, height } => (3, radius, height, 0.0),
+/// The same for bodies that look the same.
+fn picture_key(shape: &Shape, picture: Option<&PictureMesh>) -> Vec<u64> {
+    if let Some(PictureMesh(mesh)) = picture {
+        return vec![5, mesh.mesh().fingerprint, mesh.scale().to_bits()];
+    }
+    let (kind, sizes) = match shape {
+        Shape::HalfSpace => (0, vec![]),
+        Shape::Sphere { radius } => (1, vec![*radius]),
+        Shape::Cuboid { size } => (2, size.to_array().to_vec()),
+        Shape::Cone { radius, height } => (3, vec![*radius, *height]),
+        Shape::Hull(hull) => (4, hull.vertices().flat_map(|vertex| vertex.to_array()).collect()),
     };
-    [kind, f64::to_bits(x), f64::to_bits(y), f64::to_bits(z)]
+    std::iter::once(kind).chain(sizes.into_iter().map(f64::to_bits)).collect()
 }
 
-/// A shape about its centre of mass; none for the ground, which is drawn elsewhere.
-pub(super) fn mesh_of(shape: Shape) -> Option<Mesh> {
+/// What a body looks like, about its centre of mass in its own axes; none for the ground, which is
+/// drawn elsewhere.
+pub(super) fn picture_of(shape: &Shape, picture: Option<&PictureMesh>) -> Option<Mesh> {
+    match (shape, picture) {
+        (Shape::Hull(_), Some(PictureMesh(mesh))) => Some(mesh_of_file(mesh)),
+        _ => mesh_of(shape),
+    }
+}
+
+/// A shape about its centre of mass; none for the ground.
+pub(super) fn mesh_of(shape: &Shape) -> Option<Mesh> {
     match shape {
         Shape::HalfSpace => None,
-        Shape::Sphere { radius } => Sphere::new(radius as f32).mesh().ico(5).ok(),
+        Shape::Hull(hull) => Some(mesh_of_hull(hull)),
+        Shape::Sphere { radius } => Sphere::new(*radius as f32).mesh().ico(5).ok(),
         Shape::Cuboid { size } => Some(Cuboid::from_size(size.as_vec3()).into()),
         // Bevy's cone is centred half-way up; the centre of mass is a quarter up.
         Shape::Cone { radius, height } => Some(
-            Cone { radius: radius as f32, height: height as f32 }
+            Cone { radius: *radius as f32, height: *height as f32 }
                 .mesh()
                 .resolution(64)
                 .build()
-                .translated_by(Vec3::Y * (height as f32 / 4.0)),
+                .translated_by(Vec3::Y * (*height as f32 / 4.0)),
         ),
     }
+}
+
+/// Flat faces.
+fn mesh_of_hull(hull: &ConvexHull) -> Mesh {
+    let vertices: Vec<Vec3> = hull.vertices().map(|vertex| vertex.as_vec3()).collect();
+    let triangles = hull.faces().flat_map(|corners| {
+        let fan = corners[1..].windows(2).map(|side| [corners[0], side[0], side[1]]);
+        fan.flatten().map(|corner| vertices[corner as usize]).collect::<Vec<_>>()
+    });
+    triangle_list(triangles.collect()).with_computed_flat_normals()
+}
+
+/// The triangles of a mesh file, from the centre of mass of its hull, in the hull's principal axes.
+fn mesh_of_file(spec: &MeshSpec) -> Mesh {
+    let (mesh, hull) = (spec.mesh(), spec.hull());
+    let to_body = hull.axes().inverse();
+    let place = |corner: u32| (to_body * (mesh.positions[corner as usize] * spec.scale() - hull.center())).as_vec3();
+    let triangles = triangle_list(mesh.triangles.iter().flatten().map(|&corner| place(corner)).collect());
+    if mesh.normals.is_empty() {
+        return triangles.with_computed_flat_normals();
+    }
+    let to_body = to_body.as_quat();
+    let normals: Vec<Vec3> = mesh.normals.iter().flatten().map(|&normal| to_body * normal).collect();
+    triangles.with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
+}
+
+/// Three corners a triangle.
+fn triangle_list(corners: Vec<Vec3>) -> Mesh {
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, corners)
 }

@@ -13,6 +13,7 @@ use ron::extensions::Extensions;
 use serde::Deserialize;
 
 use super::error::Flaw;
+use super::mesh::Meshes;
 use super::number::{Color, Finite, Fraction, NonNegative, Positive, PositiveVector, Quaternion, Vector};
 use super::{
     BodySpec, JointSpec, MAX_BODIES, MAX_FILE_BYTES, MaterialSpec, SceneError, SceneSpec, ShapeSpec, ViewSpec, validate,
@@ -66,6 +67,8 @@ enum ShapeEntry {
     Sphere { radius: Positive },
     Cuboid { size: PositiveVector },
     Cone { radius: Positive, height: Positive },
+    Hull { points: Vec<Vector> },
+    Mesh { file: String, scale: Option<Positive> },
 }
 
 #[derive(Deserialize)]
@@ -98,7 +101,7 @@ struct ViewEntry {
 
 impl SceneSpec {
     /// A scene from the text of a RON file. `source` is what errors call it, a path or just a name;
-    /// the scene is named after its stem.
+    /// the scene is named after its stem, and the meshes it names are looked for beside it.
     ///
     /// # Errors
     /// Whatever is wrong with the text or with the scene in it.
@@ -150,9 +153,10 @@ impl SceneEntry {
             return Err(SceneError::TooManyBodies { scene: source.to_owned(), bodies: self.bodies.len() as u64 });
         }
         let flawed = |flaw: Flaw| flaw.of(source);
+        let mut meshes = Meshes::new(Path::new(source).parent().unwrap_or(Path::new("")));
         let mut bodies = Vec::with_capacity(self.bodies.len());
         for (i, entry) in self.bodies.into_iter().enumerate() {
-            bodies.push(entry.into_body(i).map_err(flawed)?);
+            bodies.push(entry.into_body(i, &mut meshes).map_err(flawed)?);
         }
         let name = Path::new(source).file_stem().map_or(source.into(), |stem| stem.to_string_lossy());
         let gravity = self.gravity.map_or(DVec3::new(0.0, -9.81, 0.0), DVec3::from);
@@ -164,7 +168,7 @@ impl SceneEntry {
 }
 
 impl BodyEntry {
-    fn into_body(self, index: usize) -> Result<BodySpec, Flaw> {
+    fn into_body(self, index: usize, meshes: &mut Meshes) -> Result<BodySpec, Flaw> {
         if self.name == WORLD || self.name.starts_with("world:") {
             let problem = format!("'{}' is kept for what does not move; choose another", self.name);
             return Err(Flaw::new(format!("bodies[{index}].name"), problem));
@@ -178,7 +182,14 @@ impl BodyEntry {
             (None, Some(degrees)) => rotation_about_world_axes(degrees.into()),
             (None, None) => DQuat::IDENTITY,
         };
-        let shape = self.shape.map(ShapeSpec::from);
+        let shape = match self.shape {
+            Some(entry) => Some(
+                entry
+                    .into_shape(meshes)
+                    .map_err(|(field, problem)| Flaw::new(format!("bodies[{index}].shape.{field}"), problem))?,
+            ),
+            None => None,
+        };
         let usual = BodySpec::new(self.name, ShapeSpec::HalfSpace, self.position.map_or(DVec3::ZERO, DVec3::from));
         let usual_kind = if shape == Some(ShapeSpec::HalfSpace) { RigidBody::Static } else { RigidBody::Dynamic };
         Ok(BodySpec {
@@ -212,14 +223,20 @@ fn rotation_about_world_axes(degrees: DVec3) -> DQuat {
     DQuat::from_euler(EulerRot::XYZEx, x, y, z)
 }
 
-impl From<ShapeEntry> for ShapeSpec {
-    fn from(entry: ShapeEntry) -> Self {
-        match entry {
-            ShapeEntry::HalfSpace => Self::HalfSpace,
-            ShapeEntry::Sphere { radius } => Self::Sphere { radius: radius.into() },
-            ShapeEntry::Cuboid { size } => Self::Cuboid { size: size.into() },
-            ShapeEntry::Cone { radius, height } => Self::Cone { radius: radius.into(), height: height.into() },
-        }
+impl ShapeEntry {
+    /// Fails with the field that is wrong, and how.
+    fn into_shape(self, meshes: &mut Meshes) -> Result<ShapeSpec, (&'static str, String)> {
+        Ok(match self {
+            Self::HalfSpace => ShapeSpec::HalfSpace,
+            Self::Sphere { radius } => ShapeSpec::Sphere { radius: radius.into() },
+            Self::Cuboid { size } => ShapeSpec::Cuboid { size: size.into() },
+            Self::Cone { radius, height } => ShapeSpec::Cone { radius: radius.into(), height: height.into() },
+            Self::Hull { points } => ShapeSpec::hull(points.into_iter().map(DVec3::from).collect::<Vec<_>>()),
+            Self::Mesh { file, scale } => {
+                let mesh = meshes.load(&file, scale.map_or(1.0, f64::from));
+                ShapeSpec::Mesh(mesh.map_err(|error| ("file", error.to_string()))?)
+            }
+        })
     }
 }
 
@@ -238,7 +255,7 @@ impl From<SoftnessEntry> for Softness {
 enum Hold {
     /// At a point of the world, m.
     At(DVec3),
-    /// At a point from the centre of mass, body axes, m.
+    /// At a point from the centre of mass, in the body's own axes, m.
     Anchor(DVec3),
 }
 

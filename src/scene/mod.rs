@@ -8,6 +8,8 @@ mod builtin;
 mod catalog;
 mod error;
 mod format;
+mod hull;
+mod mesh;
 mod number;
 mod spawn;
 mod spec;
@@ -15,6 +17,8 @@ mod validate;
 
 pub use catalog::{Parameter, SceneInfo, catalog, find, load};
 pub use error::SceneError;
+pub use hull::HullSpec;
+pub use mesh::{MAX_MESH_BYTES, MeshError, MeshSpec, PictureMesh, TriangleMesh, builtin_meshes};
 pub use spawn::{SceneEntity, SpawnedScene};
 pub use spec::{BodySpec, JointSpec, MaterialSpec, SceneSpec, ShapeSpec, ViewSpec};
 

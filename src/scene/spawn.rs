@@ -2,9 +2,10 @@
 
 use std::collections::HashMap;
 
+use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use super::{BodySpec, JointSpec, SceneSpec, ShapeSpec};
+use super::{BodySpec, JointSpec, PictureMesh, SceneSpec, ShapeSpec};
 use crate::physics::{
     BallJoint, Collider, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia, Mass, Position, RenderOrigin,
     Rotation, SurfaceMaterial, Velocity,
@@ -29,13 +30,13 @@ impl SceneSpec {
     /// must be valid.
     ///
     /// # Panics
-    /// A joint names a body that the scene does not have.
+    /// A joint names a body that the scene does not have, or a hull has no volume.
     pub fn spawn(&self, world: &mut World) -> SpawnedScene {
         world.insert_resource(Gravity(self.gravity));
         let origin = world.get_resource::<RenderOrigin>().copied().unwrap_or_default();
         let bodies: Vec<Entity> = self.bodies.iter().map(|body| spawn_body(body, origin, world)).collect();
-        let by_name: HashMap<&str, Entity> =
-            self.bodies.iter().map(|body| body.name.as_str()).zip(bodies.iter().copied()).collect();
+        let by_name: HashMap<&str, (Entity, &BodySpec)> =
+            self.bodies.iter().zip(&bodies).map(|(body, &entity)| (body.name.as_str(), (entity, body))).collect();
         let joints = self.joints.iter().map(|joint| spawn_joint(joint, &by_name, world)).collect();
         SpawnedScene { bodies, joints }
     }
@@ -52,22 +53,26 @@ impl BodySpec {
 /// Components that have a default are left out where the body has it, so that what a scene does
 /// not need costs it nothing.
 fn spawn_body(body: &BodySpec, origin: RenderOrigin, world: &mut World) -> Entity {
+    let rotation = body.principal_rotation();
     let mut entity = world.spawn((
         Name::new(body.name.clone()),
         SceneEntity,
         body.kind,
         Position(body.position),
-        Rotation(body.rotation),
+        Rotation(rotation),
         Velocity { linear: body.linear_velocity, angular: body.angular_velocity },
-        Transform::from_translation((body.position - origin.0).as_vec3()).with_rotation(body.rotation.as_quat()),
+        Transform::from_translation((body.position - origin.0).as_vec3()).with_rotation(rotation.as_quat()),
     ));
-    if let Some(shape) = body.shape {
+    if let Some(shape) = &body.shape {
         entity.insert(shape.collider());
         insert_unless_default(
             &mut entity,
             SurfaceMaterial { friction: body.material.friction, restitution: body.material.restitution },
         );
         insert_unless_default(&mut entity, body.layers);
+        if let ShapeSpec::Mesh(mesh) = shape {
+            entity.insert(PictureMesh(mesh.clone()));
+        }
     }
     match body.mass {
         Some(mass) => _ = entity.insert(Mass(mass)),
@@ -91,25 +96,36 @@ fn insert_unless_default<C: Component + Default + PartialEq>(entity: &mut Entity
 }
 
 impl ShapeSpec {
-    /// As a component.
-    pub fn collider(self) -> Collider {
+    /// As a component. The shape must be valid.
+    ///
+    /// # Panics
+    /// A hull has no volume.
+    pub fn collider(&self) -> Collider {
         match self {
             Self::HalfSpace => Collider::half_space(),
-            Self::Sphere { radius } => Collider::sphere(radius),
+            Self::Sphere { radius } => Collider::sphere(*radius),
             Self::Cuboid { size } => Collider::cuboid(size.x, size.y, size.z),
-            Self::Cone { radius, height } => Collider::cone(radius, height),
+            Self::Cone { radius, height } => Collider::cone(*radius, *height),
+            Self::Hull(hull) => Collider::hull(hull.hull().clone().expect("a valid scene's hulls have a volume")),
+            Self::Mesh(mesh) => Collider::hull(mesh.hull().clone()),
         }
     }
 }
 
-fn spawn_joint(joint: &JointSpec, bodies: &HashMap<&str, Entity>, world: &mut World) -> Entity {
+fn spawn_joint(joint: &JointSpec, bodies: &HashMap<&str, (Entity, &BodySpec)>, world: &mut World) -> Entity {
+    let ((body_a, spec_a), (body_b, spec_b)) = (bodies[joint.body_a.as_str()], bodies[joint.body_b.as_str()]);
     let ball = BallJoint {
-        body_a: bodies[joint.body_a.as_str()],
-        body_b: bodies[joint.body_b.as_str()],
-        anchor_a: joint.anchor_a,
-        anchor_b: joint.anchor_b,
+        body_a,
+        body_b,
+        anchor_a: in_principal_axes(spec_a, joint.anchor_a),
+        anchor_b: in_principal_axes(spec_b, joint.anchor_b),
         collide: joint.collide,
         softness: joint.softness,
     };
     world.spawn((Name::new(format!("{} to {}", joint.body_a, joint.body_b)), SceneEntity, ball)).id()
+}
+
+/// An anchor in the axes that the simulated body has.
+fn in_principal_axes(body: &BodySpec, anchor: DVec3) -> DVec3 {
+    body.shape.as_ref().and_then(ShapeSpec::convex_hull).map_or(anchor, |hull| hull.axes().inverse() * anchor)
 }

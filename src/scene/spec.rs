@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use bevy::math::{DQuat, DVec3};
 
-use crate::physics::{CollisionLayers, LockedAxes, RigidBody, Softness};
+use super::{HullSpec, MeshSpec};
+use crate::physics::{CollisionLayers, ConvexHull, LockedAxes, RigidBody, Softness};
 
 /// A whole scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,11 +35,11 @@ pub struct BodySpec {
     pub density: f64,
     /// kg.
     pub mass: Option<f64>,
-    /// Principal moments, kg·m².
+    /// Principal moments about the centre of mass, kg·m²; see [`ShapeSpec::axes`].
     pub inertia: Option<DVec3>,
     /// Centre of mass, m.
     pub position: DVec3,
-    /// Orientation of the principal axes.
+    /// Orientation of the axes that the shape is given in.
     pub rotation: DQuat,
     /// m/s.
     pub linear_velocity: DVec3,
@@ -62,8 +63,8 @@ pub struct BodySpec {
     pub color: Option<[f32; 3]>,
 }
 
-/// A body's shape; full sizes, m.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A body's shape; full sizes, m. Cheap to clone.
+#[derive(Clone, Debug, PartialEq)]
 pub enum ShapeSpec {
     /// The ground: all below the plane through the body's position, normal +y in body axes.
     HalfSpace,
@@ -84,6 +85,10 @@ pub enum ShapeSpec {
         /// Height.
         height: f64,
     },
+    /// The convex hull of points, wherever they lie: the body's position is its centre of mass.
+    Hull(HullSpec),
+    /// The convex hull of a mesh, which it looks like.
+    Mesh(MeshSpec),
 }
 
 /// Friction and restitution of a surface.
@@ -102,9 +107,9 @@ pub struct JointSpec {
     pub body_a: String,
     /// Name of body B.
     pub body_b: String,
-    /// The joint's point from A's centre of mass, body axes, m.
+    /// The joint's point from A's centre of mass, in the axes of its [`BodySpec::rotation`], m.
     pub anchor_a: DVec3,
-    /// The joint's point from B's centre of mass, body axes, m.
+    /// The joint's point from B's centre of mass, in the axes of its [`BodySpec::rotation`], m.
     pub anchor_b: DVec3,
     /// Whether the two collide.
     pub collide: bool,
@@ -198,12 +203,19 @@ impl BodySpec {
         Self { layers: CollisionLayers::NONE, ..self }
     }
 
-    /// A point of the world, m, as this body's anchor: from its centre of mass, in body axes.
+    /// Orientation of the principal axes, the simulated body's: that of the axes which the shape is
+    /// given in, but for hulls that lie askew in these.
+    pub fn principal_rotation(&self) -> DQuat {
+        let hull = self.shape.as_ref().and_then(ShapeSpec::convex_hull);
+        hull.map_or(self.rotation, |hull| self.rotation * hull.axes())
+    }
+
+    /// A point of the world, m, as this body's anchor: from its centre of mass, in its own axes.
     pub fn anchor(&self, point: DVec3) -> DVec3 {
         self.rotation.inverse() * (point - self.position)
     }
 
-    /// A point of this body, from its centre of mass in body axes, as a point of the world, m.
+    /// A point of this body, from its centre of mass in its own axes, as a point of the world, m.
     pub fn point(&self, anchor: DVec3) -> DVec3 {
         self.position + self.rotation * anchor
     }
@@ -222,34 +234,56 @@ impl JointSpec {
 }
 
 impl ShapeSpec {
+    /// The convex hull of points, m.
+    pub fn hull(points: impl Into<Box<[DVec3]>>) -> Self {
+        Self::Hull(HullSpec::new(points))
+    }
+
+    /// The hull, of a hull or mesh that has one.
+    pub fn convex_hull(&self) -> Option<&ConvexHull> {
+        match self {
+            Self::Hull(hull) => hull.hull().as_ref().ok(),
+            Self::Mesh(mesh) => Some(mesh.hull()),
+            _ => None,
+        }
+    }
+
+    /// Turns principal axes into those which the shape is given in: see [`ConvexHull::axes`].
+    pub fn axes(&self) -> DQuat {
+        self.convex_hull().map_or(DQuat::IDENTITY, ConvexHull::axes)
+    }
+
     /// m³; a half-space's is infinite.
-    pub fn volume(self) -> f64 {
+    pub fn volume(&self) -> f64 {
         match self {
             Self::HalfSpace => f64::INFINITY,
             Self::Sphere { radius } => 4.0 / 3.0 * PI * radius.powi(3),
             Self::Cuboid { size } => size.x * size.y * size.z,
             Self::Cone { radius, height } => PI / 3.0 * radius * radius * height,
+            Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::volume),
         }
     }
 
     /// Smallest full extent, m: the size that errors are measured by; a half-space's is infinite.
-    pub fn smallest_extent(self) -> f64 {
+    pub fn smallest_extent(&self) -> f64 {
         match self {
             Self::HalfSpace => f64::INFINITY,
+            Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::thickness),
             Self::Sphere { radius } => 2.0 * radius,
             Self::Cuboid { size } => size.min_element(),
-            Self::Cone { radius, height } => height.min(2.0 * radius),
+            Self::Cone { radius, height } => height.min(2.0 * *radius),
         }
     }
 
     /// Radius of the smallest ball about the centre of mass that holds the shape, m; a
     /// half-space's is infinite.
-    pub fn bounding_radius(self) -> f64 {
+    pub fn bounding_radius(&self) -> f64 {
         match self {
             Self::HalfSpace => f64::INFINITY,
-            Self::Sphere { radius } => radius,
+            Self::Sphere { radius } => *radius,
             Self::Cuboid { size } => size.length() / 2.0,
             Self::Cone { radius, height } => radius.hypot(height / 4.0).max(0.75 * height),
+            Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::bounding_radius),
         }
     }
 }

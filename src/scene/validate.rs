@@ -81,7 +81,7 @@ fn check_body(body: &BodySpec) -> Result<(), FieldFlaw> {
 }
 
 fn check_shape(body: &BodySpec) -> Result<(), FieldFlaw> {
-    let Some(shape) = body.shape else {
+    let Some(shape) = &body.shape else {
         return if body.kind == RigidBody::Dynamic && (body.mass.is_none() || body.inertia.is_none()) {
             let problem = "a dynamic body needs a shape, or both a mass and an inertia; or say kind: Static";
             Err(("shape", problem.to_owned()))
@@ -94,12 +94,14 @@ fn check_shape(body: &BodySpec) -> Result<(), FieldFlaw> {
         ShapeSpec::HalfSpace => {
             return Err(("shape", "a half-space has no mass and does not move: say kind: Static".to_owned()));
         }
-        ShapeSpec::Sphere { radius } => number::<Positive>("shape.radius", radius)?,
-        ShapeSpec::Cuboid { size } => positive("shape.size", size)?,
+        ShapeSpec::Sphere { radius } => number::<Positive>("shape.radius", *radius)?,
+        ShapeSpec::Cuboid { size } => positive("shape.size", *size)?,
         ShapeSpec::Cone { radius, height } => {
-            number::<Positive>("shape.radius", radius)?;
-            number::<Positive>("shape.height", height)?;
+            number::<Positive>("shape.radius", *radius)?;
+            number::<Positive>("shape.height", *height)?;
         }
+        ShapeSpec::Hull(hull) => _ = hull.hull().as_ref().map_err(|error| ("shape.points", error.to_string()))?,
+        ShapeSpec::Mesh(_) => {} // has a hull
     }
     // Sizes and densities that are fine alone can together leave f64's range.
     let mass = body.mass.unwrap_or(body.density * shape.volume());

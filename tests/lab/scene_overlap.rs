@@ -12,13 +12,19 @@ const TOLERANCE: f64 = 1e-7;
 /// The farthest point of a bounded body along `direction`.
 fn support(body: &BodySpec, direction: DVec3) -> DVec3 {
     let local = body.rotation.inverse() * direction;
-    let point = match body.shape {
-        Some(ShapeSpec::Sphere { radius }) => radius * local.normalize_or_zero(),
-        Some(ShapeSpec::Cuboid { size }) => 0.5 * size * local.signum(),
+    let point = match &body.shape {
+        Some(ShapeSpec::Sphere { radius }) => *radius * local.normalize_or_zero(),
+        Some(ShapeSpec::Cuboid { size }) => 0.5 * *size * local.signum(),
         Some(ShapeSpec::Cone { radius, height }) => {
-            let rim = radius * DVec3::new(local.x, 0.0, local.z).normalize_or_zero() - 0.25 * height * DVec3::Y;
+            let rim = *radius * DVec3::new(local.x, 0.0, local.z).normalize_or_zero() - 0.25 * height * DVec3::Y;
             let apex = 0.75 * height * DVec3::Y;
             if local.dot(apex) > local.dot(rim) { apex } else { rim }
+        }
+        Some(shape @ (ShapeSpec::Hull(_) | ShapeSpec::Mesh(_))) => {
+            let hull = shape.convex_hull().expect("it has a hull");
+            let local = hull.axes().inverse() * local;
+            let farthest = hull.vertices().max_by(|a, b| a.dot(local).total_cmp(&b.dot(local)));
+            hull.axes() * farthest.expect("a hull has vertices")
         }
         Some(ShapeSpec::HalfSpace) | None => DVec3::ZERO,
     };
@@ -66,7 +72,7 @@ fn overlaps(scene: &SceneSpec) -> Vec<String> {
     let mut found = Vec::new();
     for (i, a) in solid.iter().enumerate() {
         for b in &solid[i + 1..] {
-            let clear = match (a.shape, b.shape) {
+            let clear = match (&a.shape, &b.shape) {
                 _ if joined.contains(&(&a.name, &b.name)) || !a.layers.interact(b.layers) => true,
                 (Some(ShapeSpec::HalfSpace), _) => support(b, DVec3::NEG_Y).y >= a.position.y - TOLERANCE,
                 (Some(one), Some(other)) => {

@@ -79,11 +79,12 @@ pub fn clearance(world: &World, body: Entity) -> f64 {
     let rotation = world.get::<Rotation>(body).unwrap().0;
     let up = rotation.inverse() * DVec3::Y;
     let reach = match world.get::<Collider>(body).unwrap().shape() {
-        Shape::Sphere { radius } => radius,
-        Shape::Cuboid { size } => (up * size / 2.0).abs().element_sum(),
+        Shape::Sphere { radius } => *radius,
+        Shape::Cuboid { size } => (up * *size / 2.0).abs().element_sum(),
         Shape::Cone { radius, height } => {
             f64::max(-0.75 * height * up.y, 0.25 * height * up.y + radius * up.x.hypot(up.z))
         }
+        Shape::Hull(hull) => hull.vertices().map(|vertex| -up.dot(vertex)).fold(f64::NEG_INFINITY, f64::max),
         Shape::HalfSpace => unreachable!("a half-space does not move"),
     };
     position(world, body).y - reach

@@ -102,7 +102,7 @@ fn a_body_is_added_on_the_surface_that_is_pointed_at() {
             (DVec3::new(-0.6 + 0.6 * i as f64, 1.0, 0.0), name.to_owned()),
             (DVec3::new(-0.8 + 0.8 * i as f64, 0.0, 4.0), format!("{name} 2")),
         ] {
-            add_at(&mut stage, shape, point);
+            add_at(&mut stage, shape.clone(), point);
             let body = added(&mut stage, &name);
             let off = place(&mut stage, body) - (point + DVec3::Y * height);
             assert!(off.length() < 0.01, "{name} is off by {off}");

@@ -6,10 +6,14 @@
 //! `collision`.
 
 mod cone;
+mod convex_hull;
 mod cuboid;
 mod half_space;
 mod hull;
+mod merge_facets;
+mod quick_hull;
 mod sphere;
+mod volume_integrals;
 
 #[cfg(test)]
 mod tests;
@@ -20,6 +24,7 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
+pub use convex_hull::{ConvexHull, HullError};
 pub(crate) use hull::Hull;
 
 /// The shape of a body, one per body, centred on its centre of mass. Sizes are full and in m.
@@ -30,7 +35,7 @@ pub struct Collider {
 }
 
 /// What a [`Collider`] is.
-#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[derive(Reflect, Clone, Debug, PartialEq)]
 pub enum Shape {
     /// All points on and below the plane through the body's position, normal +y in body axes.
     /// Static bodies only.
@@ -52,6 +57,8 @@ pub enum Shape {
         /// Height, m.
         height: f64,
     },
+    /// Any convex polyhedron.
+    Hull(ConvexHull),
 }
 
 /// What a shape weighs.
@@ -84,29 +91,44 @@ impl Collider {
         Self { shape: Shape::Cone { radius, height } }
     }
 
+    /// The convex hull of points, m. The body's position is its centre of mass and its axes are
+    /// principal, wherever the points lie: see [`ConvexHull::center`] and [`ConvexHull::axes`].
+    ///
+    /// # Errors
+    /// The points are not finite, too large or too small, or have no volume.
+    pub fn convex_hull(points: &[DVec3]) -> Result<Self, HullError> {
+        ConvexHull::new(points).map(Self::hull)
+    }
+
+    /// A convex polyhedron.
+    pub fn hull(hull: ConvexHull) -> Self {
+        Self { shape: Shape::Hull(hull) }
+    }
+
     /// What it is.
-    pub fn shape(&self) -> Shape {
-        self.shape
+    pub fn shape(&self) -> &Shape {
+        &self.shape
     }
 
     /// Whether every size is finite and greater than zero.
     pub fn is_valid(&self) -> bool {
         let valid = |size: f64| size.is_finite() && size > 0.0;
-        match self.shape {
-            Shape::HalfSpace => true,
-            Shape::Sphere { radius } => valid(radius),
+        match &self.shape {
+            Shape::HalfSpace | Shape::Hull(_) => true,
+            Shape::Sphere { radius } => valid(*radius),
             Shape::Cuboid { size } => size.to_array().into_iter().all(valid),
-            Shape::Cone { radius, height } => valid(radius) && valid(height),
+            Shape::Cone { radius, height } => valid(*radius) && valid(*height),
         }
     }
 
     /// Volume, m³; infinite for a half-space.
     pub fn volume(&self) -> f64 {
-        match self.shape {
+        match &self.shape {
             Shape::HalfSpace => half_space::VOLUME,
-            Shape::Sphere { radius } => sphere::volume(radius),
-            Shape::Cuboid { size } => cuboid::volume(size),
-            Shape::Cone { radius, height } => cone::volume(radius, height),
+            Shape::Sphere { radius } => sphere::volume(*radius),
+            Shape::Cuboid { size } => cuboid::volume(*size),
+            Shape::Cone { radius, height } => cone::volume(*radius, *height),
+            Shape::Hull(hull) => hull.volume(),
         }
     }
 
@@ -117,11 +139,12 @@ impl Collider {
 
     /// Inertia of that mass in kg, spread evenly; infinite for a half-space.
     pub fn mass_properties_of_mass(&self, mass: f64) -> MassProperties {
-        let moments = match self.shape {
+        let moments = match &self.shape {
             Shape::HalfSpace => half_space::MOMENTS,
-            Shape::Sphere { radius } => sphere::moments(radius),
-            Shape::Cuboid { size } => cuboid::moments(size),
-            Shape::Cone { radius, height } => cone::moments(radius, height),
+            Shape::Sphere { radius } => sphere::moments(*radius),
+            Shape::Cuboid { size } => cuboid::moments(*size),
+            Shape::Cone { radius, height } => cone::moments(*radius, *height),
+            Shape::Hull(hull) => hull.moments(),
         };
         MassProperties { mass, inertia: mass * moments }
     }
@@ -129,21 +152,23 @@ impl Collider {
     /// Radius of the smallest sphere about the centre of mass that holds the shape, m; infinite
     /// for a half-space.
     pub fn bounding_radius(&self) -> f64 {
-        match self.shape {
+        match &self.shape {
             Shape::HalfSpace => half_space::BOUNDING_RADIUS,
-            Shape::Sphere { radius } => radius,
-            Shape::Cuboid { size } => cuboid::bounding_radius(size),
-            Shape::Cone { radius, height } => cone::bounding_radius(radius, height),
+            Shape::Sphere { radius } => *radius,
+            Shape::Cuboid { size } => cuboid::bounding_radius(*size),
+            Shape::Cone { radius, height } => cone::bounding_radius(*radius, *height),
+            Shape::Hull(hull) => hull.bounding_radius(),
         }
     }
 
     /// The shape ready for collision. Of a valid collider only.
     pub(crate) fn geometry(&self) -> Geometry {
-        match self.shape {
+        match &self.shape {
             Shape::HalfSpace => Geometry::HalfSpace,
-            Shape::Sphere { radius } => Geometry::Sphere { radius },
+            Shape::Sphere { radius } => Geometry::Sphere { radius: *radius },
             Shape::Cuboid { size } => Geometry::Cuboid { half: Vector3::from(size.to_array()) / 2.0 },
-            Shape::Cone { radius, height } => Geometry::Hull(Arc::new(cone::hull(radius, height))),
+            Shape::Cone { radius, height } => Geometry::Hull(Arc::new(cone::hull(*radius, *height))),
+            Shape::Hull(hull) => Geometry::Hull(hull.hull()),
         }
     }
 }

@@ -80,12 +80,7 @@ impl VectorSet {
     /// Keeps a vector unless one within ε is there; whether it was kept.
     #[inline]
     pub fn insert(&mut self, vector: Vector3<f64>) -> bool {
-        if self.is_near_swept(&vector) {
-            return false;
-        }
-        if !self.next.is_empty()
-            && (self.is_near_chained(&vector) || (self.merge_opposites && self.is_near_chained(&-vector)))
-        {
+        if self.has_near(&vector) {
             return false;
         }
         let index = self.vectors.len();
@@ -113,6 +108,14 @@ impl VectorSet {
         }
         let direction = vector / length;
         self.insert(direction).then_some(direction)
+    }
+
+    /// Whether a vector within ε is there.
+    #[inline]
+    pub fn has_near(&self, vector: &Vector3<f64>) -> bool {
+        self.is_near_swept(vector)
+            || (!self.next.is_empty()
+                && (self.is_near_chained(vector) || (self.merge_opposites && self.is_near_chained(&-vector))))
     }
 
     #[inline]

@@ -45,12 +45,14 @@ impl Blueprint {
             ShapeSpec::Cuboid { .. } => "box",
             ShapeSpec::Cone { .. } => "cone",
             ShapeSpec::HalfSpace => "ground",
+            ShapeSpec::Hull(_) => "block",
+            ShapeSpec::Mesh(_) => "mesh",
         }
     }
 
     /// A body of it at the origin.
     pub(super) fn body(&self, name: String) -> BodySpec {
-        let body = BodySpec::new(name, self.shape, DVec3::ZERO);
+        let body = BodySpec::new(name, self.shape.clone(), DVec3::ZERO);
         match self.weight {
             Weight::Density(density) => BodySpec { density, ..body },
             Weight::Mass(mass) => body.with_mass(mass),

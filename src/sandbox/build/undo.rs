@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use bevy::math::DQuat;
 use bevy::prelude::*;
 
 use super::joining::{Pin, idle_without, joints_of};
@@ -12,7 +13,7 @@ use crate::physics::{
 };
 use crate::sandbox::meshes::{self, BodyColor};
 use crate::sandbox::{Selection, drag};
-use crate::scene::{BodySpec, MaterialSpec, SceneEntity, ShapeSpec};
+use crate::scene::{BodySpec, MaterialSpec, PictureMesh, SceneEntity, ShapeSpec};
 
 /// How many deeds are remembered.
 const DEPTH: usize = 64;
@@ -142,6 +143,8 @@ fn restore(world: &mut World, bodies: Vec<(Entity, BodySpec)>, joints: Vec<(Enti
 fn describe(world: &World, body: Entity) -> Option<BodySpec> {
     let name = name_of(world, body);
     let body = world.get_entity(body).ok()?;
+    let shape = body.get::<Collider>().map(|collider| shape_of(collider.shape(), body.get()));
+    let axes = shape.as_ref().map_or(DQuat::IDENTITY, ShapeSpec::axes);
     let usual = BodySpec::pin(name, body.get::<Position>()?.0);
     let velocity = body.get::<Velocity>().copied().unwrap_or_default();
     let force = body.get::<ExternalForce>().copied().unwrap_or_default();
@@ -149,11 +152,11 @@ fn describe(world: &World, body: Entity) -> Option<BodySpec> {
     let damping = body.get::<Damping>().copied().unwrap_or_default();
     Some(BodySpec {
         kind: *body.get::<RigidBody>()?,
-        shape: body.get::<Collider>().map(|collider| shape_of(collider.shape())),
+        shape,
         density: body.get::<Density>().copied().unwrap_or_default().0,
         mass: body.get::<Mass>().map(|mass| mass.0),
         inertia: body.get::<Inertia>().map(|inertia| inertia.0),
-        rotation: body.get::<Rotation>()?.0,
+        rotation: body.get::<Rotation>()?.0 * axes.inverse(),
         linear_velocity: velocity.linear,
         angular_velocity: velocity.angular,
         force: force.force,
@@ -177,11 +180,13 @@ fn respawn(world: &mut World, body: &BodySpec) -> Entity {
     entity
 }
 
-fn shape_of(shape: Shape) -> ShapeSpec {
-    match shape {
-        Shape::HalfSpace => ShapeSpec::HalfSpace,
-        Shape::Sphere { radius } => ShapeSpec::Sphere { radius },
-        Shape::Cuboid { size } => ShapeSpec::Cuboid { size },
-        Shape::Cone { radius, height } => ShapeSpec::Cone { radius, height },
+fn shape_of(shape: &Shape, picture: Option<&PictureMesh>) -> ShapeSpec {
+    match (shape.clone(), picture) {
+        (Shape::HalfSpace, _) => ShapeSpec::HalfSpace,
+        (Shape::Sphere { radius }, _) => ShapeSpec::Sphere { radius },
+        (Shape::Cuboid { size }, _) => ShapeSpec::Cuboid { size },
+        (Shape::Cone { radius, height }, _) => ShapeSpec::Cone { radius, height },
+        (Shape::Hull(_), Some(PictureMesh(mesh))) => ShapeSpec::Mesh(mesh.clone()),
+        (Shape::Hull(hull), None) => ShapeSpec::Hull(hull.into()),
     }
 }

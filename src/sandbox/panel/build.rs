@@ -64,7 +64,7 @@ fn sizes(ui: &mut egui::Ui, shape: &mut ShapeSpec) {
         ui.add(egui::DragValue::new(value).prefix(format!("{label} ")).speed(0.01).range(SIZES).max_decimals(3));
     };
     match shape {
-        ShapeSpec::HalfSpace => {}
+        ShapeSpec::HalfSpace | ShapeSpec::Hull(_) | ShapeSpec::Mesh(_) => {}
         ShapeSpec::Sphere { radius } => size("radius", radius),
         ShapeSpec::Cuboid { size: extents } => {
             for (axis, value) in ["x", "y", "z"].into_iter().zip(extents.as_mut()) {

@@ -65,7 +65,7 @@ fn hang_rods(scene: &mut SceneSpec, start: DVec3, n: usize, thickness: f64) {
     let shape = ShapeSpec::Cuboid { size: DVec3::new(1.0, thickness, thickness) };
     for i in 0..n {
         let left_end = start + i as f64 * DVec3::X;
-        let rod = BodySpec::new(format!("rod {i}"), shape, left_end + 0.5 * DVec3::X)
+        let rod = BodySpec::new(format!("rod {i}"), shape.clone(), left_end + 0.5 * DVec3::X)
             .with_mass(1.0)
             .without_collision()
             .with_color(palette::bright(i));

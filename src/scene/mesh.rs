@@ -1,0 +1,233 @@
+//! Meshes: a body is the convex hull of one and looks like it.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use bevy::math::{DVec3, Vec3};
+use bevy::prelude::Component;
+use xxhash_rust::xxh3::xxh3_64;
+
+use crate::physics::{ConvexHull, HullError};
+
+/// Largest mesh file that is read, bytes: some millions of triangles.
+pub const MAX_MESH_BYTES: u64 = 256 << 20;
+
+/// What the names of the meshes that come with Plumb start with, in a scene's `file`.
+const BUILTIN_PREFIX: &str = "plumb:";
+
+/// The meshes that come with Plumb, by name.
+const BUILTIN: [(&str, &str); 1] = [("gem.obj", include_str!("../../assets/meshes/gem.obj"))];
+
+/// What a scene's `file` says for each mesh that comes with Plumb: `plumb:gem.obj` and so on.
+pub fn builtin_meshes() -> impl Iterator<Item = String> {
+    BUILTIN.iter().map(|(name, _)| format!("{BUILTIN_PREFIX}{name}"))
+}
+
+/// Triangles as a mesh file has them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TriangleMesh {
+    /// The vertices that triangles use, m at scale 1.
+    pub positions: Vec<DVec3>,
+    /// Indices of positions, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// One per corner of each triangle; none where the file lacks any: flat triangles.
+    pub normals: Vec<[Vec3; 3]>,
+    /// Tells meshes of different files apart.
+    pub fingerprint: u64,
+}
+
+/// A mesh of a scene: which file, how large, its triangles and its hull. Cheap to clone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshSpec {
+    file: Arc<str>,
+    path: Option<Arc<Path>>,
+    scale: f64,
+    mesh: Arc<TriangleMesh>,
+    hull: ConvexHull,
+}
+
+/// What a body looks like, where that is not its collider. In the frame of the mesh file; the
+/// collider's [`ConvexHull::center`] and [`ConvexHull::axes`] place the body in it.
+#[derive(Component, Clone, Debug, PartialEq)]
+pub struct PictureMesh(pub MeshSpec);
+
+/// Why a mesh could not be had. Displays as one line.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MeshError {
+    /// None of that name comes with Plumb.
+    #[error("no mesh '{file}' comes with Plumb; there are {}", builtin_meshes().collect::<Vec<_>>().join(", "))]
+    UnknownBuiltin {
+        /// What was asked for.
+        file: String,
+    },
+    /// The file cannot be read.
+    #[error("{} cannot be read: {problem}; a mesh's path is relative to its scene's file", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        problem: String,
+    },
+    /// The file is larger than [`MAX_MESH_BYTES`].
+    #[error("{} is larger than {} MiB, the limit for a mesh; export it with fewer triangles", path.display(), MAX_MESH_BYTES >> 20)]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is no OBJ mesh.
+    #[error("{file} is not a Wavefront OBJ text file ({problem}); export the mesh as OBJ")]
+    NotObj {
+        /// The file.
+        file: String,
+        /// What the parser stumbled over.
+        problem: String,
+    },
+    /// The file has no faces.
+    #[error("{file} has no faces; a mesh needs lines that start with 'f', for points alone use Hull(points: [...])")]
+    NoFaces {
+        /// The file.
+        file: String,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("{file} has a vertex that is not finite: {vertex}; correct that line")]
+    NotFinite {
+        /// The file.
+        file: String,
+        /// The vertex.
+        vertex: DVec3,
+    },
+    /// Its hull has no volume, or too much.
+    #[error("{file}: {error}")]
+    Hull {
+        /// The file.
+        file: String,
+        /// What is wrong with its vertices.
+        error: HullError,
+    },
+}
+
+impl MeshSpec {
+    /// Reads a Wavefront OBJ file: all its objects are one mesh. `file` is relative to `folder`,
+    /// or the name of one that comes with Plumb ([`builtin_meshes`]); the mesh is made `scale`
+    /// times as large, which must be finite and greater than 0.
+    ///
+    /// # Errors
+    /// The file is missing, too large, not an OBJ mesh, or its hull has no volume.
+    pub fn load(file: &str, folder: &Path, scale: f64) -> Result<Self, MeshError> {
+        Meshes::new(folder).load(file, scale)
+    }
+
+    /// As a scene file has it: `rock.obj`, `plumb:gem.obj`.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// Where the file is; none for one that comes with Plumb.
+    pub fn path(&self) -> Option<&Path> {
+        self.path.as_deref()
+    }
+
+    /// Factor on the file's coordinates.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// The triangles, at scale 1.
+    pub fn mesh(&self) -> &Arc<TriangleMesh> {
+        &self.mesh
+    }
+
+    /// The hull, scaled.
+    pub fn hull(&self) -> &ConvexHull {
+        &self.hull
+    }
+}
+
+/// The meshes of one scene: each file is read once, and the hull of each size built once.
+pub(super) struct Meshes {
+    folder: PathBuf,
+    read: HashMap<String, Arc<TriangleMesh>>,
+    made: HashMap<(String, u64), MeshSpec>,
+}
+
+impl Meshes {
+    /// Files are relative to `folder`.
+    pub fn new(folder: impl Into<PathBuf>) -> Self {
+        Self { folder: folder.into(), read: HashMap::new(), made: HashMap::new() }
+    }
+
+    /// As [`MeshSpec::load`].
+    pub fn load(&mut self, file: &str, scale: f64) -> Result<MeshSpec, MeshError> {
+        let slot = match self.made.entry((file.to_owned(), scale.to_bits())) {
+            Entry::Occupied(made) => return Ok(made.get().clone()),
+            Entry::Vacant(slot) => slot,
+        };
+        let path = (!file.starts_with(BUILTIN_PREFIX)).then(|| self.folder.join(file));
+        let shown = path.as_ref().map_or(file.to_owned(), |path| path.display().to_string());
+        let mesh = match self.read.entry(file.to_owned()) {
+            Entry::Occupied(read) => read.get().clone(),
+            Entry::Vacant(slot) => {
+                let mesh = match &path {
+                    Some(path) => parse(&read(path)?, &shown)?,
+                    None => parse(builtin(file)?.as_bytes(), &shown)?,
+                };
+                slot.insert(Arc::new(mesh)).clone()
+            }
+        };
+        let points: Vec<DVec3> = mesh.positions.iter().map(|&position| position * scale).collect();
+        let hull = ConvexHull::new(&points).map_err(|error| MeshError::Hull { file: shown, error })?;
+        Ok(slot.insert(MeshSpec { file: file.into(), path: path.map(Into::into), scale, mesh, hull }).clone())
+    }
+}
+
+fn builtin(file: &str) -> Result<&'static str, MeshError> {
+    let known = BUILTIN.iter().find(|(name, _)| file.strip_prefix(BUILTIN_PREFIX) == Some(name));
+    known.map(|&(_, text)| text).ok_or_else(|| MeshError::UnknownBuiltin { file: file.to_owned() })
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, MeshError> {
+    let unreadable = |error: io::Error| MeshError::Unreadable { path: path.to_owned(), problem: error.to_string() };
+    // One byte more than allowed tells a file that is too large from one that just fits.
+    let limit = MAX_MESH_BYTES + 1;
+    let mut bytes = Vec::new();
+    File::open(path).and_then(|file| file.take(limit).read_to_end(&mut bytes)).map_err(unreadable)?;
+    if bytes.len() as u64 == limit {
+        return Err(MeshError::TooLarge { path: path.to_owned() });
+    }
+    Ok(bytes)
+}
+
+fn parse(mut text: &[u8], file: &str) -> Result<TriangleMesh, MeshError> {
+    let fingerprint = xxh3_64(text);
+    let options =
+        tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
+    // Colours come from the scene: material files are not looked for.
+    let no_materials = |_: &Path| Ok((Vec::new(), Default::default()));
+    let (models, _) = tobj::load_obj_buf(&mut text, &options, no_materials)
+        .map_err(|error| MeshError::NotObj { file: file.to_owned(), problem: error.to_string() })?;
+    let mut mesh = TriangleMesh { positions: Vec::new(), triangles: Vec::new(), normals: Vec::new(), fingerprint };
+    let mut has_normals = true;
+    for model in models {
+        let part = model.mesh;
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(part.positions.chunks_exact(3).map(DVec3::from_slice));
+        mesh.triangles.extend(part.indices.chunks_exact(3).map(|corners| [0, 1, 2].map(|i| first + corners[i])));
+        has_normals &= part.normal_indices.len() == part.indices.len() && part.normals.iter().all(|n| n.is_finite());
+        let normal = |index: u32| DVec3::from_slice(&part.normals[3 * index as usize..]).as_vec3();
+        mesh.normals.extend(part.normal_indices.chunks_exact(3).map(|corners| [0, 1, 2].map(|i| normal(corners[i]))));
+    }
+    if !has_normals {
+        mesh.normals.clear();
+    }
+    if mesh.triangles.is_empty() {
+        return Err(MeshError::NoFaces { file: file.to_owned() });
+    }
+    match mesh.positions.iter().find(|position| !position.is_finite()) {
+        Some(&vertex) => Err(MeshError::NotFinite { file: file.to_owned(), vertex }),
+        None => Ok(mesh),
+    }
+}
