@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 
 use bevy::math::DVec3;
-use plumb::scene::{BodySpec, SceneSpec, ShapeSpec, catalog};
+use plumb::scene::{BodySpec, SceneSpec, ShapeSpec, catalog, find};
 
 /// Rounding of positions up to 1e8 m from the origin, and touching faces.
 const TOLERANCE: f64 = 1e-7;
@@ -100,6 +100,44 @@ fn nothing_that_collides_overlaps_at_the_start() {
         for values in settings {
             let scene = info.make(&values).unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(overlaps(&scene), Vec::<String>::new(), "{} {values:?}", info.name);
+        }
+    }
+}
+
+/// Asserts that two bodies of a scene touch: apart along `direction` by no more than rounding.
+#[track_caller]
+fn assert_touch(scene: &SceneSpec, a: &str, b: &str, direction: DVec3) {
+    let body = |name: &str| scene.bodies.iter().find(|body| body.name == name).unwrap_or_else(|| panic!("no {name}"));
+    let gap = gap(body(a), body(b), direction);
+    assert!(gap.abs() < 1e-14, "{a} and {b} are {gap} m apart");
+}
+
+#[test]
+fn cards_touch_the_ground_the_decks_and_each_other() {
+    let scene = find("card_house").expect("a scene").make(&[]).expect("no parameters");
+    let lean = 20_f64.to_radians();
+    let face = DVec3::new(lean.cos(), -lean.sin(), 0.0);
+    for (storey, pairs) in [(0, 3), (1, 2), (2, 1)] {
+        for pair in 0..pairs {
+            let [left, right] = ["left", "right"].map(|side| format!("{side} card {storey}.{pair}"));
+            // Edge on edge: both inner faces separate them, and so does what lies between.
+            for direction in [face, DVec3::X, face * DVec3::new(1.0, -1.0, 1.0)] {
+                assert_touch(&scene, &left, &right, direction);
+            }
+            for card in [&left, &right] {
+                let body = scene.bodies.iter().find(|body| body.name == **card).expect("a card");
+                let floor = if storey == 0 { 0.0 } else { storey as f64 * (lean.cos() + 0.04 * lean.sin() + 0.04) };
+                assert!((support(body, DVec3::NEG_Y).y - floor).abs() < 1e-14, "{card}");
+            }
+            if pair + 1 < pairs {
+                let deck = format!("deck {storey}.{pair}");
+                let next = format!("left card {storey}.{}", pair + 1);
+                assert_touch(&scene, &right, &deck, DVec3::Y);
+                assert_touch(&scene, &next, &deck, DVec3::Y);
+                if pair > 0 {
+                    assert_touch(&scene, &format!("deck {storey}.{}", pair - 1), &deck, DVec3::X);
+                }
+            }
         }
     }
 }

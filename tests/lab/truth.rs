@@ -207,7 +207,7 @@ fn the_cradle_swings_at_its_ends_by_turns() {
 
 #[test]
 fn scenes_at_rest_count_every_move() {
-    for name in ["stack", "pyramid", "pyramids", "sandwich", "joint_grid"] {
+    for name in ["stack", "pyramid", "pyramids", "sandwich", "joint_grid", "card_house"] {
         let scene = scene(name, &[]);
         let one_of_many = scene.bodies.len() - 2;
         let pushed = |by: DVec3| {
@@ -218,6 +218,58 @@ fn scenes_at_rest_count_every_move() {
         assert_eq!(pushed(DVec3::ZERO), 0.0, "{name}");
         assert!((pushed(DVec3::new(0.0, -0.03, 0.04)) - 0.05).abs() < 1e-12, "{name}");
     }
+}
+
+#[test]
+fn dominoes_must_all_fall_and_in_order() {
+    let scene = scene("dominoes", &[]);
+    // Domino i lies from its turn on: one every 0.1 s, but for what `falls` changes.
+    let error = |seconds: f64, falls: fn(usize) -> f64| {
+        error_of(&scene, seconds, |time, bodies| {
+            for (place, domino) in bodies[1..].iter_mut().enumerate() {
+                let tilt: f64 = if time > falls(place) { 66.0 } else { 5.0 };
+                domino.rotation = DQuat::from_rotation_z(-tilt.to_radians());
+            }
+        })
+    };
+    let in_order = |place: usize| 0.1 * place as f64 + 0.05;
+    assert_eq!(error(4.0, in_order), 0.0);
+    assert_eq!(error(1.0, in_order), 10.0, "ten of twenty after half of the time");
+    assert_eq!(error(4.0, |place| if place == 19 { 9.0 } else { 0.1 * place as f64 }), 1.0, "the last stands");
+    assert_eq!(error(4.0, |place| 0.1 * if place == 7 { 9.2 } else { place as f64 } + 0.05), 2.0, "8 and 9 before 7");
+    // Backwards is not fallen.
+    let backwards = error_of(&scene, 1.0, |_, bodies| {
+        bodies[1..].iter_mut().for_each(|domino| domino.rotation = DQuat::from_rotation_z(66_f64.to_radians()));
+    });
+    assert_eq!(backwards, 20.0);
+}
+
+#[test]
+fn a_rod_that_slides_on_is_off_by_what_it_should_have_slowed_down() {
+    // N/m = g/D on the edge, D = 1 + x (x − μ y)/k².
+    let (beside, below) = (0.25 - 0.005 * 3_f64.sqrt(), 0.25 * 3_f64.sqrt() + 0.005);
+    let square_radius = (1.0 + 0.02 * 0.02) / 12.0;
+    let scene = scene("painleve", &[("mu", 0.5)]);
+    let support = 9.81 / (1.0 + beside * (beside - 0.5 * below) / square_radius);
+    let turning = support * (beside - 0.5 * below) / square_radius;
+    let off = error_of(&scene, 0.01, |time, bodies| bodies[1].position.x += 5.0 * time);
+    // At t = 10 ms the upper end, 2 · 0.433 m above the edge, is farthest off: ½ a t².
+    let upper = DVec3::new(-0.5 - beside, 2.0 * below - 0.01, 0.0) - DVec3::new(-beside, below, 0.0);
+    let slowing = DVec3::new(-0.5 * support, support - 9.81, 0.0) + turning * DVec3::Z.cross(upper);
+    let expected = 0.5 * 1e-4 * slowing.length();
+    assert!((off / expected - 1.0).abs() < 0.05, "{off} {expected}");
+}
+
+#[test]
+fn a_rod_without_a_rigid_motion_must_not_gain_energy() {
+    let scene = scene("painleve", &[("mu", 1.5)]);
+    let error = |change: fn(&mut BodyState)| error_of(&scene, 0.1, |_, bodies| change(&mut bodies[1]));
+    assert_eq!(error(|_| ()), 0.0);
+    assert_eq!(error(|rod| rod.linear *= 0.5), 0.0, "losing some is fine");
+    let mass = 1000.0 * 0.02 * 0.02;
+    assert!((error(|rod| rod.position.y += 0.1) - mass * 9.81 * 0.1).abs() < 1e-12);
+    let spin = error(|rod| rod.angular.z = 2.0);
+    assert!((spin - 0.5 * mass * (1.0 + 0.02 * 0.02) / 12.0 * 4.0).abs() < 1e-12, "{spin}");
 }
 
 #[test]
@@ -233,7 +285,7 @@ fn unknown_answers_are_none() {
 #[test]
 fn every_answer_belongs_to_a_scene() {
     for name in "pendulum rods chain joint_grid top heavy_top incline slide_roll rolling bounce spheres \
-                 cradle stack pyramid pyramids sandwich"
+                 cradle stack pyramid pyramids sandwich painleve dominoes card_house"
         .split_whitespace()
     {
         let truth = truth::of(&scene(name, &[("r", 1.0)].map(|p| p)[..usize::from(name == "chain")]));
@@ -243,8 +295,10 @@ fn every_answer_belongs_to_a_scene() {
 
 /// Symplectic Euler is of first order: a quarter of the step leaves about a quarter of the error.
 #[test]
-fn runs_close_in_on_the_pendulum_and_the_rods() {
-    for (name, parameters, fine_error) in [("pendulum", &[][..], 4e-3), ("rods", &[("n", 2.0)][..], 4e-3)] {
+fn runs_close_in_on_the_pendulum_the_rods_and_the_sliding_rod() {
+    for (name, parameters, fine_error) in
+        [("pendulum", &[][..], 4e-3), ("rods", &[("n", 2.0)][..], 4e-3), ("painleve", &[("mu", 1.0)][..], 2e-3)]
+    {
         let coarse = error_of_run(name, parameters, 480.0, 1.0);
         let fine = error_of_run(name, parameters, 1920.0, 1.0);
         let order = (coarse / fine).log(4.0);
@@ -261,6 +315,9 @@ fn runs_close_in_on_friction_rolling_and_bouncing() {
         ("incline", &[("theta", 20.0), ("mu", 0.4)][..], 1.0, 1e-9),
         // Speeds change linearly: exact.
         ("slide_roll", &[][..], 2.0, 1e-9),
+        ("painleve", &[("mu", 0.3)][..], 0.5, 6e-3),
+        ("painleve", &[("mu", 1.0)][..], 0.5, 6e-3),
+        ("painleve", &[("mu", 1.5)][..], 0.5, 1e-12),
         // Landings are up to a step late, at 9.8 m/s.
         ("bounce", &[("e", 0.5)][..], 4.0, 0.03),
     ] {

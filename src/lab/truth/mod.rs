@@ -6,9 +6,11 @@
 
 mod bounce;
 mod cradle;
+mod dominoes;
 mod elliptic;
 mod heavy_top;
 mod incline;
+mod painleve;
 mod pendulum;
 mod rolling;
 mod slide_roll;
@@ -36,7 +38,8 @@ pub struct Truth {
     pub stays: bool,
     summary: Summary,
     distance: Distance,
-    sum: f64,
+    /// The largest, the sum, or the last of the distances so far.
+    value: f64,
     count: u64,
 }
 
@@ -52,6 +55,8 @@ enum Summary {
     Largest,
     /// Over the states after each step.
     TimeMean,
+    /// Of the last state seen.
+    Last,
 }
 
 /// The energy S that errors of energy are relative to.
@@ -81,7 +86,7 @@ impl Truth {
             stays: false,
             summary,
             distance: Box::new(distance),
-            sum: 0.0,
+            value: 0.0,
             count: 0,
         }
     }
@@ -93,6 +98,15 @@ impl Truth {
         distance: impl FnMut(&Sample) -> Option<f64> + Send + 'static,
     ) -> Self {
         Self { summary: Summary::TimeMean, ..Self::largest(name, unit, distance) }
+    }
+
+    /// The distance of the run's last state.
+    fn last(
+        name: &'static str,
+        unit: &'static str,
+        distance: impl FnMut(&Sample) -> Option<f64> + Send + 'static,
+    ) -> Self {
+        Self { summary: Summary::Last, ..Self::largest(name, unit, distance) }
     }
 
     fn with_energy_scale(mut self, scale: EnergyScale) -> Self {
@@ -115,11 +129,12 @@ impl Truth {
     pub fn observe(&mut self, sample: &Sample) {
         let distance = (self.distance)(sample);
         // A mean is over what the steps made, not over what they were given.
-        if let Some(distance) = distance.filter(|_| self.summary == Summary::Largest || sample.step > 0) {
+        if let Some(distance) = distance.filter(|_| self.summary != Summary::TimeMean || sample.step > 0) {
             self.count += 1;
-            self.sum = match self.summary {
-                Summary::Largest => self.sum.max(distance),
-                Summary::TimeMean => self.sum + distance,
+            self.value = match self.summary {
+                Summary::Largest => self.value.max(distance),
+                Summary::TimeMean => self.value + distance,
+                Summary::Last => distance,
             };
         }
     }
@@ -128,8 +143,8 @@ impl Truth {
     pub fn error(&self) -> Option<f64> {
         match self.summary {
             _ if self.count == 0 => None,
-            Summary::Largest => Some(self.sum),
-            Summary::TimeMean => Some(self.sum / self.count as f64),
+            Summary::Largest | Summary::Last => Some(self.value),
+            Summary::TimeMean => Some(self.value / self.count as f64),
         }
     }
 }
@@ -139,15 +154,17 @@ pub fn of(scene: &SceneSpec) -> Option<Truth> {
     match scene.name.as_str() {
         "pendulum" => pendulum::truth(scene),
         "rods" | "chain" => trajectory::truth(scene),
-        "joint_grid" | "stack" | "pyramid" | "pyramids" | "sandwich" => stays_put::truth(scene),
+        "joint_grid" | "stack" | "pyramid" | "pyramids" | "sandwich" | "card_house" => stays_put::truth(scene),
         "top" => top::truth(scene),
         "heavy_top" => heavy_top::truth(scene),
         "incline" => incline::truth(scene),
         "slide_roll" => slide_roll::truth(scene),
         "rolling" => rolling::truth(scene),
+        "painleve" => painleve::truth(scene),
         "bounce" => bounce::truth(scene),
         "spheres" => spheres::truth(scene),
         "cradle" => cradle::truth(scene),
+        "dominoes" => dominoes::truth(scene),
         _ => None,
     }
 }

@@ -2,6 +2,7 @@
 //! one holds the next.
 
 mod bouncing;
+mod dominoes;
 mod far;
 mod figure;
 mod grid;
@@ -9,6 +10,7 @@ mod hanging;
 mod limbs;
 mod sliding;
 mod stacking;
+mod standing;
 mod tops;
 
 use bevy::math::DVec3;
@@ -18,7 +20,7 @@ use rand_pcg::rand_core::SeedableRng;
 use super::SceneInfo;
 
 /// Every built-in scene, the start scene first.
-pub(super) static ALL: [SceneInfo; 18] = [
+pub(super) static ALL: [SceneInfo; 21] = [
     limbs::LIMBS,
     hanging::PENDULUM,
     hanging::RODS,
@@ -29,6 +31,7 @@ pub(super) static ALL: [SceneInfo; 18] = [
     sliding::INCLINE,
     sliding::SLIDE_ROLL,
     sliding::ROLLING,
+    sliding::PAINLEVE,
     bouncing::BOUNCE,
     bouncing::SPHERES,
     bouncing::CRADLE,
@@ -36,6 +39,8 @@ pub(super) static ALL: [SceneInfo; 18] = [
     stacking::PYRAMID,
     stacking::PYRAMIDS,
     stacking::SANDWICH,
+    standing::CARD_HOUSE,
+    dominoes::DOMINOES,
     far::FAR,
 ];
 

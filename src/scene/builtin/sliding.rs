@@ -1,8 +1,9 @@
-//! Friction: `incline`, `slide_roll`, `rolling`.
+//! Friction: `incline`, `slide_roll`, `rolling`, `painleve`.
 
-use bevy::math::DVec3;
+use bevy::math::{DQuat, DVec3};
 
 use super::{EARTH, EARTH_G, palette};
+use crate::physics::LockedAxes;
 use crate::scene::catalog::Parameter;
 use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
@@ -64,6 +65,16 @@ pub(super) const ROLLING: SceneInfo = SceneInfo {
     build: |values| build_rolling(values[0]),
 };
 
+pub(super) const PAINLEVE: SceneInfo = SceneInfo {
+    name: "painleve",
+    about: "a rod 1 x 0.02 x 0.02 m at 60 degrees to the ground, its lower end sliding at 5 m/s away from the side it leans to",
+    truth: "mu < 1.34: the equation of motion, till it lifts off or sticks; above, no rigid motion exists: no energy gained",
+    parameters: &[Parameter::real("mu", "friction of the pair", 1.0, 0.0, 10.0)],
+    seconds: 1.0,
+    bodies: |_| 2.0,
+    build: |values| build_painleve(values[0]),
+};
+
 fn build_rolling(angle: f64) -> SceneSpec {
     const PUSH: f64 = 150.0;
     // √(0.8·0.8) between ball and slab, √(0.8·0.2) = 0.4 between slab and ground.
@@ -90,5 +101,32 @@ fn build_rolling(angle: f64) -> SceneSpec {
         );
     }
     scene.view = Some(ViewSpec::framing(DVec3::new(2.0, 0.5, 0.0), 14.0, DVec3::new(0.4, 0.6, 1.0)));
+    scene
+}
+
+/// The lower edge that touches is at the origin. The rod is held in its plane: so thin, it would
+/// roll about its long axis at the least difference between the ends of that edge.
+///
+/// Normal force and friction of unit N accelerate it upwards by (1 + x (x − μ y)/k²)/m, where it
+/// lies x beside and y below the centre of mass, and m k² = m (L² + w²)/12 is the moment of
+/// inertia. From μ = (k² + x²)/(x y) = 1.3396 on that is not upwards: a larger force presses the
+/// edge only harder into the ground, and no finite force stops it (Painlevé 1895).
+fn build_painleve(friction: f64) -> SceneSpec {
+    const SIZE: DVec3 = DVec3::new(1.0, 0.02, 0.02);
+    const ANGLE_DEGREES: f64 = 60.0;
+    let mut scene = SceneSpec::new("painleve", EARTH);
+    scene.bodies.push(BodySpec::ground().with_material(friction, 0.0).with_color(palette::GROUND));
+    // The rod's x axis points from its lower end up and back.
+    let rotation = DQuat::from_rotation_z((180.0 - ANGLE_DEGREES).to_radians());
+    let touching = rotation * DVec3::new(-0.5 * SIZE.x, 0.5 * SIZE.y, 0.0);
+    scene.bodies.push(BodySpec {
+        locked: LockedAxes { translation: [false, false, true], rotation: [true, true, false] },
+        ..BodySpec::new("rod", ShapeSpec::Cuboid { size: SIZE }, DVec3::new(-touching.x, -touching.y, 0.0))
+            .with_rotation(rotation)
+            .with_velocity(5.0 * DVec3::X, DVec3::ZERO)
+            .with_material(friction, 0.0)
+            .with_color(palette::RED)
+    });
+    scene.view = Some(ViewSpec::framing(DVec3::new(0.6, 0.4, 0.0), 1.2, DVec3::new(0.1, 0.15, 1.0)));
     scene
 }
