@@ -5,10 +5,9 @@ use bevy::prelude::*;
 
 use super::build::UndoStack;
 use super::camera::{self, Framing};
-use super::meshes::{self, BodyColor};
 use super::{CurrentScene, Notice, Playback, Selection, build, screenshot};
 use crate::physics::{Collider, Position, RigidBody, Velocity};
-use crate::scene::{self, SceneEntity, SceneSpec, SpawnedScene};
+use crate::scene::{self, BodyColor, SceneEntity, SceneSpec, SpawnedScene};
 
 /// Something a user asks for; carried out in `Update`, in the order of writing.
 #[derive(Message, Clone, Debug, PartialEq)]
@@ -130,11 +129,7 @@ fn replace_bodies(world: &mut World, spec: &SceneSpec) -> SpawnedScene {
     }
     world.insert_resource(Selection::default());
     world.resource_mut::<UndoStack>().clear();
-    let spawned = spec.spawn(world);
-    for (&entity, body) in spawned.bodies.iter().zip(&spec.bodies) {
-        meshes::color(world, entity, body);
-    }
-    spawned
+    spec.spawn(world)
 }
 
 fn frame_scene(world: &mut World) {
@@ -153,7 +148,7 @@ fn throw_ball(world: &mut World) {
     world.spawn((
         Name::new(name),
         SceneEntity,
-        BodyColor(Color::srgb(0.95, 0.76, 0.2)),
+        BodyColor([0.95, 0.76, 0.2]),
         RigidBody::Dynamic,
         Collider::sphere(radius),
         Position(aim.origin + aim.direction * (4.0 * radius)),

@@ -9,20 +9,9 @@ use bevy::prelude::*;
 use bevy::render::render_resource::Face;
 
 use crate::physics::{Collider, ConvexHull, RigidBody, Shape};
-use crate::scene::{BodySpec, MeshSpec, PictureMesh};
+use crate::scene::{BodyColor, MeshSpec, PictureMesh};
 
-/// The color of a body; without it, one is chosen from its shape.
-#[derive(Component, Clone, Copy, Debug)]
-pub(super) struct BodyColor(pub Color);
-
-/// Gives a body the color that its description has.
-pub(super) fn color(world: &mut World, body: Entity, described: &BodySpec) {
-    if let Some([red, green, blue]) = described.color {
-        world.entity_mut(body).insert(BodyColor(Color::srgb(red, green, blue)));
-    }
-}
-
-/// Shades of dynamic bodies, sRGB, one row a shape: spheres, cuboids, cones, hulls. Neighbors in a
+/// Shades of dynamic bodies without a color, sRGB, one row a shape: spheres, cuboids, cones, hulls. Neighbors in a
 /// row differ enough to tell stacked boxes apart.
 const PALETTE: [[[f32; 3]; 4]; 4] = [
     [[0.16, 0.62, 0.56], [0.25, 0.71, 0.60], [0.12, 0.52, 0.53], [0.42, 0.76, 0.66]],
@@ -56,7 +45,10 @@ fn dress_bodies(
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
     for (entity, kind, collider, picture, color) in &bodies {
-        let color = color.map_or_else(|| shared.choose_color(*kind, collider.shape()), |color| color.0);
+        let color = match color {
+            Some(BodyColor([red, green, blue])) => Color::srgb(*red, *green, *blue),
+            None => shared.choose_color(*kind, collider.shape()),
+        };
         let key = picture_key(collider.shape(), picture);
         let mesh = match shared.meshes.get(&key) {
             Some(mesh) => mesh.clone(),

@@ -2,9 +2,11 @@
 //!
 //! A [`SceneSpec`] is plain data. Built-in scenes are functions from parameters to one
 //! ([`catalog`]); a user's own comes from a RON file ([`SceneSpec::from_ron`]); both are checked by
-//! [`SceneSpec::validate`] and become entities through [`SceneSpec::spawn`].
+//! [`SceneSpec::validate`] and become entities through [`SceneSpec::spawn`]. Back again:
+//! [`SceneSpec::of_world`] and [`SceneSpec::to_ron`].
 
 mod builtin;
+mod capture;
 mod catalog;
 mod error;
 mod format;
@@ -19,7 +21,7 @@ pub use catalog::{Parameter, SceneInfo, catalog, find, load};
 pub use error::SceneError;
 pub use hull::HullSpec;
 pub use mesh::{MAX_MESH_BYTES, MeshError, MeshSpec, PictureMesh, TriangleMesh, builtin_meshes};
-pub use spawn::{SceneEntity, SpawnedScene};
+pub use spawn::{BodyColor, SceneEntity, SpawnedScene};
 pub use spec::{BodySpec, JointSpec, MaterialSpec, SceneSpec, ShapeSpec, ViewSpec};
 
 /// Most bodies that a scene may have.

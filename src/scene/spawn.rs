@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use super::{BodySpec, JointSpec, PictureMesh, SceneSpec, ShapeSpec};
+use super::{BodySpec, HullSpec, JointSpec, PictureMesh, SceneSpec, ShapeSpec};
 use crate::physics::{
     BallJoint, Collider, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia, Mass, Position, RenderOrigin,
     Rotation, SurfaceMaterial, Velocity,
@@ -15,6 +15,15 @@ use crate::physics::{
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component, Debug, Default)]
 pub struct SceneEntity;
+
+/// The color of a body in the picture, sRGB, 0 to 1 each; without it, one is chosen.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Debug, PartialEq)]
+pub struct BodyColor(pub [f32; 3]);
+
+/// The points that a body's hull was given by.
+#[derive(Component, Clone, Debug)]
+pub(super) struct GivenHull(pub HullSpec);
 
 /// The entities of a spawned scene, in the order of its lists.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -70,8 +79,10 @@ fn spawn_body(body: &BodySpec, origin: RenderOrigin, world: &mut World) -> Entit
             SurfaceMaterial { friction: body.material.friction, restitution: body.material.restitution },
         );
         insert_unless_default(&mut entity, body.layers);
-        if let ShapeSpec::Mesh(mesh) = shape {
-            entity.insert(PictureMesh(mesh.clone()));
+        match shape {
+            ShapeSpec::Mesh(mesh) => _ = entity.insert(PictureMesh(mesh.clone())),
+            ShapeSpec::Hull(hull) => _ = entity.insert(GivenHull(hull.clone())),
+            _ => {}
         }
     }
     match body.mass {
@@ -84,6 +95,9 @@ fn spawn_body(body: &BodySpec, origin: RenderOrigin, world: &mut World) -> Entit
     insert_unless_default(&mut entity, ExternalForce { force: body.force, torque: body.torque });
     insert_unless_default(&mut entity, body.locked);
     insert_unless_default(&mut entity, GravityScale(body.gravity_scale));
+    if let Some(color) = body.color {
+        entity.insert(BodyColor(color));
+    }
     let (linear, angular) = body.damping;
     insert_unless_default(&mut entity, Damping { linear, angular });
     entity.id()

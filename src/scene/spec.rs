@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use bevy::math::{DQuat, DVec3};
 
+use super::format::{WORLD, WORLD_PREFIX};
 use super::{HullSpec, MeshSpec};
 use crate::physics::{CollisionLayers, ConvexHull, LockedAxes, RigidBody, Softness};
 
@@ -166,6 +167,17 @@ impl BodySpec {
     /// The ground: a static half-space, level, its surface through the origin, named "ground".
     pub fn ground() -> Self {
         Self { kind: RigidBody::Static, ..Self::new("ground", ShapeSpec::HalfSpace, DVec3::ZERO) }
+    }
+
+    /// Whether it is what a scene file's joints to `"world"` are made to: a point that stands still,
+    /// under a name that files cannot give.
+    pub(super) fn stands_for_world(&self) -> bool {
+        self.name.starts_with(WORLD_PREFIX) && *self == Self::pin(&self.name, self.position)
+    }
+
+    /// Whether it has a name that is kept for the world, and is not it.
+    pub(super) fn name_is_reserved(&self) -> bool {
+        (self.name == WORLD || self.name.starts_with(WORLD_PREFIX)) && !self.stands_for_world()
     }
 
     /// Makes it static.

@@ -56,6 +56,9 @@ fn check_body(body: &BodySpec) -> Result<(), FieldFlaw> {
     if body.name.is_empty() {
         return Err(("name", "must not be empty".to_owned()));
     }
+    if body.name_is_reserved() {
+        return Err(("name", format!("'{}' is kept for what does not move; choose another", body.name)));
+    }
     finite("position", body.position)?;
     unit("rotation", body.rotation)?;
     finite("velocity", body.linear_velocity)?;

@@ -44,7 +44,8 @@ fn body<'a>(scene: &'a SceneSpec, name: &str) -> &'a BodySpec {
 fn all_scenes_are_there_the_start_scene_first() {
     let names: Vec<_> = catalog().iter().map(|scene| scene.name).collect();
     let expected = "limbs pendulum rods chain joint_grid top heavy_top incline slide_roll rolling painleve bounce \
-                    spheres cradle stack pyramid pyramids sandwich card_house dominoes far";
+                    spheres cradle stack pyramid pyramids sandwich arch card_house dominoes pile \
+                    far";
     assert_eq!(names.join(" "), expected);
     for scene in catalog() {
         assert!(scene.seconds > 0.0 && !scene.about.is_empty() && !scene.truth.is_empty(), "{}", scene.name);
@@ -94,6 +95,8 @@ fn body_counts_are_as_designed() {
     assert_eq!(count("spheres", &[]), 217);
     assert_eq!(count("rolling", &[]), 27);
     assert_eq!(count("far", &[]), 11 + 12);
+    assert_eq!(count("arch", &[]), 15 + 1);
+    assert_eq!(count("pile", &[("n", 7.0)]), 7 + 5);
     assert_eq!(count("card_house", &[]), 15 + 1);
     assert_eq!(count("dominoes", &[]), 20 + 1);
     assert_eq!(count("painleve", &[]), 1 + 1);

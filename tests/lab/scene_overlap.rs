@@ -113,6 +113,20 @@ fn assert_touch(scene: &SceneSpec, a: &str, b: &str, direction: DVec3) {
 }
 
 #[test]
+fn voussoirs_share_their_faces_and_stand_on_the_ground() {
+    let scene = find("arch").expect("a scene").make(&[]).expect("no parameters");
+    for joint in 1..15 {
+        let (a, b) = (format!("voussoir {}", joint - 1), format!("voussoir {joint}"));
+        let (sin, cos) = (f64::from(joint) * 12_f64.to_radians()).sin_cos();
+        assert_touch(&scene, &a, &b, DVec3::new(sin, cos, 0.0));
+    }
+    for springing in [1, 15] {
+        assert!(support(&scene.bodies[springing], DVec3::NEG_Y).y.abs() < 1e-14);
+    }
+    assert!((support(&scene.bodies[8], DVec3::Y).y - 5.0 * 6_f64.to_radians().cos()).abs() < 1e-14, "the crown");
+}
+
+#[test]
 fn cards_touch_the_ground_the_decks_and_each_other() {
     let scene = find("card_house").expect("a scene").make(&[]).expect("no parameters");
     let lean = 20_f64.to_radians();

@@ -207,7 +207,7 @@ fn the_cradle_swings_at_its_ends_by_turns() {
 
 #[test]
 fn scenes_at_rest_count_every_move() {
-    for name in ["stack", "pyramid", "pyramids", "sandwich", "joint_grid", "card_house"] {
+    for name in ["stack", "pyramid", "pyramids", "sandwich", "joint_grid", "card_house", "arch"] {
         let scene = scene(name, &[]);
         let one_of_many = scene.bodies.len() - 2;
         let pushed = |by: DVec3| {
@@ -285,7 +285,7 @@ fn unknown_answers_are_none() {
 #[test]
 fn every_answer_belongs_to_a_scene() {
     for name in "pendulum rods chain joint_grid top heavy_top incline slide_roll rolling bounce spheres \
-                 cradle stack pyramid pyramids sandwich painleve dominoes card_house"
+                 cradle stack pyramid pyramids sandwich painleve dominoes arch card_house"
         .split_whitespace()
     {
         let truth = truth::of(&scene(name, &[("r", 1.0)].map(|p| p)[..usize::from(name == "chain")]));

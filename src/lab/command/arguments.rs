@@ -32,6 +32,8 @@ pub(super) enum Subcommand {
     Scenes,
     /// Simulate a scene without a window and say what it did, how true it was and what it cost
     Run(Box<RunArguments>),
+    /// Write a scene as a RON file that loads back to the same states
+    Export(ExportArguments),
     /// Measure error against cost over many settings and draw both on one chart a scene
     Chart(ChartArguments),
     /// Map where methods hold, degrade and fail over two parameters of a scene
@@ -122,6 +124,17 @@ pub(super) struct SweepArguments {
     /// Measure only the I-th of N shares
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     pub shard: Shard,
+}
+
+#[derive(Args)]
+pub(super) struct ExportArguments {
+    /// A built-in scene or the path of a RON file
+    pub scene: String,
+    #[command(flatten)]
+    pub parameters: ParameterArguments,
+    /// Write to this file instead of standard output; mesh files are named relative to it
+    #[arg(long, value_name = "FILE.ron")]
+    pub out: Option<PathBuf>,
 }
 
 #[derive(Args)]

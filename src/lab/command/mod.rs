@@ -7,6 +7,7 @@
 
 mod arguments;
 mod chart;
+mod export;
 mod fit;
 mod map;
 mod run;
@@ -121,6 +122,7 @@ impl Task {
         match self.0 {
             Subcommand::Scenes => scenes::list(),
             Subcommand::Run(arguments) => run::run(&arguments),
+            Subcommand::Export(arguments) => export::export(&arguments),
             Subcommand::Chart(arguments) => chart::chart(&arguments),
             Subcommand::Map(arguments) => map::map(&arguments),
             Subcommand::Fit(arguments) => fit::fit(&arguments),

@@ -154,7 +154,7 @@ pub fn of(scene: &SceneSpec) -> Option<Truth> {
     match scene.name.as_str() {
         "pendulum" => pendulum::truth(scene),
         "rods" | "chain" => trajectory::truth(scene),
-        "joint_grid" | "stack" | "pyramid" | "pyramids" | "sandwich" | "card_house" => stays_put::truth(scene),
+        "joint_grid" | "stack" | "pyramid" | "pyramids" | "sandwich" | "arch" | "card_house" => stays_put::truth(scene),
         "top" => top::truth(scene),
         "heavy_top" => heavy_top::truth(scene),
         "incline" => incline::truth(scene),

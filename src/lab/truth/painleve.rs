@@ -41,7 +41,7 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
 }
 
 fn no_energy_gained(index: usize, rod: &BodySpec, slide: &Slide) -> Truth {
-    let mass = rod.mass.unwrap_or_else(|| rod.density * rod.shape.map_or(0.0, ShapeSpec::volume));
+    let mass = rod.mass.unwrap_or_else(|| rod.density * rod.shape.as_ref().map_or(0.0, ShapeSpec::volume));
     let (gravity, square_radius) = (slide.gravity, slide.square_radius);
     let energy = move |height: f64, linear: DVec3, angular: DVec3| {
         mass * (0.5 * linear.length_squared() + 0.5 * square_radius * angular.z * angular.z + gravity * height)

@@ -2,18 +2,13 @@
 
 use std::collections::HashMap;
 
-use bevy::math::DQuat;
 use bevy::prelude::*;
 
 use super::joining::{Pin, idle_without, joints_of};
 use super::{name_of, report};
-use crate::physics::{
-    BallJoint, Collider, CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass,
-    Position, RigidBody, Rotation, Shape, SurfaceMaterial, Velocity,
-};
-use crate::sandbox::meshes::{self, BodyColor};
+use crate::physics::{BallJoint, RigidBody};
 use crate::sandbox::{Selection, drag};
-use crate::scene::{BodySpec, MaterialSpec, PictureMesh, SceneEntity, ShapeSpec};
+use crate::scene::{BodySpec, SceneEntity};
 
 /// How many deeds are remembered.
 const DEPTH: usize = 64;
@@ -141,52 +136,13 @@ fn restore(world: &mut World, bodies: Vec<(Entity, BodySpec)>, joints: Vec<(Enti
 
 /// A body as it is now.
 fn describe(world: &World, body: Entity) -> Option<BodySpec> {
-    let name = name_of(world, body);
-    let body = world.get_entity(body).ok()?;
-    let shape = body.get::<Collider>().map(|collider| shape_of(collider.shape(), body.get()));
-    let axes = shape.as_ref().map_or(DQuat::IDENTITY, ShapeSpec::axes);
-    let usual = BodySpec::pin(name, body.get::<Position>()?.0);
-    let velocity = body.get::<Velocity>().copied().unwrap_or_default();
-    let force = body.get::<ExternalForce>().copied().unwrap_or_default();
-    let material = body.get::<SurfaceMaterial>().copied().unwrap_or_default();
-    let damping = body.get::<Damping>().copied().unwrap_or_default();
-    Some(BodySpec {
-        kind: *body.get::<RigidBody>()?,
-        shape,
-        density: body.get::<Density>().copied().unwrap_or_default().0,
-        mass: body.get::<Mass>().map(|mass| mass.0),
-        inertia: body.get::<Inertia>().map(|inertia| inertia.0),
-        rotation: body.get::<Rotation>()?.0 * axes.inverse(),
-        linear_velocity: velocity.linear,
-        angular_velocity: velocity.angular,
-        force: force.force,
-        torque: force.torque,
-        material: MaterialSpec { friction: material.friction, restitution: material.restitution },
-        layers: body.get::<CollisionLayers>().copied().unwrap_or_default(),
-        locked: body.get::<LockedAxes>().copied().unwrap_or_default(),
-        gravity_scale: body.get::<GravityScale>().copied().unwrap_or_default().0,
-        damping: (damping.linear, damping.angular),
-        color: body.get::<BodyColor>().map(|color| color.0.to_srgba().to_f32_array_no_alpha()),
-        ..usual
-    })
+    Some(BodySpec { name: name_of(world, body), ..BodySpec::of_entity(world, body)? })
 }
 
 fn respawn(world: &mut World, body: &BodySpec) -> Entity {
     let entity = body.spawn(world);
-    meshes::color(world, entity, body);
     if body.shape.is_none() {
         world.entity_mut(entity).insert(Pin); // nothing else without a shape is ever removed
     }
     entity
-}
-
-fn shape_of(shape: &Shape, picture: Option<&PictureMesh>) -> ShapeSpec {
-    match (shape.clone(), picture) {
-        (Shape::HalfSpace, _) => ShapeSpec::HalfSpace,
-        (Shape::Sphere { radius }, _) => ShapeSpec::Sphere { radius },
-        (Shape::Cuboid { size }, _) => ShapeSpec::Cuboid { size },
-        (Shape::Cone { radius, height }, _) => ShapeSpec::Cone { radius, height },
-        (Shape::Hull(_), Some(PictureMesh(mesh))) => ShapeSpec::Mesh(mesh.clone()),
-        (Shape::Hull(hull), None) => ShapeSpec::Hull(hull.into()),
-    }
 }

@@ -8,6 +8,7 @@ mod figure;
 mod grid;
 mod hanging;
 mod limbs;
+mod pile;
 mod sliding;
 mod stacking;
 mod standing;
@@ -20,7 +21,7 @@ use rand_pcg::rand_core::SeedableRng;
 use super::SceneInfo;
 
 /// Every built-in scene, the start scene first.
-pub(super) static ALL: [SceneInfo; 21] = [
+pub(super) static ALL: [SceneInfo; 23] = [
     limbs::LIMBS,
     hanging::PENDULUM,
     hanging::RODS,
@@ -39,8 +40,10 @@ pub(super) static ALL: [SceneInfo; 21] = [
     stacking::PYRAMID,
     stacking::PYRAMIDS,
     stacking::SANDWICH,
+    standing::ARCH,
     standing::CARD_HOUSE,
     dominoes::DOMINOES,
+    pile::PILE,
     far::FAR,
 ];
 

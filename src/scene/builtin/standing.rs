@@ -1,9 +1,26 @@
-//! Structures that stand by friction alone: `card_house`. Gaps are 0.
+//! Structures that stand by friction alone: `arch`, `card_house`. Gaps are 0.
+
+use std::f64::consts::PI;
 
 use bevy::math::{DQuat, DVec3};
 
 use super::{EARTH, palette};
 use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+
+const VOUSSOIRS: usize = 15;
+const INNER_RADIUS: f64 = 4.0;
+const OUTER_RADIUS: f64 = 5.0;
+const ARCH_DEPTH: f64 = 1.0;
+
+pub(super) const ARCH: SceneInfo = SceneInfo {
+    name: "arch",
+    about: "a semicircular arch of 15 voussoirs of 12 degrees, radii 4 and 5 m, 1 m deep, on the ground",
+    truth: "stands: lines of thrust of 0.29 to 0.53 of the weight on each springing fit in, friction allows 0.6",
+    parameters: &[],
+    seconds: 10.0,
+    bodies: |_| VOUSSOIRS as f64 + 1.0,
+    build: |_| build_arch(),
+};
 
 pub(super) const CARD_HOUSE: SceneInfo = SceneInfo {
     name: "card_house",
@@ -14,6 +31,42 @@ pub(super) const CARD_HOUSE: SceneInfo = SceneInfo {
     bodies: |_| 16.0,
     build: |_| build_card_house(),
 };
+
+/// Voussoirs from the left springing to the right, each the hull of the same 8 corners, turned: its
+/// sides are its neighbours', and the springings lie flat on the ground.
+///
+/// *It stands* (Heyman 1966): a line of thrust fits into its thickness with a horizontal thrust of
+/// 0.293 (through the crown's upper edge and the haunches' lower) to 0.532 (through the crown's
+/// lower edge) of the weight of half an arch, which each springing carries. Its thickness is 0.22
+/// of its mean radius; 0.107 is the least for a semicircle. Friction must keep the springings from
+/// sliding apart, by the share that the thrust is of the weight, and at least thrust the joints
+/// between voussoirs need 0.34 at most: the ground and the joints give 0.6.
+fn build_arch() -> SceneSpec {
+    let angle = PI / VOUSSOIRS as f64;
+    let (sin, cos) = (0.5 * angle).sin_cos();
+    let mut corners = Vec::with_capacity(8);
+    for radius in [INNER_RADIUS, OUTER_RADIUS] {
+        for (x, z) in [(-1.0, -0.5), (-1.0, 0.5), (1.0, -0.5), (1.0, 0.5)] {
+            corners.push(DVec3::new(x * radius * sin, radius * cos, z * ARCH_DEPTH));
+        }
+    }
+    // About the arch's centre, pointing up.
+    let voussoir = ShapeSpec::hull(corners);
+    let center = voussoir.convex_hull().map_or(DVec3::ZERO, |hull| hull.center());
+    let mut scene = SceneSpec::new("arch", EARTH);
+    scene.bodies.push(BodySpec::ground().with_color(palette::GROUND));
+    for i in 0..VOUSSOIRS {
+        let rotation = DQuat::from_rotation_z(angle * ((VOUSSOIRS - 1) as f64 / 2.0 - i as f64));
+        let color = if i == VOUSSOIRS / 2 { palette::ORANGE } else { [palette::SKIN, palette::WOOD][i % 2] };
+        scene.bodies.push(
+            BodySpec::new(format!("voussoir {i}"), voussoir.clone(), rotation * center)
+                .with_rotation(rotation)
+                .with_color(color),
+        );
+    }
+    scene.view = Some(ViewSpec::framing(2.3 * DVec3::Y, 5.2, DVec3::new(0.35, 0.2, 1.0)));
+    scene
+}
 
 /// Long, thick, deep, m.
 const CARD: DVec3 = DVec3::new(1.0, 0.04, 0.7);

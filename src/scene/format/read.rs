@@ -1,7 +1,4 @@
-//! The scene file: RON, with a default for whatever a scene does not say.
-//!
-//! What a number may be is held by the types it is read through (`number.rs`), so that the parser
-//! names line and column; what only the whole scene shows is named by its path in it.
+//! From the text of a file to a scene.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -9,95 +6,17 @@ use std::io::Read;
 use std::path::Path;
 
 use bevy::math::{DQuat, DVec3, EulerRot};
-use ron::extensions::Extensions;
-use serde::Deserialize;
 
-use super::error::Flaw;
-use super::mesh::Meshes;
-use super::number::{Color, Finite, Fraction, NonNegative, Positive, PositiveVector, Quaternion, Vector};
 use super::{
+    BodyEntry, JointEntry, SceneEntry, ShapeEntry, SoftnessEntry, USUAL_DAMPING_RATIO, USUAL_GRAVITY, WORLD,
+    WORLD_PREFIX,
+};
+use crate::physics::{RigidBody, Softness};
+use crate::scene::error::Flaw;
+use crate::scene::mesh::Meshes;
+use crate::scene::{
     BodySpec, JointSpec, MAX_BODIES, MAX_FILE_BYTES, MaterialSpec, SceneError, SceneSpec, ShapeSpec, ViewSpec, validate,
 };
-use crate::physics::{CollisionLayers, LockedAxes, RigidBody, Softness};
-
-/// What joints call the fixed world.
-const WORLD: &str = "world";
-
-#[derive(Deserialize)]
-#[serde(rename = "Scene", deny_unknown_fields)]
-struct SceneEntry {
-    gravity: Option<Vector>,
-    #[serde(default)]
-    bodies: Vec<BodyEntry>,
-    #[serde(default)]
-    joints: Vec<JointEntry>,
-    view: Option<ViewEntry>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Body", deny_unknown_fields)]
-struct BodyEntry {
-    name: String,
-    kind: Option<RigidBody>,
-    shape: Option<ShapeEntry>,
-    density: Option<Positive>,
-    mass: Option<Positive>,
-    inertia: Option<PositiveVector>,
-    position: Option<Vector>,
-    rotation: Option<Quaternion>,
-    rotation_degrees: Option<Vector>,
-    velocity: Option<Vector>,
-    angular_velocity: Option<Vector>,
-    force: Option<Vector>,
-    torque: Option<Vector>,
-    friction: Option<NonNegative>,
-    restitution: Option<Fraction>,
-    layers: Option<CollisionLayers>,
-    locked: Option<LockedAxes>,
-    gravity_scale: Option<Finite>,
-    linear_damping: Option<NonNegative>,
-    angular_damping: Option<NonNegative>,
-    color: Option<Color>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Shape", deny_unknown_fields)]
-enum ShapeEntry {
-    HalfSpace,
-    Sphere { radius: Positive },
-    Cuboid { size: PositiveVector },
-    Cone { radius: Positive, height: Positive },
-    Hull { points: Vec<Vector> },
-    Mesh { file: String, scale: Option<Positive> },
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Joint", deny_unknown_fields)]
-struct JointEntry {
-    body_a: String,
-    body_b: String,
-    at: Option<Vector>,
-    anchor_a: Option<Vector>,
-    anchor_b: Option<Vector>,
-    #[serde(default)]
-    collide: bool,
-    softness: Option<SoftnessEntry>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Softness", deny_unknown_fields)]
-struct SoftnessEntry {
-    frequency: Positive,
-    damping_ratio: Option<NonNegative>,
-    max_force: Positive,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "View", deny_unknown_fields)]
-struct ViewEntry {
-    eye: Vector,
-    target: Vector,
-}
 
 impl SceneSpec {
     /// A scene from the text of a RON file. `source` is what errors call it, a path or just a name;
@@ -106,10 +25,7 @@ impl SceneSpec {
     /// # Errors
     /// Whatever is wrong with the text or with the scene in it.
     pub fn from_ron(text: &str, source: &str) -> Result<Self, SceneError> {
-        let entry: SceneEntry = ron::Options::default()
-            .with_default_extension(Extensions::IMPLICIT_SOME)
-            .from_str(text)
-            .map_err(|error| parse_error(&error, source))?;
+        let entry: SceneEntry = super::options().from_str(text).map_err(|error| parse_error(&error, source))?;
         let scene = entry.into_scene(source)?;
         scene.validate_as(source)?;
         Ok(scene)
@@ -117,7 +33,7 @@ impl SceneSpec {
 }
 
 /// The scene in the file at `path`.
-pub(super) fn read(path: &str) -> Result<SceneSpec, SceneError> {
+pub(in crate::scene) fn read(path: &str) -> Result<SceneSpec, SceneError> {
     let unreadable = |problem: String| SceneError::Unreadable { path: path.to_owned(), problem };
     let file = File::open(path).map_err(|error| unreadable(format!("cannot be read: {error}")))?;
     if file.metadata().is_ok_and(|metadata| metadata.is_dir()) {
@@ -159,7 +75,7 @@ impl SceneEntry {
             bodies.push(entry.into_body(i, &mut meshes).map_err(flawed)?);
         }
         let name = Path::new(source).file_stem().map_or(source.into(), |stem| stem.to_string_lossy());
-        let gravity = self.gravity.map_or(DVec3::new(0.0, -9.81, 0.0), DVec3::from);
+        let gravity = self.gravity.map_or(USUAL_GRAVITY, DVec3::from);
         let mut scene = SceneSpec { bodies, ..SceneSpec::new(name, gravity) };
         scene.view = self.view.map(|view| ViewSpec { eye: view.eye.into(), target: view.target.into() });
         add_joints(&mut scene, self.joints).map_err(flawed)?;
@@ -169,7 +85,7 @@ impl SceneEntry {
 
 impl BodyEntry {
     fn into_body(self, index: usize, meshes: &mut Meshes) -> Result<BodySpec, Flaw> {
-        if self.name == WORLD || self.name.starts_with("world:") {
+        if self.name == WORLD || self.name.starts_with(WORLD_PREFIX) {
             let problem = format!("'{}' is kept for what does not move; choose another", self.name);
             return Err(Flaw::new(format!("bodies[{index}].name"), problem));
         }
@@ -191,9 +107,8 @@ impl BodyEntry {
             None => None,
         };
         let usual = BodySpec::new(self.name, ShapeSpec::HalfSpace, self.position.map_or(DVec3::ZERO, DVec3::from));
-        let usual_kind = if shape == Some(ShapeSpec::HalfSpace) { RigidBody::Static } else { RigidBody::Dynamic };
         Ok(BodySpec {
-            kind: self.kind.unwrap_or(usual_kind),
+            kind: self.kind.unwrap_or(Self::usual_kind(shape.as_ref())),
             shape,
             density: self.density.map_or(usual.density, f64::from),
             mass: self.mass.map(f64::from),
@@ -214,6 +129,13 @@ impl BodyEntry {
             color: self.color.map(Into::into),
             ..usual
         })
+    }
+}
+
+impl BodyEntry {
+    /// What a body of that shape is unless it says otherwise.
+    pub(super) fn usual_kind(shape: Option<&ShapeSpec>) -> RigidBody {
+        if shape == Some(&ShapeSpec::HalfSpace) { RigidBody::Static } else { RigidBody::Dynamic }
     }
 }
 
@@ -244,7 +166,7 @@ impl From<SoftnessEntry> for Softness {
     fn from(entry: SoftnessEntry) -> Self {
         Self {
             frequency: entry.frequency.into(),
-            damping_ratio: entry.damping_ratio.map_or(1.0, f64::from),
+            damping_ratio: entry.damping_ratio.map_or(USUAL_DAMPING_RATIO, f64::from),
             max_force: entry.max_force.into(),
         }
     }
@@ -307,7 +229,7 @@ impl SceneSpec {
             (Some(body), Hold::At(point)) => (self.bodies[body].name.clone(), self.bodies[body].anchor(point)),
             (Some(body), Hold::Anchor(anchor)) => (self.bodies[body].name.clone(), anchor),
             (None, Hold::At(point) | Hold::Anchor(point)) => {
-                let name = format!("{WORLD}:{joint}");
+                let name = format!("{WORLD_PREFIX}{joint}");
                 self.bodies.push(BodySpec::pin(&name, point));
                 (name, DVec3::ZERO)
             }

@@ -1,0 +1,171 @@
+//! From entities back to data: a scene as it stands in a running world.
+
+use std::collections::{HashMap, HashSet};
+
+use bevy::math::{DQuat, DVec3};
+use bevy::prelude::*;
+
+use super::spawn::{BodyColor, GivenHull, SceneEntity};
+use super::{BodySpec, JointSpec, MaterialSpec, PictureMesh, SceneSpec, ShapeSpec};
+use crate::physics::joint::JointSlot;
+use crate::physics::{
+    BallJoint, BodySlot, Collider, CollisionLayers, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia,
+    LockedAxes, Mass, Position, RigidBody, Rotation, Shape, SurfaceMaterial, Velocity,
+};
+
+/// What a body without a name is called.
+const NAMELESS: &str = "body";
+
+impl SceneSpec {
+    /// The scene in a world as it stands now: every body and joint that a scene spawned
+    /// ([`SceneEntity`]), in the order in which they were made, with their present poses,
+    /// velocities and forces; no view. Spawned, it goes on from there, but for what the solver
+    /// carried from the last step.
+    ///
+    /// Bodies keep their names, made unique by a number where two share one. Masses and inertias
+    /// that follow from shape and density are left out. A body's orientation is that of the axes
+    /// which its shape is given in: of a hull askew in these, within rounding of the body's.
+    ///
+    /// What an application has set may be out of range: [`validate`](Self::validate) says so.
+    pub fn of_world(world: &mut World, name: impl Into<String>) -> Self {
+        let gravity = world.get_resource::<Gravity>().copied().unwrap_or_default();
+        let mut scene = Self::new(name, gravity.0);
+        let entities = scene_bodies(world);
+        let described = entities.into_iter().filter_map(|entity| Some((entity, BodySpec::of_entity(world, entity)?)));
+        let mut described: Vec<(Entity, BodySpec)> = described.collect();
+        make_names_unique(described.iter_mut().map(|(_, body)| body));
+        let by_entity: HashMap<Entity, &BodySpec> = described.iter().map(|(entity, body)| (*entity, body)).collect();
+        scene.joints = scene_joints(world).iter().filter_map(|joint| joint_between(joint, &by_entity)).collect();
+        scene.bodies = described.into_iter().map(|(_, body)| body).collect();
+        scene
+    }
+}
+
+impl BodySpec {
+    /// A body of a world as it stands now; none if it is no body, or was made since the last time
+    /// that commands were applied.
+    pub fn of_entity(world: &World, entity: Entity) -> Option<Self> {
+        let body = world.get_entity(entity).ok()?;
+        let name = body.get::<Name>().map_or(NAMELESS, Name::as_str);
+        let velocity = body.get::<Velocity>().copied().unwrap_or_default();
+        let force = body.get::<ExternalForce>().copied().unwrap_or_default();
+        let material = body.get::<SurfaceMaterial>().copied().unwrap_or_default();
+        let damping = body.get::<Damping>().copied().unwrap_or_default();
+        let density = body.get::<Density>().copied().unwrap_or_default().0;
+        let shape = body.get::<Collider>().map(|collider| shape_of(collider, body.get(), body.get()));
+        let rotation = unit(body.get::<Rotation>()?.0);
+        let (mass, inertia) = given_mass(body.get(), body.get(), body.get(), density);
+        Some(Self {
+            kind: *body.get::<RigidBody>()?,
+            density,
+            mass,
+            inertia,
+            // Only hulls have axes of their own, and a turn by none costs rounding.
+            rotation: match shape.as_ref().and_then(ShapeSpec::convex_hull) {
+                Some(hull) => rotation * hull.axes().inverse(),
+                None => rotation,
+            },
+            shape,
+            linear_velocity: velocity.linear,
+            angular_velocity: velocity.angular,
+            force: force.force,
+            torque: force.torque,
+            material: MaterialSpec { friction: material.friction, restitution: material.restitution },
+            layers: body.get::<CollisionLayers>().copied().unwrap_or_default(),
+            locked: body.get::<LockedAxes>().copied().unwrap_or_default(),
+            gravity_scale: body.get::<GravityScale>().copied().unwrap_or_default().0,
+            damping: (damping.linear, damping.angular),
+            color: body.get::<BodyColor>().map(|color| color.0),
+            ..Self::pin(name, body.get::<Position>()?.0)
+        })
+    }
+}
+
+fn scene_bodies(world: &mut World) -> Vec<Entity> {
+    let mut query = world.query_filtered::<(Entity, &BodySlot), With<SceneEntity>>();
+    let mut bodies: Vec<(u64, Entity)> = query.iter(world).map(|(entity, slot)| (slot.born, entity)).collect();
+    bodies.sort_unstable();
+    bodies.into_iter().map(|(_, entity)| entity).collect()
+}
+
+fn scene_joints(world: &mut World) -> Vec<BallJoint> {
+    let mut query = world.query_filtered::<(&JointSlot, &BallJoint), With<SceneEntity>>();
+    let mut joints: Vec<(u64, BallJoint)> = query.iter(world).map(|(slot, joint)| (slot.born, *joint)).collect();
+    joints.sort_unstable_by_key(|&(born, _)| born);
+    joints.into_iter().map(|(_, joint)| joint).collect()
+}
+
+/// None where one of its bodies is not of the scene.
+fn joint_between(joint: &BallJoint, bodies: &HashMap<Entity, &BodySpec>) -> Option<JointSpec> {
+    let (a, b) = (*bodies.get(&joint.body_a)?, *bodies.get(&joint.body_b)?);
+    let given = |body: &BodySpec, anchor| match body.shape.as_ref().and_then(ShapeSpec::convex_hull) {
+        Some(hull) => hull.axes() * anchor,
+        None => anchor,
+    };
+    Some(JointSpec {
+        collide: joint.collide,
+        softness: joint.softness,
+        ..JointSpec::new(a, given(a, joint.anchor_a), b, given(b, joint.anchor_b))
+    })
+}
+
+/// The shape as a scene gave it, where it is still that one.
+fn shape_of(collider: &Collider, mesh: Option<&PictureMesh>, points: Option<&GivenHull>) -> ShapeSpec {
+    match collider.shape() {
+        Shape::HalfSpace => ShapeSpec::HalfSpace,
+        Shape::Sphere { radius } => ShapeSpec::Sphere { radius: *radius },
+        Shape::Cuboid { size } => ShapeSpec::Cuboid { size: *size },
+        Shape::Cone { radius, height } => ShapeSpec::Cone { radius: *radius, height: *height },
+        Shape::Hull(hull) => {
+            let mesh = mesh.map(|picture| ShapeSpec::Mesh(picture.0.clone()));
+            let points = points.map(|given| ShapeSpec::Hull(given.0.clone()));
+            let given = mesh.into_iter().chain(points).find(|shape| shape.convex_hull() == Some(hull));
+            given.unwrap_or_else(|| ShapeSpec::Hull(hull.clone().into()))
+        }
+    }
+}
+
+/// Mass and principal moments, each only if they are not what shape and density give.
+fn given_mass(
+    collider: Option<&Collider>,
+    mass: Option<&Mass>,
+    inertia: Option<&Inertia>,
+    density: f64,
+) -> (Option<f64>, Option<DVec3>) {
+    let computed_mass = collider.map(|collider| collider.mass_properties(density).mass);
+    let mass = mass.map(|mass| mass.0);
+    let computed_inertia = mass.and_then(|mass| Some(collider?.mass_properties_of_mass(mass).inertia));
+    let inertia = inertia.map(|inertia| inertia.0);
+    (mass.filter(|_| mass != computed_mass), inertia.filter(|_| inertia != computed_inertia))
+}
+
+/// Of length 1: a `Transform` that the user wrote to a static body is not, in double precision.
+fn unit(rotation: DQuat) -> DQuat {
+    if (rotation.length_squared() - 1.0).abs() < 1e-14 { rotation } else { rotation.normalize() }
+}
+
+/// The first bearer of a name keeps it; others get a number that makes theirs a new one. So do
+/// those without a name, or with one that a scene file cannot have.
+fn make_names_unique<'a>(bodies: impl Iterator<Item = &'a mut BodySpec>) {
+    let mut bodies: Vec<&mut BodySpec> = bodies.collect();
+    for body in &mut bodies {
+        if body.name.is_empty() || body.name_is_reserved() {
+            body.name = NAMELESS.to_owned();
+        }
+    }
+    let mut taken: HashSet<String> = bodies.iter().map(|body| body.name.clone()).collect();
+    let mut borne: HashSet<String> = HashSet::new();
+    let mut numbers: HashMap<String, u64> = HashMap::new();
+    for body in bodies {
+        if !borne.insert(body.name.clone()) {
+            let number = numbers.entry(body.name.clone()).or_insert(1);
+            body.name = loop {
+                *number += 1;
+                let candidate = format!("{} {number}", body.name);
+                if taken.insert(candidate.clone()) {
+                    break candidate;
+                }
+            };
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! From a scene to the text of a file that reads back to it, bit by bit.
+
+use std::collections::HashMap;
+use std::path::{self, Component, MAIN_SEPARATOR, Path, PathBuf};
+
+use bevy::math::{DQuat, DVec3};
+use ron::ser::PrettyConfig;
+
+use super::{
+    BodyEntry, JointEntry, SceneEntry, ShapeEntry, SoftnessEntry, USUAL_DAMPING_RATIO, USUAL_GRAVITY, ViewEntry, WORLD,
+};
+use crate::physics::Softness;
+use crate::scene::error::Flaw;
+use crate::scene::number::{Finite, Fraction, NonNegative, Positive};
+use crate::scene::{BodySpec, JointSpec, MeshSpec, SceneError, SceneSpec, ShapeSpec};
+
+impl SceneSpec {
+    /// The scene as the text of a RON file, one body or joint a line, without what is at its
+    /// default. [`from_ron`](Self::from_ron) makes the same scene of it, bit by bit, but for its
+    /// name: that is the file's.
+    ///
+    /// Bodies that stand for the world in a joint (as `from_ron` makes them) are written as such.
+    /// Mesh files are named relative to `folder`, where the text is to be kept; without one, by
+    /// their absolute paths.
+    ///
+    /// # Errors
+    /// What [`validate`](Self::validate) finds, or the path of a mesh that is not Unicode.
+    pub fn to_ron(&self, folder: Option<&Path>) -> Result<String, SceneError> {
+        self.validate()?;
+        let entry = SceneEntry::of(self, folder).map_err(|flaw| flaw.of(&self.name))?;
+        // Scene, list, element: deeper down, all on one line.
+        let layout = PrettyConfig::new().depth_limit(2).new_line("\n");
+        let text = super::options().to_string_pretty(&entry, layout);
+        Ok(text.expect("a scene's entries are plain structures") + "\n")
+    }
+}
+
+impl SceneEntry {
+    fn of(scene: &SceneSpec, folder: Option<&Path>) -> Result<Self, Flaw> {
+        let by_name: HashMap<&str, &BodySpec> = scene.bodies.iter().map(|body| (body.name.as_str(), body)).collect();
+        let mut bodies = Vec::with_capacity(scene.bodies.len());
+        for (index, body) in scene.bodies.iter().enumerate().filter(|(_, body)| !body.stands_for_world()) {
+            let entry = BodyEntry::of(body, folder);
+            bodies.push(entry.map_err(|problem| Flaw::new(format!("bodies[{index}].shape.file"), problem))?);
+        }
+        Ok(Self {
+            gravity: unless_same(scene.gravity, USUAL_GRAVITY).map(Into::into),
+            bodies,
+            joints: scene.joints.iter().map(|joint| JointEntry::of(joint, &by_name)).collect(),
+            view: scene.view.map(|view| ViewEntry { eye: view.eye.into(), target: view.target.into() }),
+        })
+    }
+}
+
+impl BodyEntry {
+    fn of(body: &BodySpec, folder: Option<&Path>) -> Result<Self, String> {
+        let usual = BodySpec::new("", ShapeSpec::HalfSpace, DVec3::ZERO);
+        let usual_kind = BodyEntry::usual_kind(body.shape.as_ref());
+        let vector = |vector: DVec3| unless_same(vector, DVec3::ZERO).map(Into::into);
+        let (linear_damping, angular_damping) = body.damping;
+        Ok(Self {
+            name: body.name.clone(),
+            kind: (body.kind != usual_kind).then_some(body.kind),
+            shape: body.shape.as_ref().map(|shape| ShapeEntry::of(shape, folder)).transpose()?,
+            density: unless_same(body.density, usual.density).map(Positive::of_valid),
+            mass: body.mass.map(Positive::of_valid),
+            inertia: body.inertia.map(Into::into),
+            position: vector(body.position),
+            rotation: unless_same(body.rotation, DQuat::IDENTITY).map(Into::into),
+            rotation_degrees: None,
+            velocity: vector(body.linear_velocity),
+            angular_velocity: vector(body.angular_velocity),
+            force: vector(body.force),
+            torque: vector(body.torque),
+            friction: unless_same(body.material.friction, usual.material.friction).map(NonNegative::of_valid),
+            restitution: unless_same(body.material.restitution, usual.material.restitution).map(Fraction::of_valid),
+            layers: (body.layers != usual.layers).then_some(body.layers),
+            locked: (body.locked != usual.locked).then_some(body.locked),
+            gravity_scale: unless_same(body.gravity_scale, usual.gravity_scale).map(Finite::of_valid),
+            linear_damping: unless_same(linear_damping, usual.damping.0).map(NonNegative::of_valid),
+            angular_damping: unless_same(angular_damping, usual.damping.1).map(NonNegative::of_valid),
+            color: body.color.map(Into::into),
+        })
+    }
+}
+
+impl ShapeEntry {
+    fn of(shape: &ShapeSpec, folder: Option<&Path>) -> Result<Self, String> {
+        Ok(match shape {
+            ShapeSpec::HalfSpace => Self::HalfSpace,
+            ShapeSpec::Sphere { radius } => Self::Sphere { radius: Positive::of_valid(*radius) },
+            ShapeSpec::Cuboid { size } => Self::Cuboid { size: (*size).into() },
+            ShapeSpec::Cone { radius, height } => {
+                Self::Cone { radius: Positive::of_valid(*radius), height: Positive::of_valid(*height) }
+            }
+            ShapeSpec::Hull(hull) => Self::Hull { points: hull.points().iter().map(|&point| point.into()).collect() },
+            ShapeSpec::Mesh(mesh) => Self::Mesh {
+                file: file_of(mesh, folder)?,
+                scale: unless_same(mesh.scale(), 1.0).map(Positive::of_valid),
+            },
+        })
+    }
+}
+
+impl JointEntry {
+    fn of(joint: &JointSpec, bodies: &HashMap<&str, &BodySpec>) -> Self {
+        let hold = |name: &String, anchor: DVec3| match bodies[name.as_str()] {
+            // A sum with 0 would lose the sign of −0.
+            world if world.stands_for_world() && anchor == DVec3::ZERO => (WORLD.to_owned(), world.position),
+            world if world.stands_for_world() => (WORLD.to_owned(), world.point(anchor)),
+            _ => (name.clone(), anchor),
+        };
+        let (body_a, anchor_a) = hold(&joint.body_a, joint.anchor_a);
+        let (body_b, anchor_b) = hold(&joint.body_b, joint.anchor_b);
+        let (anchor_a, anchor_b) = (Some(anchor_a.into()), Some(anchor_b.into()));
+        let softness = joint.softness.map(SoftnessEntry::from);
+        Self { body_a, body_b, at: None, anchor_a, anchor_b, collide: joint.collide, softness }
+    }
+}
+
+impl From<Softness> for SoftnessEntry {
+    fn from(softness: Softness) -> Self {
+        Self {
+            frequency: Positive::of_valid(softness.frequency),
+            damping_ratio: unless_same(softness.damping_ratio, USUAL_DAMPING_RATIO).map(NonNegative::of_valid),
+            max_force: Positive::of_valid(softness.max_force),
+        }
+    }
+}
+
+/// What a scene in `folder` calls the file of a mesh.
+fn file_of(mesh: &MeshSpec, folder: Option<&Path>) -> Result<String, String> {
+    let Some(file) = mesh.path() else { return Ok(mesh.file().to_owned()) };
+    let named = folder.and_then(|folder| relative(file, folder));
+    // A path that cannot be made absolute is kept as it is: so the file was found.
+    let named = named.unwrap_or_else(|| path::absolute(file).unwrap_or_else(|_| file.to_owned()));
+    let name = named.to_str().ok_or_else(|| format!("the path '{}' is not Unicode; rename it", named.display()))?;
+    // The separator that every system understands.
+    Ok(if MAIN_SEPARATOR == '/' { name.to_owned() } else { name.replace(MAIN_SEPARATOR, "/") })
+}
+
+/// A file as seen from a folder; none where either is missing or they have no root in common.
+fn relative(file: &Path, folder: &Path) -> Option<PathBuf> {
+    let folder = if folder == Path::new("") { Path::new(".") } else { folder };
+    let (file, folder) = (file.canonicalize().ok()?, folder.canonicalize().ok()?);
+    let common = file.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
+    let up = folder.components().skip(common).map(|_| Component::ParentDir);
+    (common > 0).then(|| up.chain(file.components().skip(common)).collect())
+}
+
+/// A value, unless it is the usual one in every bit: −0 is not 0.
+fn unless_same<T: Bits>(value: T, usual: T) -> Option<T> {
+    (!value.same_bits(&usual)).then_some(value)
+}
+
+trait Bits {
+    fn same_bits(&self, other: &Self) -> bool;
+}
+
+impl Bits for f64 {
+    fn same_bits(&self, other: &Self) -> bool {
+        self.to_bits() == other.to_bits()
+    }
+}
+
+impl Bits for DVec3 {
+    fn same_bits(&self, other: &Self) -> bool {
+        self.to_array().map(f64::to_bits) == other.to_array().map(f64::to_bits)
+    }
+}
+
+impl Bits for DQuat {
+    fn same_bits(&self, other: &Self) -> bool {
+        self.to_array().map(f64::to_bits) == other.to_array().map(f64::to_bits)
+    }
+}
