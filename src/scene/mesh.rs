@@ -20,7 +20,14 @@ pub const MAX_MESH_BYTES: u64 = 256 << 20;
 const BUILTIN_PREFIX: &str = "plumb:";
 
 /// The meshes that come with Plumb, by name.
-const BUILTIN: [(&str, &str); 1] = [("gem.obj", include_str!("../../assets/meshes/gem.obj"))];
+const BUILTIN: [(&str, &str); 6] = [
+    ("bone.obj", include_str!("../../assets/meshes/bone.obj")),
+    ("bowl.obj", include_str!("../../assets/meshes/bowl.obj")),
+    ("dodecahedron.obj", include_str!("../../assets/meshes/dodecahedron.obj")),
+    ("gem.obj", include_str!("../../assets/meshes/gem.obj")),
+    ("rock.obj", include_str!("../../assets/meshes/rock.obj")),
+    ("wedge.obj", include_str!("../../assets/meshes/wedge.obj")),
+];
 
 /// What a scene's `file` says for each mesh that comes with Plumb: `plumb:gem.obj` and so on.
 pub fn builtin_meshes() -> impl Iterator<Item = String> {
@@ -119,6 +126,15 @@ impl MeshSpec {
     /// The file is missing, too large, not an OBJ mesh, or its hull has no volume.
     pub fn load(file: &str, folder: &Path, scale: f64) -> Result<Self, MeshError> {
         Meshes::new(folder).load(file, scale)
+    }
+
+    /// One that comes with Plumb, by its name without prefix.
+    ///
+    /// # Panics
+    /// None of that name does.
+    pub(super) fn builtin(name: &str, scale: f64) -> Self {
+        let mesh = Self::load(&format!("{BUILTIN_PREFIX}{name}"), Path::new(""), scale);
+        mesh.unwrap_or_else(|error| panic!("{error}"))
     }
 
     /// As a scene file has it: `rock.obj`, `plumb:gem.obj`.

@@ -7,6 +7,7 @@ mod run;
 mod scene_builtin;
 mod scene_errors;
 mod scene_format;
+mod scene_meshes;
 mod scene_overlap;
 mod sweeps;
 mod truth;

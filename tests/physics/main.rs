@@ -7,6 +7,7 @@ mod endurance;
 mod far;
 mod free_motion;
 mod friction;
+mod hulls;
 mod impact;
 mod messages;
 mod pendulum;

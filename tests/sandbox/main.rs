@@ -5,6 +5,7 @@ mod building;
 mod dragging;
 mod keys;
 mod panel;
+mod pictures;
 mod rough_hands;
 mod stage;
 mod startup;

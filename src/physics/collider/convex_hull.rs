@@ -76,7 +76,7 @@ pub enum HullError {
 /// tenth of that half extent, 1 % becomes a tenth of how thick they lie. Faces that bend by less
 /// than a tenth of this merge. So no point lies farther in front of any face than 1.2 % of half
 /// the largest extent, unless that would take more than [`ConvexHull::MAX_VERTICES`] vertices: a
-/// fine ball keeps within 3 %. Exact corners stay exact.
+/// fine ball keeps within 4 %. Exact corners stay exact.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 #[reflect(opaque, Clone, Debug, PartialEq)]
 pub struct ConvexHull(Arc<Measured>);

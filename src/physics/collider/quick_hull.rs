@@ -72,7 +72,7 @@ fn expand(points: &[Vector3<f64>], candidates: Vec<u32>) -> Result<Triangulation
         let Some(facet) = builder.farthest_facet() else { break };
         let point = builder.farthest_point(facet);
         if builder.vertices.insert(points[point as usize]) {
-            builder.add_vertex(facet, point);
+            builder.add_vertex(point);
         } else {
             builder.drop_near_vertices(facet);
         }
@@ -119,6 +119,8 @@ pub(super) fn spread(points: &[Vector3<f64>], triangles: &[[u32; 3]]) -> f64 {
 struct Simplex {
     /// Counter-clockwise the first three seen from the far side of the fourth.
     corners: [u32; 4],
+    /// Half the largest extent of the points.
+    half_extent: f64,
     /// Height of the fourth above the plane of the others.
     thickness: f64,
 }
@@ -129,7 +131,8 @@ impl Simplex {
     fn of(points: &[Vector3<f64>], candidates: &[u32]) -> Result<Self, Degenerate> {
         let at = |index: u32| points[index as usize];
         let extents = [0, 1, 2].map(|axis| ends(points, candidates, axis));
-        let [a, b] = extents.into_iter().max_by(|p, q| p.0.total_cmp(&q.0)).map_or([0, 0], |(_, ends)| ends);
+        let (extent, [a, b]) = extents.into_iter().max_by(|p, q| p.0.total_cmp(&q.0)).unwrap_or_default();
+        let half_extent = extent / 2.0;
         let along = (at(b) - at(a)).normalize();
         let farthest = |distance: &dyn Fn(&Vector3<f64>) -> f64, second: &dyn Fn(&Vector3<f64>) -> f64| {
             let greatest = candidates.iter().map(|&index| distance(&at(index))).fold(0.0, f64::max);
@@ -138,18 +141,18 @@ impl Simplex {
         };
         let from_line = |point: &Vector3<f64>| (point - at(a)).cross(&along).norm();
         let (distance, c) = farthest(&from_line, &|point| (point - at(a)).norm_squared());
-        if distance <= THINNEST {
+        if distance <= THINNEST * half_extent {
             return Err(Degenerate::Line);
         }
         let normal = (at(b) - at(a)).cross(&(at(c) - at(a))).normalize();
         let middle = (at(a) + at(b) + at(c)) / 3.0;
         let height = |point: &Vector3<f64>| (point - at(a)).dot(&normal);
         let (thickness, d) = farthest(&|point| height(point).abs(), &|point| (point - middle).norm_squared());
-        if thickness <= THINNEST {
+        if thickness <= THINNEST * half_extent {
             return Err(Degenerate::Plane);
         }
         let corners = if height(&at(d)) < 0.0 { [a, b, c, d] } else { [a, c, b, d] };
-        Ok(Self { corners, thickness })
+        Ok(Self { corners, half_extent, thickness })
     }
 }
 
@@ -216,7 +219,7 @@ struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     fn new(points: &'a [Vector3<f64>], candidates: Vec<u32>, simplex: &Simplex) -> Self {
-        let reduction = VERTEX_EPSILON.min(REDUCTION_OF_THICKNESS * simplex.thickness);
+        let reduction = f64::min(VERTEX_EPSILON * simplex.half_extent, REDUCTION_OF_THICKNESS * simplex.thickness);
         let mut vertices = VectorSet::default();
         vertices.reset(reduction, false, 1.0);
         for corner in simplex.corners {
@@ -252,16 +255,10 @@ impl<'a> Builder<'a> {
         first_greatest(candidates.map(|index| (index, (at(index) - middle).norm_squared())))
     }
 
-    /// Replaces the facets that a point in front of one of them sees by those from their horizon
-    /// to the point.
-    fn add_vertex(&mut self, in_front_of: usize, point: u32) {
+    /// Replaces the facets that a point sees by those from their horizon to the point.
+    fn add_vertex(&mut self, point: u32) {
         let sees = |facet: &Facet| facet.is_alive && self.is_in_front(point, facet.corners);
         let visible: Vec<usize> = (0..self.facets.len()).filter(|&index| sees(&self.facets[index])).collect();
-        if !visible.contains(&in_front_of) {
-            // Of a facet so narrow that rounding turns its plane.
-            self.facets[in_front_of].outside.clear();
-            return;
-        }
         let mut horizon = Vec::new();
         for &index in &visible {
             for [from, to] in edges(self.facets[index].corners) {

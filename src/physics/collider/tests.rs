@@ -26,7 +26,7 @@ fn integrate(reach: DVec3, inside: impl Fn(DVec3) -> bool) -> (f64, DVec3, DVec3
     (count * volume, first / count, moments * volume)
 }
 
-fn assert_matches_integral(collider: &Collider, reach: DVec3, inside: impl Fn(DVec3) -> bool) {
+pub(super) fn assert_matches_integral(collider: &Collider, reach: DVec3, inside: impl Fn(DVec3) -> bool) {
     let density = 700.0;
     let properties = collider.mass_properties(density);
     let (volume, centre, moments) = integrate(reach, inside);

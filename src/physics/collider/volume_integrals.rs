@@ -23,9 +23,10 @@ impl VolumeIntegrals {
             let a = at(0);
             for index in 2..corners.len() {
                 let (b, c) = (at(index - 1), at(index));
-                // Six times the tetrahedron's volume. Over it the mean of x is sum/4, that of
-                // x xᵀ is (Σ vᵢvᵢᵀ + sum sumᵀ)/20.
-                let six = a.dot(&b.cross(&c));
+                // Six times the tetrahedron's volume, from the sides of its triangle: exact for
+                // needles too. Over it the mean of x is sum/4, that of x xᵀ is
+                // (Σ vᵢvᵢᵀ + sum sumᵀ)/20.
+                let six = a.dot(&(b - a).cross(&(c - a)));
                 let sum = a + b + c;
                 volume += six / 6.0;
                 first += sum * (six / 24.0);

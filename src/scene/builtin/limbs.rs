@@ -4,11 +4,11 @@ use bevy::math::{DQuat, DVec3};
 
 use super::figure::{CHEST, Clothes, DAMPING, FIGURE_PARTS, Figure, HAT, Holds, Side, hip_above_seat, soles_to_pelvis};
 use super::{EARTH, palette};
-use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, JointSpec, MeshSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
 pub(super) const LIMBS: SceneInfo = SceneInfo {
     name: "limbs",
-    about: "three figures of boxes, balls and cones on ball joints, a garland and loose things, to pick and drag",
+    about: "three figures of boxes, balls and cones on ball joints, a garland and loose things, meshes among them, to pick and drag",
     truth: "joints hold, bodies come to rest",
     parameters: &[],
     seconds: 10.0,
@@ -17,7 +17,7 @@ pub(super) const LIMBS: SceneInfo = SceneInfo {
 };
 
 /// How many bodies [`build`] makes.
-const BODIES: usize = 1 + 3 * FIGURE_PARTS + 3 + 3 + 1 + 2 + LINKS + 10 + 3 + 3;
+const BODIES: usize = 1 + 3 * FIGURE_PARTS + 3 + 3 + 1 + 2 + LINKS + 10 + 3 + 3 + 5;
 
 /// Links of the garland.
 const LINKS: usize = 28;
@@ -29,6 +29,7 @@ fn build() -> SceneSpec {
     add_sitting_child(&mut scene);
     add_garland(&mut scene);
     add_loose_things(&mut scene);
+    add_loose_meshes(&mut scene);
     scene.view = Some(ViewSpec { eye: DVec3::new(2.6, 2.5, 7.8), target: DVec3::new(0.8, 1.15, -0.3) });
     scene
 }
@@ -184,5 +185,24 @@ fn add_loose_things(scene: &mut SceneSpec) {
         let shape = ShapeSpec::Cone { radius, height };
         let cone = BodySpec::new(format!("cone {i}"), shape, at + height / 4.0 * DVec3::Y);
         scene.bodies.push(cone.with_mass(5.0).with_color(palette::ORANGE));
+    }
+}
+
+/// Each lies on a face of its hull, or nearly.
+fn add_loose_meshes(scene: &mut SceneSpec) {
+    let on_a_facet = DQuat::from_rotation_y(0.5) * DQuat::from_rotation_x(0.777);
+    let things = [
+        ("rock", 0.3, 12.0, DVec3::new(-2.9, 0.0, 1.3), DQuat::from_rotation_y(0.4), palette::STEEL),
+        ("bone", 0.3, 3.0, DVec3::new(0.3, 0.0, 2.6), DQuat::from_rotation_y(0.35), palette::SKIN),
+        ("gem", 0.2, 4.0, DVec3::new(-0.9, 0.0, 2.4), on_a_facet, palette::TEAL),
+        ("dodecahedron", 0.2, 6.0, DVec3::new(1.25, 0.0, 2.6), DQuat::from_rotation_y(0.8), palette::RED),
+        ("bowl", 0.28, 4.0, DVec3::new(2.1, 0.0, 2.6), DQuat::IDENTITY, palette::YELLOW),
+    ];
+    for (name, scale, mass, at, rotation, color) in things {
+        let mesh = MeshSpec::builtin(&format!("{name}.obj"), scale);
+        let up = (rotation * mesh.hull().axes()).inverse() * DVec3::Y;
+        let reach = mesh.hull().vertices().map(|vertex| -up.dot(vertex)).fold(0.0, f64::max);
+        let thing = BodySpec::new(name, ShapeSpec::Mesh(mesh), at + reach * DVec3::Y);
+        scene.bodies.push(thing.with_mass(mass).with_rotation(rotation).with_color(color));
     }
 }

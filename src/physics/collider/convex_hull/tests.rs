@@ -1,12 +1,16 @@
 //! Hulls of friendly and unfriendly points against what a hull is.
 
 use std::collections::BTreeSet;
+use std::f64::consts::{PI, TAU};
 
 use super::*;
 use crate::physics::testing::Random;
 
 /// As the docs say, of half the largest extent: what the reduction and the merging may cut off.
 const TOLERANCE: f64 = 0.012;
+
+/// Of half the largest extent, where there are not enough vertices to be as near.
+const ROUND: f64 = 0.04;
 
 /// Of half the largest extent: faces may bend by a thousandth, and lean by as much.
 const BEND: f64 = 2e-3;
@@ -162,7 +166,273 @@ fn random_points_of_any_number_and_proportion() {
             .map(|_| if on_sphere { random.direction() } else { random.vector() })
             .map(|point| dvec(turn * vector(dvec(point) * flatness)))
             .collect();
-        let tolerance = if count > ConvexHull::MAX_VERTICES { 0.03 } else { TOLERANCE };
+        let tolerance = if count > ConvexHull::MAX_VERTICES { ROUND } else { TOLERANCE };
         hull_within(&points, tolerance);
+    }
+}
+
+#[test]
+fn needles_and_plates_keep_their_thickness() {
+    let mut random = Random(2);
+    for thin in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5] {
+        for size in [DVec3::new(1.0, thin, 1.0), DVec3::new(1.0, thin, thin), DVec3::new(1.0, thin, 0.1)] {
+            for _ in 0..20 {
+                let turn = quaternion(&random.rotation());
+                let corners: Vec<DVec3> = box_corners(size).into_iter().map(|corner| turn * corner).collect();
+                let hull = hull_within(&corners, 0.02 * thin);
+                assert_eq!(counts(&hull), (8, 6), "{size}");
+                let volume = hull.volume() / size.element_product() - 1.0;
+                assert!(volume.abs() < 1e-8, "{size}: volume {volume} off");
+                let thickness = hull.thickness() / thin - 1.0;
+                assert!(thickness.abs() < 1e-8, "{size}: thickness {thickness} off");
+            }
+        }
+    }
+}
+
+#[test]
+fn clusters_of_near_and_equal_points_are_one_vertex_each() {
+    let mut random = Random(3);
+    for spread in [0.0, 1e-14, 1e-9, 1e-5, 1e-3] {
+        let points: Vec<DVec3> = (0..300)
+            .flat_map(|_| box_corners(DVec3::new(2.0, 1.0, 1.5)))
+            .map(|corner| corner + spread * dvec(random.vector()))
+            .collect();
+        let hull = hull_of(&points);
+        assert_eq!(hull.vertices().len(), 8, "spread {spread}");
+    }
+}
+
+#[test]
+fn place_and_scale_do_not_matter() {
+    let mut random = Random(4);
+    let points: Vec<DVec3> = (0..60).map(|_| dvec(random.direction()) * DVec3::new(1.0, 0.8, 0.6)).collect();
+    let here = hull_of(&points);
+    for (scale, offset) in [(1e-6, 0.0), (1e6, 0.0), (1.0, 1e6), (1e-3, 1e6), (1e30, 0.0), (1e-30, 0.0)] {
+        let place = DVec3::new(1.0, -2.0, 3.0) * offset;
+        let moved: Vec<DVec3> = points.iter().map(|point| point * scale + place).collect();
+        let there = hull_of(&moved);
+        assert_eq!(counts(&there), counts(&here), "{scale} {offset}");
+        // Of the coordinates as they are given.
+        let rounding = 1e-12 + 1e-15 * offset / scale;
+        assert!((there.volume() / scale.powi(3) / here.volume() - 1.0).abs() < rounding, "{scale} {offset}");
+        assert!(
+            (there.center() - place - here.center() * scale).length() < 10.0 * rounding * scale,
+            "{scale} {offset}"
+        );
+    }
+}
+
+#[test]
+fn a_million_points_become_a_few() {
+    let mut random = Random(6);
+    let sphere: Vec<DVec3> = (0..1_000_000).map(|_| dvec(random.direction())).collect();
+    let hull = hull_without_names(&sphere, ROUND);
+    assert!((hull.volume() / (4.0 / 3.0 * PI) - 1.0).abs() < 0.05, "{}", hull.volume());
+    let filled: Vec<DVec3> = (0..1_000_000).map(|_| dvec(random.vector()) * DVec3::new(1.0, 0.5, 2.0)).collect();
+    let hull = hull_without_names(&filled, TOLERANCE);
+    assert!((hull.volume() / 8.0 - 1.0).abs() < 0.02, "{}", hull.volume());
+    let clustered: Vec<DVec3> =
+        (0..1_000_000).map(|i| box_corners(DVec3::ONE)[i % 8] + 5e-4 * dvec(random.vector())).collect();
+    assert_eq!(hull_without_names(&clustered, TOLERANCE).vertices().len(), 8);
+}
+
+/// As [`hull_within`], without looking for each vertex among a million points.
+fn hull_without_names(points: &[DVec3], tolerance: f64) -> ConvexHull {
+    let hull = ConvexHull::new(points).unwrap_or_else(|error| panic!("{error}"));
+    let vertices: Vec<DVec3> = hull.vertices().map(|vertex| hull.center() + hull.axes() * vertex).collect();
+    assert_is_polyhedron(&vertices, &hull);
+    let outside = farthest_outside(points, &hull);
+    assert!(outside <= tolerance, "a point lies {outside} of half the extent outside");
+    hull
+}
+
+#[test]
+fn round_things_keep_within_four_per_cent() {
+    let mut random = Random(8);
+    for count in [200, 1000, 20_000] {
+        for stretch in [DVec3::ONE, DVec3::new(1.0, 0.3, 0.7), DVec3::new(1.0, 0.05, 1.0)] {
+            let points: Vec<DVec3> = (0..count).map(|_| dvec(random.direction()) * stretch).collect();
+            hull_within(&points, ROUND);
+        }
+        // On a lattice of one sphere, where four and more points share each plane.
+        let rings = (f64::from(count) / 2.0).sqrt() as i32;
+        let points: Vec<DVec3> = (0..=rings)
+            .flat_map(|i| {
+                (0..2 * rings)
+                    .map(move |j| (PI * f64::from(i) / f64::from(rings), PI * f64::from(j) / f64::from(rings)))
+            })
+            .map(|(polar, turn)| DVec3::new(polar.sin() * turn.cos(), polar.cos(), polar.sin() * turn.sin()))
+            .collect();
+        hull_within(&points, ROUND);
+    }
+}
+
+#[test]
+fn a_prism_has_two_polygons() {
+    for sides in [3, 5, 12, 24, 48, 64] {
+        let ring = |y: f64| {
+            (0..sides).map(move |i| {
+                let (sin, cos) = (TAU * f64::from(i) / f64::from(sides)).sin_cos();
+                DVec3::new(sin, y, cos)
+            })
+        };
+        let points: Vec<DVec3> = ring(-0.7).chain(ring(0.7)).collect();
+        assert_eq!(counts(&hull_of(&points)), (2 * sides as usize, sides as usize + 2));
+    }
+}
+
+#[test]
+fn the_same_points_give_the_same_bits() {
+    let mut random = Random(9);
+    let points: Vec<DVec3> = (0..5000).map(|_| dvec(random.vector())).collect();
+    let (one, other) = (hull_of(&points), hull_of(&points));
+    assert_eq!(one, other);
+    assert_eq!(format!("{one:?}"), format!("{other:?}"));
+    assert_ne!(one, hull_of(&points[..4000]));
+}
+
+#[test]
+fn what_has_no_volume_is_refused_in_one_line() {
+    let refused = |points: &[DVec3]| {
+        let error = ConvexHull::new(points).expect_err("no volume");
+        assert!(!error.to_string().contains('\n'));
+        error
+    };
+    let mut random = Random(10);
+    assert_eq!(refused(&[]), HullError::TooFewPoints { count: 0 });
+    assert_eq!(refused(&[DVec3::ZERO, DVec3::X, DVec3::Y]), HullError::TooFewPoints { count: 3 });
+    assert_eq!(refused(&[DVec3::ONE; 9]), HullError::Coincident { count: 9 });
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let points = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(0.0, 0.0, bad), DVec3::Z];
+        assert_eq!(refused(&points), HullError::NotFinite { index: 3 });
+    }
+    for noise in [0.0, 1e-15, 1e-9, 1e-7] {
+        for place in [DVec3::ZERO, DVec3::new(5.0, 6.0, 7.0)] {
+            let (along, across) = (dvec(random.direction()), dvec(random.direction()));
+            let mut near = |point: DVec3| place + point + noise * dvec(random.vector());
+            let line: Vec<DVec3> = (0..50).map(|i| near(f64::from(i) / 25.0 * along)).collect();
+            assert_eq!(refused(&line), HullError::Collinear { count: 50 }, "noise {noise}");
+            let plane: Vec<DVec3> =
+                (0..50).map(|i| near(f64::from(i % 7) / 3.0 * along + f64::from(i / 7) / 3.0 * across)).collect();
+            assert_eq!(refused(&plane), HullError::Flat { count: 50 }, "noise {noise}");
+        }
+    }
+    for size in [1e80, 1e300, 1e-80, 1e-300] {
+        let corners: Vec<DVec3> = box_corners(DVec3::ONE).into_iter().map(|corner| corner * size).collect();
+        assert!(matches!(refused(&corners), HullError::Extent { .. }), "size {size}");
+    }
+}
+
+fn quaternion(rotation: &nalgebra::UnitQuaternion<f64>) -> DQuat {
+    DQuat::from_xyzw(rotation.i, rotation.j, rotation.k, rotation.w)
+}
+
+/// Volume, centre and principal moments per kilogram of an ellipsoidal, boxy or other body, and
+/// the axes, must be those of the given points however the body is placed.
+#[track_caller]
+fn assert_measures(hull: &ConvexHull, volume: f64, center: DVec3, axes: DQuat, moments: DVec3, tolerance: f64) {
+    let size = hull.bounding_radius();
+    assert!((hull.volume() / volume - 1.0).abs() < tolerance, "volume {} for {volume}", hull.volume());
+    assert!(hull.center().distance(center) < tolerance * size, "center {} for {center}", hull.center());
+    let turned = hull.axes().angle_between(axes);
+    assert!(turned < tolerance.sqrt().max(1e-6), "axes turned by {turned} rad");
+    let off = (hull.moments() / moments - 1.0).abs().max_element();
+    assert!(off < tolerance, "moments {} for {moments}", hull.moments());
+}
+
+#[test]
+fn a_box_askew_is_the_box() {
+    let mut random = Random(11);
+    let size = DVec3::new(0.5, 1.3, 2.1);
+    let moments = super::super::cuboid::moments(size);
+    for angle in [1e-7, 1e-3, 0.1, 0.3, 0.7] {
+        for _ in 0..20 {
+            // Below a turn of 45° no other order of the axes is nearer.
+            let turn = DQuat::from_axis_angle(dvec(random.direction()), angle);
+            let place = 5.0 * dvec(random.vector());
+            let points: Vec<DVec3> = box_corners(size).into_iter().map(|corner| place + turn * corner).collect();
+            let hull = hull_of(&points);
+            assert_measures(&hull, size.element_product(), place, turn, moments, 1e-12);
+        }
+    }
+}
+
+#[test]
+fn equal_moments_leave_the_axes_as_near_as_can_be() {
+    let axes_of = |size: DVec3, turn: DQuat| {
+        let points: Vec<DVec3> = box_corners(size).into_iter().map(|corner| turn * corner).collect();
+        hull_of(&points).axes()
+    };
+    let turn = DQuat::from_euler(bevy::math::EulerRot::XYZ, 0.4, -0.7, 1.1);
+    assert_eq!(axes_of(DVec3::ONE, turn), DQuat::IDENTITY, "a cube has no axes of its own");
+    assert_eq!(axes_of(DVec3::new(1.0, 2.0, 1.0), DQuat::from_rotation_y(0.3)), DQuat::IDENTITY);
+    // A square rod: only its length has a direction, and the shortest way there is no spin about it.
+    for (size, unit) in [(DVec3::new(1.0, 3.0, 1.0), DVec3::Y), (DVec3::new(1.0, 1.0, 0.2), DVec3::Z)] {
+        let turn =
+            DQuat::from_axis_angle(DVec3::new(1.0, 0.5, 0.25).normalize(), 0.5) * DQuat::from_axis_angle(unit, 0.7);
+        let axes = axes_of(size, turn);
+        assert!((axes * unit).distance(turn * unit) < 1e-9);
+        assert!(axes.angle_between(DQuat::from_rotation_arc(unit, turn * unit)) < 1e-7);
+    }
+}
+
+#[test]
+fn a_tetrahedron_has_its_closed_form() {
+    // One corner at the origin and one on each axis: centroid a quarter of each leg; about it
+    // ∫x² = 3/80 a² and ∫xy = −ab/80 of the mass.
+    let legs = DVec3::new(1.0, 2.0, 3.0);
+    let place = DVec3::new(-3.0, 10.0, 0.5);
+    let points: Vec<DVec3> =
+        [DVec3::ZERO, legs.x * DVec3::X, legs.y * DVec3::Y, legs.z * DVec3::Z].map(|corner| place + corner).to_vec();
+    let hull = hull_of(&points);
+    assert_eq!(counts(&hull), (4, 4));
+    assert!((hull.volume() - legs.element_product() / 6.0).abs() < 1e-14);
+    assert!(hull.center().distance(place + legs / 4.0) < 1e-14);
+    let square = 3.0 / 80.0 * legs * legs;
+    let across = DVec3::new(square.y + square.z, square.z + square.x, square.x + square.y);
+    let expected = Matrix3::new(
+        across.x,
+        legs.x * legs.y / 80.0,
+        legs.x * legs.z / 80.0, //
+        legs.x * legs.y / 80.0,
+        across.y,
+        legs.y * legs.z / 80.0, //
+        legs.x * legs.z / 80.0,
+        legs.y * legs.z / 80.0,
+        across.z,
+    );
+    let turn = Matrix3::from_columns(&DVec3::AXES.map(|axis| vector(hull.axes() * axis)));
+    let inertia = turn * Matrix3::from_diagonal(&vector(hull.moments())) * turn.transpose();
+    assert!((inertia - expected).abs().max() < 1e-14, "{inertia} for {expected}");
+}
+
+#[test]
+fn a_polygonal_cone_nears_the_cone() {
+    let (radius, height) = (0.6, 1.1);
+    let (volume, moments) = (super::super::cone::volume(radius, height), super::super::cone::moments(radius, height));
+    for sides in [12, 24, 48] {
+        let rim = (0..sides).map(|i| {
+            let (sin, cos) = (TAU * f64::from(i) / f64::from(sides)).sin_cos();
+            DVec3::new(radius * sin, 0.0, radius * cos)
+        });
+        let points: Vec<DVec3> = rim.chain([height * DVec3::Y]).collect();
+        // The polygon's area is sin(2π/n)/(2π/n) of the circle's: 6.6/n² of it are missing.
+        let tolerance = 10.0 / f64::from(sides * sides);
+        assert_measures(&hull_of(&points), volume, height / 4.0 * DVec3::Y, DQuat::IDENTITY, moments, tolerance);
+    }
+}
+
+#[test]
+fn any_hull_has_the_volume_integrals_of_a_grid() {
+    let mut random = Random(12);
+    for _ in 0..3 {
+        let points: Vec<DVec3> = (0..40).map(|_| dvec(random.vector()) * DVec3::new(1.0, 0.6, 0.8)).collect();
+        let hull = hull_of(&points);
+        let planes = planes(&hull);
+        let reach = hull.vertices().fold(DVec3::ZERO, |reach, vertex| reach.max(vertex.abs()));
+        super::super::tests::assert_matches_integral(&crate::physics::Collider::hull(hull), reach, |point| {
+            planes.iter().all(|(normal, offset)| normal.dot(point) <= *offset)
+        });
     }
 }
