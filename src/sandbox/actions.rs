@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use super::build::UndoStack;
 use super::camera::{self, Framing};
-use super::{CurrentScene, Notice, Playback, Selection, build, screenshot};
+use super::{CurrentScene, Notice, Playback, Selection, build, panel, screenshot};
 use crate::physics::{Collider, Position, RigidBody, Velocity};
 use crate::scene::{self, BodyColor, SceneEntity, SceneSpec, SpawnedScene};
 
@@ -54,6 +54,8 @@ pub enum SandboxAction {
     Screenshot,
     /// Shows or hides the help.
     ToggleHelp,
+    /// Measures the scene's chart of error against cost in a process of its own.
+    MeasureChart,
 }
 
 pub(super) fn plugin(app: &mut App) {
@@ -98,6 +100,7 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         SandboxAction::Escape => world.insert_resource(Selection::default()),
         SandboxAction::FrameScene => frame_scene(world),
         SandboxAction::Screenshot => screenshot::take(world),
+        SandboxAction::MeasureChart => panel::measure_chart(world),
         SandboxAction::ToggleHelp => {} // the help's own
     }
 }

@@ -15,6 +15,7 @@ mod build;
 mod camera;
 pub mod controls;
 mod drag;
+mod ghost;
 mod gizmos;
 mod ground;
 mod help;
@@ -32,6 +33,8 @@ mod window;
 
 pub use actions::SandboxAction;
 pub use build::{Blueprint, Weight};
+pub use ghost::{GhostChoice, GhostDistance};
+pub use panel::ChartSource;
 pub use state::{CurrentScene, Notice, Picked, Playback, Selection};
 pub use window::{Launch, LaunchError, launch};
 
@@ -51,6 +54,6 @@ impl Plugin for SandboxPlugin {
             .add_plugins((state::plugin, playback::plugin, actions::plugin, controls::plugin, screenshot::plugin))
             .add_plugins((quality::plugin, camera::plugin, light::plugin, sky::plugin, ground::plugin, meshes::plugin))
             .add_plugins((drag::plugin, highlight::plugin, build::plugin))
-            .add_plugins((panel::plugin, plots::plugin, gizmos::plugin, help::plugin));
+            .add_plugins((panel::plugin, plots::plugin, ghost::plugin, gizmos::plugin, help::plugin));
     }
 }

@@ -7,6 +7,7 @@ use bevy_egui::egui;
 use egui_plot::{GridInput, GridMark, HoverPosition, Line, Plot, PlotPoints};
 
 use super::CurrentScene;
+use super::ghost::{self, GhostDistance};
 use super::panel::{Quantity, palette};
 use crate::physics::{Diagnostics, PhysicsSchedule, PhysicsSystems, StepStats};
 
@@ -23,7 +24,7 @@ pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Watched>()
         .init_resource::<History>()
         .add_systems(PreUpdate, (clear_on_load, switch_diagnostics))
-        .add_systems(PhysicsSchedule, record.after(PhysicsSystems::Diagnose));
+        .add_systems(PhysicsSchedule, record.after(PhysicsSystems::Diagnose).after(ghost::follow));
 }
 
 /// What is plotted of one step, or of several that came close together.
@@ -41,6 +42,8 @@ struct Sample {
     penetration: f64,
     /// s.
     step_seconds: f64,
+    /// m; 0 without a ghost.
+    ghost: f64,
 }
 
 impl Sample {
@@ -51,6 +54,7 @@ impl Sample {
             joint_error: self.joint_error.max(newer.joint_error),
             penetration: self.penetration.max(newer.penetration),
             step_seconds: self.step_seconds.max(newer.step_seconds),
+            ghost: self.ghost.max(newer.ghost),
             ..newer
         };
     }
@@ -95,7 +99,12 @@ impl History {
 }
 
 /// Runs in the step itself: one sample per step, however many there are in a frame.
-fn record(stats: Res<StepStats>, diagnostics: Option<Res<Diagnostics>>, mut history: ResMut<History>) {
+fn record(
+    stats: Res<StepStats>,
+    diagnostics: Option<Res<Diagnostics>>,
+    ghost: Res<GhostDistance>,
+    mut history: ResMut<History>,
+) {
     if let Some(diagnostics) = diagnostics {
         history.push(Sample {
             time: stats.time,
@@ -104,6 +113,7 @@ fn record(stats: Res<StepStats>, diagnostics: Option<Res<Diagnostics>>, mut hist
             joint_error: diagnostics.joint_error,
             penetration: diagnostics.penetration,
             step_seconds: stats.step_seconds,
+            ghost: ghost.0.unwrap_or_default(),
         });
     }
 }
@@ -139,7 +149,7 @@ struct Chart<'a> {
 }
 
 /// The section of the panel.
-pub(super) fn show(InMut(ui): InMut<egui::Ui>, history: Res<History>) {
+pub(super) fn show(InMut(ui): InMut<egui::Ui>, history: Res<History>, ghost: Res<GhostDistance>) {
     let start = history.potential_at_start.unwrap_or_default();
     let potential = |sample: &Sample| sample.potential - start;
     let total = |sample: &Sample| sample.kinetic + potential(sample);
@@ -170,6 +180,13 @@ pub(super) fn show(InMut(ui): InMut<egui::Ui>, history: Res<History>) {
             curves: &[("step", palette::GREEN, &|sample| sample.step_seconds)],
         },
     ];
+    let distance = Chart {
+        title: "ghost",
+        unit: "m",
+        about: "largest distance between a body's centre and its ghost's",
+        curves: &[("distance", palette::SKY, &|sample| sample.ghost)],
+    };
+    let charts: Vec<_> = ghost.0.map(|_| distance).into_iter().chain(charts).collect();
     for (place, chart) in charts.iter().enumerate() {
         chart.draw(ui, &history, place + 1 == charts.len());
     }
@@ -258,7 +275,7 @@ mod tests {
     use super::*;
 
     fn at(time: f64) -> Sample {
-        Sample { time, kinetic: 0.0, potential: 0.0, joint_error: 0.0, penetration: 0.0, step_seconds: 0.0 }
+        Sample { time, kinetic: 0.0, potential: 0.0, joint_error: 0.0, penetration: 0.0, step_seconds: 0.0, ghost: 0.0 }
     }
 
     #[test]
@@ -306,6 +323,7 @@ mod tests {
     #[test]
     fn diagnostics_exist_only_while_watched_and_the_history_has_no_gap() {
         let mut app = crate::physics::headless_app();
+        app.init_resource::<GhostDistance>();
         plugin(&mut app);
         let frame = |app: &mut App| {
             app.world_mut().run_schedule(PreUpdate);

@@ -2,7 +2,9 @@
 
 mod actions;
 mod building;
+mod chart;
 mod dragging;
+mod ghosts;
 mod keys;
 mod panel;
 mod pictures;

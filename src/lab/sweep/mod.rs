@@ -13,4 +13,4 @@ mod store;
 pub use point::{Point, Shard};
 pub use record::Record;
 pub use runner::{Budget, Progress, run};
-pub use store::{Store, StoreError};
+pub use store::{Store, StoreError, read_records};

@@ -37,10 +37,7 @@ impl Store {
     /// # Errors
     /// The file cannot be read or written.
     pub fn open(path: &Path) -> Result<Self, StoreError> {
-        Self::open_as(path, &fingerprint())
-    }
-
-    fn open_as(path: &Path, program: &str) -> Result<Self, StoreError> {
+        let program = std::env::current_exe().map_or_else(|_| String::new(), |program| fingerprint(&program));
         let failed = |reason| StoreError { path: path.to_owned(), reason };
         let mut file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(failed)?;
         let mut text = Vec::new();
@@ -51,19 +48,11 @@ impl Store {
             // An interrupt: what was being written is lost, what follows must not be.
             file.write_all(b"\n").map_err(failed)?;
         }
-        let mut store = Self {
-            path: path.to_owned(),
-            file,
-            program: program.to_owned(),
-            records: Vec::new(),
-            keys: HashSet::new(),
-            ignored: 0,
-        };
-        let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(text.as_slice());
-        for row in reader.deserialize::<Record>() {
-            match row {
-                Ok(record) if record.program == store.program => store.take_in(record),
-                // The header of a file that was appended whole is no row.
+        let mut store =
+            Self { path: path.to_owned(), file, program, records: Vec::new(), keys: HashSet::new(), ignored: 0 };
+        for record in rows(&text) {
+            match record {
+                Some(record) if record.program == store.program => store.take_in(record),
                 _ => store.ignored += 1,
             }
         }
@@ -147,10 +136,30 @@ const HEADER: [&str; 24] = [
     "reason",
 ];
 
-/// 16 hex digits over the running program's file: numbers of two builds are not to be mixed.
-fn fingerprint() -> String {
+/// The records in the file at `path` that the program at `program` measured; none without a file.
+pub fn read_records(path: &Path, program: &Path) -> Vec<Record> {
+    let program = fingerprint(program);
+    let text = std::fs::read(path).unwrap_or_default();
+    rows(&text).flatten().filter(|record| record.program == program).collect()
+}
+
+/// The rows of a file; none for one that is cut short. The header of a file that was appended
+/// whole is no row.
+fn rows(text: &[u8]) -> impl Iterator<Item = Option<Record>> {
+    let reader = csv::ReaderBuilder::new().flexible(true).from_reader(text);
+    reader.into_records().filter_map(|row| {
+        let row = row.ok();
+        if row.as_ref().is_some_and(|row| row.iter().eq(HEADER)) {
+            return None;
+        }
+        Some(row.and_then(|row| row.deserialize(None).ok()))
+    })
+}
+
+/// 16 hex digits over a program's file: numbers of two builds are not to be mixed.
+fn fingerprint(program: &Path) -> String {
     let mut hasher = Xxh3::new();
-    if let Ok(mut file) = std::env::current_exe().and_then(File::open) {
+    if let Ok(mut file) = File::open(program) {
         let mut buffer = vec![0; 1 << 20];
         while let Ok(read @ 1..) = file.read(&mut buffer) {
             hasher.write(&buffer[..read]);

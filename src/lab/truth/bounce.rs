@@ -1,13 +1,41 @@
 //! Balls dropped on the ground: fall t₀ = √(2H/g), then bounces of e^k times the first landing
 //! speed, at rest after t₀ (1 + e)/(1 − e).
 
+use bevy::math::DVec3;
+
 use crate::physics::RigidBody;
 use crate::scene::{SceneSpec, ShapeSpec};
 
 use super::super::run::Sample;
-use super::{EnergyScale, Truth, dynamic};
+use super::{EnergyScale, Poses, Truth, dynamic};
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
+    let balls = dynamic(scene);
+    let (bounce, rest) = bounce(scene)?;
+    let weight: f64 = balls.iter().map(|&index| scene.bodies[index].mass).sum::<Option<f64>>()? * bounce.gravity;
+    let fall = weight * bounce.drop;
+    let distance = move |sample: &Sample| {
+        let expected = rest + bounce.height(sample.time);
+        let heights = balls.iter().map(|&index| sample.bodies[index].position.y);
+        Some(heights.map(|height| (height - expected).abs()).fold(0.0, f64::max))
+    };
+    Some(Truth::largest("height of the balls", "m", distance).with_energy_scale(EnergyScale::Known(fall)))
+}
+
+/// Every ball where the answer has it.
+pub(super) fn poses(scene: &SceneSpec) -> Option<Poses> {
+    let (bounce, rest) = bounce(scene)?;
+    let start = |index: usize| (index, scene.bodies[index].position, scene.bodies[index].rotation);
+    let starts: Vec<_> = dynamic(scene).into_iter().map(start).collect();
+    Some(Box::new(move |time| {
+        let height = rest + bounce.height(time);
+        let place = |&(index, start, rotation)| (index, DVec3 { y: height, ..start }, rotation);
+        starts.iter().map(place).collect()
+    }))
+}
+
+/// The motion of the balls, and the height of their centres at rest.
+fn bounce(scene: &SceneSpec) -> Option<(Bounce, f64)> {
     let balls = dynamic(scene);
     let first = &scene.bodies[*balls.first()?];
     let Some(ShapeSpec::Sphere { radius }) = first.shape else { return None };
@@ -17,15 +45,7 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
         drop: first.position.y - ground.position.y - radius,
         restitution: first.material.restitution.max(ground.material.restitution),
     };
-    let rest = ground.position.y + radius;
-    let weight: f64 = balls.iter().map(|&index| scene.bodies[index].mass).sum::<Option<f64>>()? * bounce.gravity;
-    let fall = weight * bounce.drop;
-    let distance = move |sample: &Sample| {
-        let expected = rest + bounce.height(sample.time);
-        let heights = balls.iter().map(|&index| sample.bodies[index].position.y);
-        Some(heights.map(|height| (height - expected).abs()).fold(0.0, f64::max))
-    };
-    Some(Truth::largest("height of the balls", "m", distance).with_energy_scale(EnergyScale::Known(fall)))
+    Some((bounce, ground.position.y + radius))
 }
 
 struct Bounce {

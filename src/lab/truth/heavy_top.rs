@@ -6,29 +6,66 @@ use bevy::math::{DQuat, DVec3};
 use crate::scene::{SceneSpec, ShapeSpec};
 
 use super::super::run::Sample;
-use super::{Truth, anchor_on, dynamic};
+use super::{Poses, Truth, anchor_on, dynamic};
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
-    let index = *dynamic(scene).first()?;
-    let top = &scene.bodies[index];
-    let Some(ShapeSpec::Cone { radius, height }) = top.shape else { return None };
-    let to_centre = -anchor_on(scene, index)?; // from the tip, body axes
-    let lever = to_centre.length();
-    let body_axis = to_centre / lever;
-    let start = top.rotation * body_axis;
-    let up = -scene.gravity.normalize();
-    let precession = slow_precession(Top {
-        axial: 0.3 * radius * radius,
-        transverse: 0.6 * (height * height + 0.25 * radius * radius),
-        spin: top.angular_velocity.dot(start),
-        torque: scene.gravity.length() * lever,
-        cos_tilt: start.dot(up),
-    })?;
+    let Steady { index, body_axis, up, precession, .. } = Steady::of(scene)?;
+    let start = scene.bodies[index].rotation * body_axis;
     let distance = move |sample: &Sample| {
         let axis = sample.bodies[index].rotation * body_axis;
         Some(angle_between(axis, DQuat::from_axis_angle(up, precession * sample.time) * start))
     };
     Some(Truth::largest("direction of the axis", "rad", distance))
+}
+
+/// The top where the answer has it: turned by Ωt about the vertical, and by (ω₃ − Ω cos α)t
+/// about its own axis.
+pub(super) fn poses(scene: &SceneSpec) -> Option<Poses> {
+    let Steady { index, body_axis, up, precession, spin, cos_tilt, lever } = Steady::of(scene)?;
+    let top = &scene.bodies[index];
+    let (start, tip) = (top.rotation, top.position - top.rotation * (lever * body_axis));
+    Some(Box::new(move |time| {
+        let turned = DQuat::from_axis_angle(up, precession * time) * start;
+        let spun = DQuat::from_axis_angle(body_axis, (spin - precession * cos_tilt) * time);
+        vec![(index, tip + turned * (lever * body_axis), turned * spun)]
+    }))
+}
+
+/// Steady slow precession of a scene's top.
+struct Steady {
+    index: usize,
+    /// From the tip to the centre, unit, body axes.
+    body_axis: DVec3,
+    up: DVec3,
+    /// Ω, rad/s.
+    precession: f64,
+    /// ω₃, rad/s.
+    spin: f64,
+    cos_tilt: f64,
+    /// From the tip to the centre, m.
+    lever: f64,
+}
+
+impl Steady {
+    fn of(scene: &SceneSpec) -> Option<Self> {
+        let index = *dynamic(scene).first()?;
+        let top = &scene.bodies[index];
+        let Some(ShapeSpec::Cone { radius, height }) = top.shape else { return None };
+        let to_centre = -anchor_on(scene, index)?;
+        let lever = to_centre.length();
+        let body_axis = to_centre / lever;
+        let axis = top.rotation * body_axis;
+        let up = -scene.gravity.normalize();
+        let (spin, cos_tilt) = (top.angular_velocity.dot(axis), axis.dot(up));
+        let precession = slow_precession(Top {
+            axial: 0.3 * radius * radius,
+            transverse: 0.6 * (height * height + 0.25 * radius * radius),
+            spin,
+            torque: scene.gravity.length() * lever,
+            cos_tilt,
+        })?;
+        Some(Self { index, body_axis, up, precession, spin, cos_tilt, lever })
+    }
 }
 
 /// Moments about the tip and torque per mass, of a top whose torque about the tip is

@@ -7,22 +7,34 @@ use crate::physics::RigidBody;
 use crate::scene::SceneSpec;
 
 use super::super::run::Sample;
-use super::{Truth, dynamic};
+use super::{Poses, Truth, dynamic};
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
+    let (index, acceleration) = acceleration(scene)?;
+    let start = scene.bodies[index].position;
+    let distance = move |sample: &Sample| {
+        let expected = 0.5 * sample.time * sample.time * acceleration;
+        Some(level(sample.bodies[index].position - start).distance(expected))
+    };
+    Some(Truth::largest("way down the slope", "m", distance))
+}
+
+/// The box where the answer has it.
+pub(super) fn poses(scene: &SceneSpec) -> Option<Poses> {
+    let (index, acceleration) = acceleration(scene)?;
+    let (start, rotation) = (scene.bodies[index].position, scene.bodies[index].rotation);
+    Some(Box::new(move |time| vec![(index, start + 0.5 * time * time * acceleration, rotation)]))
+}
+
+/// The box, as its index, and its acceleration along the ground, m/s².
+fn acceleration(scene: &SceneSpec) -> Option<(usize, DVec3)> {
     let index = *dynamic(scene).first()?;
     let ground = scene.bodies.iter().find(|body| body.kind == RigidBody::Static)?;
     let sliding = &scene.bodies[index];
     let friction = (sliding.material.friction * ground.material.friction).sqrt();
     let downhill = level(scene.gravity);
     let acceleration = (downhill.length() + friction * scene.gravity.y).max(0.0);
-    let direction = downhill.normalize_or_zero();
-    let start = sliding.position;
-    let distance = move |sample: &Sample| {
-        let expected = 0.5 * acceleration * sample.time * sample.time * direction;
-        Some(level(sample.bodies[index].position - start).distance(expected))
-    };
-    Some(Truth::largest("way down the slope", "m", distance))
+    Some((index, acceleration * downhill.normalize_or_zero()))
 }
 
 /// The part along the ground: how deep the box rests is not the question here.

@@ -19,6 +19,8 @@ mod stays_put;
 mod top;
 mod trajectory;
 
+use bevy::math::{DQuat, DVec3};
+
 use crate::physics::RigidBody;
 use crate::scene::{BodySpec, SceneSpec};
 
@@ -169,6 +171,21 @@ pub fn of(scene: &SceneSpec) -> Option<Truth> {
     }
 }
 
+/// Where bodies are at a time, s, after the answer: index in the scene's list, centre of mass,
+/// orientation.
+pub type Poses = Box<dyn Fn(f64) -> Vec<(usize, DVec3, DQuat)> + Send + Sync>;
+
+/// The whole motion of a built-in scene, where the answer gives it.
+pub fn poses(scene: &SceneSpec) -> Option<Poses> {
+    match scene.name.as_str() {
+        "pendulum" => pendulum::poses(scene),
+        "heavy_top" => heavy_top::poses(scene),
+        "incline" => incline::poses(scene),
+        "bounce" => bounce::poses(scene),
+        _ => of(scene).filter(|truth| truth.stays).map(|_| stays_put::poses(scene)),
+    }
+}
+
 /// Indices of the bodies that move, in the scene's order.
 fn dynamic(scene: &SceneSpec) -> Vec<usize> {
     let is_dynamic = |body: &BodySpec| body.kind == RigidBody::Dynamic;
@@ -176,7 +193,7 @@ fn dynamic(scene: &SceneSpec) -> Vec<usize> {
 }
 
 /// The joint that holds the body `index`, as the anchor on it, from its centre of mass in body axes.
-fn anchor_on(scene: &SceneSpec, index: usize) -> Option<bevy::math::DVec3> {
+fn anchor_on(scene: &SceneSpec, index: usize) -> Option<DVec3> {
     let name = &scene.bodies[index].name;
     scene.joints.iter().find_map(|joint| {
         if joint.body_b == *name {

@@ -3,32 +3,67 @@
 
 use std::f64::consts::TAU;
 
+use bevy::math::{DQuat, DVec3};
+
 use crate::scene::{SceneSpec, ShapeSpec};
 
 use super::super::run::Sample;
 use super::elliptic::{jacobi, quarter_period};
-use super::{EnergyScale, Truth, anchor_on, dynamic};
+use super::{EnergyScale, Poses, Truth, anchor_on, dynamic};
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
-    let index = *dynamic(scene).first()?;
-    let rod = &scene.bodies[index];
-    let Some(ShapeSpec::Cuboid { size }) = rod.shape else { return None };
-    let to_centre = -anchor_on(scene, index)?; // from the pivot, body axes
-    let lever = to_centre.length();
-    let gravity = scene.gravity.length();
-    let down = scene.gravity / gravity;
-    let start = rod.rotation * to_centre / lever;
-    let outward = (start - start.dot(down) * down).normalize();
-    let pivot_inertia_per_mass = (size.x * size.x + size.y * size.y) / 12.0 + lever * lever;
-    let swing = Swing::new(outward.dot(start).atan2(down.dot(start)), gravity * lever / pivot_inertia_per_mass);
-
+    let Rod { index, to_centre, outward, down, swing, start, .. } = Rod::of(scene)?;
+    let fall = scene.bodies[index].mass? * scene.gravity.length() * to_centre.length() * (1.0 - start.cos());
     let distance = move |sample: &Sample| {
         let along = sample.bodies[index].rotation * to_centre;
         let angle = along.dot(outward).atan2(along.dot(down));
         Some(wrapped(angle - swing.angle(sample.time)).abs())
     };
-    let fall = rod.mass? * gravity * lever * (1.0 - start.dot(down));
     Some(Truth::largest("angle of the rod", "rad", distance).with_energy_scale(EnergyScale::Known(fall)))
+}
+
+/// The rod where the answer has it.
+pub(super) fn poses(scene: &SceneSpec) -> Option<Poses> {
+    let Rod { index, to_centre, outward, down, swing, start } = Rod::of(scene)?;
+    let body = &scene.bodies[index];
+    let rotation = body.rotation;
+    let pivot = body.position - rotation * to_centre;
+    let axis = down.cross(outward);
+    Some(Box::new(move |time| {
+        let rotation = DQuat::from_axis_angle(axis, swing.angle(time) - start) * rotation;
+        vec![(index, pivot + rotation * to_centre, rotation)]
+    }))
+}
+
+/// What the answer needs to know of the scene.
+struct Rod {
+    index: usize,
+    /// From the pivot, body axes.
+    to_centre: DVec3,
+    /// Level, to the side that it starts on.
+    outward: DVec3,
+    down: DVec3,
+    swing: Swing,
+    /// Angle from hanging, rad.
+    start: f64,
+}
+
+impl Rod {
+    fn of(scene: &SceneSpec) -> Option<Self> {
+        let index = *dynamic(scene).first()?;
+        let rod = &scene.bodies[index];
+        let Some(ShapeSpec::Cuboid { size }) = rod.shape else { return None };
+        let to_centre = -anchor_on(scene, index)?;
+        let lever = to_centre.length();
+        let gravity = scene.gravity.length();
+        let down = scene.gravity / gravity;
+        let along = rod.rotation * to_centre / lever;
+        let outward = (along - along.dot(down) * down).normalize();
+        let start = outward.dot(along).atan2(down.dot(along));
+        let pivot_inertia_per_mass = (size.x * size.x + size.y * size.y) / 12.0 + lever * lever;
+        let swing = Swing::new(start, gravity * lever / pivot_inertia_per_mass);
+        Some(Self { index, to_centre, outward, down, swing, start })
+    }
 }
 
 /// A pendulum released at rest.

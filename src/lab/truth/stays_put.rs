@@ -3,7 +3,7 @@
 use crate::scene::SceneSpec;
 
 use super::super::run::Sample;
-use super::{Truth, dynamic};
+use super::{Poses, Truth, dynamic};
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     // Gravity turned out of the plane of a joint grid makes it swing.
@@ -16,4 +16,11 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
         Some(moves.fold(0.0, f64::max))
     };
     Some(Truth::largest("largest move of a body that should stay", "m", distance).that_stays())
+}
+
+/// Every body where it starts.
+pub(super) fn poses(scene: &SceneSpec) -> Poses {
+    let start = |index: usize| (index, scene.bodies[index].position, scene.bodies[index].rotation);
+    let starts: Vec<_> = dynamic(scene).into_iter().map(start).collect();
+    Box::new(move |_| starts.clone())
 }

@@ -6,6 +6,7 @@
 
 mod build;
 mod buttons;
+mod chart;
 mod playback;
 mod readouts;
 mod scenes;
@@ -15,13 +16,14 @@ mod theme;
 mod toast;
 mod world;
 
+pub use chart::{ChartSource, measure_chart};
 pub(super) use theme::{Quantity, palette};
 
 use bevy::prelude::*;
 use bevy_egui::{EguiContext, EguiPrimaryContextPass, PrimaryEguiContext, egui};
 
 use super::state::Covered;
-use super::{gizmos, plots};
+use super::{ghost, gizmos, plots};
 
 /// Whether the panel is open. Closed by dragging its edge to the side of the window.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +31,7 @@ pub struct PanelOpen(pub bool);
 
 pub(super) fn plugin(app: &mut App) {
     app.insert_resource(PanelOpen(true))
-        .add_plugins((playback::plugin, scenes::plugin, toast::plugin))
+        .add_plugins((playback::plugin, scenes::plugin, chart::plugin, toast::plugin))
         .add_systems(EguiPrimaryContextPass, (theme::apply, show).chain());
 }
 
@@ -86,6 +88,8 @@ fn sections(ui: &mut egui::Ui, world: &mut World) -> Result<bool> {
             section(ui, world, "Build", true, build::show)?;
             section(ui, world, "Gizmos", true, gizmos::show)?;
             let plots_open = section(ui, world, "Plots", true, plots::show)?;
+            section(ui, world, "Ghost", false, ghost::show)?;
+            section(ui, world, "Chart", false, chart::show)?;
             section(ui, world, "Solver", true, solver::show)?;
             section(ui, world, "Selected body", true, selection::show)?;
             section(ui, world, "Read-outs", true, readouts::show)?;

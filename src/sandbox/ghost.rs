@@ -1,0 +1,234 @@
+//! Ghosts: the scene once more by a second method, or its reference answer, translucent over the
+//! first, and how far apart the two are.
+//!
+//! The second method runs in a headless world of its own, made by the same plugin from the same
+//! scene, and is stepped after the first up to the same simulation time; only its poses are drawn.
+//! Hands and what they build reach the first world alone.
+
+use bevy::math::{DQuat, DVec3};
+use bevy::picking::Pickable;
+use bevy::prelude::*;
+use bevy_egui::egui;
+
+use super::{CurrentScene, SandboxAction};
+use crate::lab::Simulation;
+use crate::lab::chart::SERIES;
+use crate::lab::truth;
+use crate::physics::{PhysicsSchedule, PhysicsSystems, Position, RenderOrigin, RigidBody, SolverSettings, StepStats};
+use crate::scene::SceneSpec;
+
+/// What is drawn as a ghost.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GhostChoice {
+    /// Nothing.
+    #[default]
+    Off,
+    /// The method of that index in [`SERIES`].
+    Method(usize),
+    /// The reference answer, for scenes whose answer gives the whole motion.
+    Reference,
+}
+
+/// Largest distance between a body's centre and its ghost's after the last step, m; none without
+/// a ghost.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+pub struct GhostDistance(pub Option<f64>);
+
+pub(super) fn plugin(app: &mut App) {
+    app.init_resource::<GhostChoice>()
+        .init_resource::<GhostDistance>()
+        .insert_non_send(Ghost::default())
+        .add_systems(PreUpdate, restart)
+        .add_systems(PhysicsSchedule, follow.after(PhysicsSystems::Diagnose))
+        .add_systems(Update, dress)
+        .add_systems(PostUpdate, place.before(TransformSystems::Propagate));
+}
+
+/// A body and its ghost.
+struct Pair {
+    /// In the scene's list.
+    index: usize,
+    /// In the first world.
+    body: Entity,
+    /// What is drawn.
+    ghost: Entity,
+    /// Before and after the ghost's last step.
+    poses: [(DVec3, DQuat); 2],
+}
+
+/// Where ghosts are, by index in the scene's list.
+enum Source {
+    Method(Box<Simulation>),
+    Reference(truth::Poses),
+}
+
+impl Source {
+    fn of(choice: GhostChoice, scene: &SceneSpec, threads: u32) -> Option<Self> {
+        match choice {
+            GhostChoice::Off => None,
+            GhostChoice::Method(index) => {
+                let settings = SolverSettings { threads, ..(SERIES.get(index)?.base)() };
+                Some(Self::Method(Box::new(Simulation::new(scene.clone(), settings))))
+            }
+            GhostChoice::Reference => truth::poses(scene).map(Self::Reference),
+        }
+    }
+
+    /// Goes on to a time, s, and tells where the bodies are then.
+    fn advance(&mut self, time: f64) -> Vec<(usize, DVec3, DQuat)> {
+        match self {
+            Self::Method(simulation) => {
+                // Half a step short of it is as near as whole steps come.
+                let half = 0.5 * simulation.world().resource::<SolverSettings>().step();
+                while simulation.sample().time < time - half {
+                    simulation.step();
+                }
+                let bodies = simulation.sample().bodies.iter().enumerate();
+                bodies.map(|(index, body)| (index, body.position, body.rotation)).collect()
+            }
+            Self::Reference(poses) => poses(time),
+        }
+    }
+}
+
+/// The ghost at work.
+#[derive(Default)]
+pub(super) struct Ghost {
+    source: Option<Source>,
+    pairs: Vec<Pair>,
+    /// Simulation time at its start, s: the world's clock runs on when a scene is replaced.
+    start: f64,
+}
+
+/// Starts ghost and scene together: at a new scene, a reset, or another choice.
+fn restart(
+    mut commands: Commands,
+    choice: Res<GhostChoice>,
+    scene: Option<Res<CurrentScene>>,
+    settings: Res<SolverSettings>,
+    stats: Res<StepStats>,
+    mut ghost: NonSendMut<Ghost>,
+    mut distance: ResMut<GhostDistance>,
+    mut actions: MessageWriter<SandboxAction>,
+) {
+    let Some(scene) = scene else { return };
+    if !scene.is_changed() {
+        if choice.is_changed() && !choice.is_added() {
+            // The reset changes the scene, and that starts the ghost.
+            actions.write(SandboxAction::Reset);
+        }
+        return;
+    }
+    for pair in ghost.pairs.drain(..) {
+        commands.entity(pair.ghost).despawn();
+    }
+    distance.0 = None;
+    ghost.start = stats.time;
+    ghost.source = Source::of(*choice, &scene.spec, settings.threads);
+    let Some(source) = &mut ghost.source else { return };
+    let moving = |&(index, ..): &(usize, DVec3, DQuat)| {
+        let body = &scene.spec.bodies[index];
+        body.kind == RigidBody::Dynamic && body.shape.is_some()
+    };
+    let starts: Vec<_> = source.advance(0.0).into_iter().filter(moving).collect();
+    ghost.pairs = starts
+        .into_iter()
+        .map(|(index, position, rotation)| Pair {
+            index,
+            body: scene.entities.bodies[index],
+            ghost: commands.spawn((Name::new("ghost"), Transform::default(), Pickable::IGNORE)).id(),
+            poses: [(position, rotation); 2],
+        })
+        .collect();
+}
+
+/// After the step of the first world: the same time in the second.
+pub(super) fn follow(
+    stats: Res<StepStats>,
+    bodies: Query<&Position>,
+    mut ghost: NonSendMut<Ghost>,
+    mut distance: ResMut<GhostDistance>,
+) {
+    let Ghost { source: Some(source), pairs, start } = &mut *ghost else { return };
+    let poses = source.advance(stats.time - *start);
+    let mut farthest: f64 = 0.0;
+    // Both go up by index.
+    let mut poses = poses.into_iter();
+    for pair in pairs {
+        let Some((_, position, rotation)) = poses.by_ref().find(|(index, ..)| *index == pair.index) else { break };
+        pair.poses = [pair.poses[1], (position, rotation)];
+        if let Ok(body) = bodies.get(pair.body) {
+            farthest = farthest.max(body.0.distance(position));
+        }
+    }
+    distance.0 = Some(farthest);
+}
+
+/// Gives ghosts the meshes of their bodies, in glass.
+fn dress(
+    mut commands: Commands,
+    ghost: NonSend<Ghost>,
+    meshes: Query<&Mesh3d>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut glass: Local<Option<Handle<StandardMaterial>>>,
+) {
+    for pair in &ghost.pairs {
+        if meshes.contains(pair.ghost) {
+            continue;
+        }
+        let Ok(mesh) = meshes.get(pair.body) else { continue };
+        let material = glass.get_or_insert_with(|| {
+            materials.add(StandardMaterial {
+                base_color: Color::srgba(0.75, 0.9, 1.0, 0.35),
+                alpha_mode: AlphaMode::Blend,
+                perceptual_roughness: 0.4,
+                ..default()
+            })
+        });
+        commands.entity(pair.ghost).insert((mesh.clone(), MeshMaterial3d(material.clone())));
+    }
+}
+
+/// Between the last two poses, as bodies are.
+fn place(
+    fixed: Res<Time<Fixed>>,
+    origin: Res<RenderOrigin>,
+    ghost: NonSend<Ghost>,
+    mut transforms: Query<&mut Transform>,
+) {
+    let alpha = fixed.overstep_fraction_f64();
+    for pair in &ghost.pairs {
+        let [(from_position, from_rotation), (position, rotation)] = pair.poses;
+        if let Ok(mut transform) = transforms.get_mut(pair.ghost) {
+            transform.translation = (from_position.lerp(position, alpha) - origin.0).as_vec3();
+            transform.rotation = from_rotation.slerp(rotation, alpha).as_quat();
+        }
+    }
+}
+
+/// The section of the panel.
+pub(super) fn show(InMut(ui): InMut<egui::Ui>, scene: Option<Res<CurrentScene>>, mut choice: ResMut<GhostChoice>) {
+    let name = |choice: GhostChoice| match choice {
+        GhostChoice::Off => "none",
+        GhostChoice::Method(index) => SERIES[index].name,
+        GhostChoice::Reference => "reference answer",
+    };
+    let known = scene.is_some_and(|scene| truth::poses(&scene.spec).is_some());
+    let mut picked = *choice;
+    ui.horizontal(|ui| {
+        let about = "the scene once more, translucent, from the start; your hand does not reach it";
+        ui.label("ghost").on_hover_text(about);
+        egui::ComboBox::from_id_salt("ghost").selected_text(name(picked)).show_ui(ui, |ui| {
+            ui.selectable_value(&mut picked, GhostChoice::Off, name(GhostChoice::Off));
+            for index in 0..SERIES.len() {
+                let method = GhostChoice::Method(index);
+                ui.selectable_value(&mut picked, method, name(method));
+            }
+            ui.add_enabled_ui(known, |ui| {
+                ui.selectable_value(&mut picked, GhostChoice::Reference, name(GhostChoice::Reference))
+                    .on_disabled_hover_text("the answer of this scene does not give the whole motion");
+            });
+        });
+    });
+    choice.set_if_neq(picked);
+}

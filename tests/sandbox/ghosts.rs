@@ -1,0 +1,127 @@
+//! Ghosts: a second method or the reference answer beside the scene.
+
+use bevy::prelude::*;
+use plumb::lab::truth;
+use plumb::physics::{Position, SolverSettings};
+use plumb::sandbox::{CurrentScene, GhostChoice, GhostDistance, SandboxAction};
+
+use crate::stage::Stage;
+
+fn open(scene: &str) -> Stage {
+    let mut stage = Stage::open("(bodies: [])");
+    stage.act(SandboxAction::LoadScene { scene: scene.to_owned(), parameters: Vec::new() });
+    stage.frames(3);
+    stage
+}
+
+fn distance(stage: &mut Stage) -> Option<f64> {
+    stage.world().resource::<GhostDistance>().0
+}
+
+fn ghosts(stage: &mut Stage) -> Vec<Vec3> {
+    let world = stage.world();
+    let mut ghosts = world.query::<(&Name, &Transform)>();
+    ghosts.iter(world).filter(|(name, _)| name.as_str() == "ghost").map(|(_, pose)| pose.translation).collect()
+}
+
+#[test]
+fn a_ghost_of_the_same_method_stays_with_its_body() {
+    let mut stage = open("chain");
+    assert_eq!(distance(&mut stage), None);
+    // The second of the series is the default preset.
+    assert_eq!((plumb::lab::chart::SERIES[1].base)(), SolverSettings::default());
+    stage.world().insert_resource(GhostChoice::Method(1));
+    stage.frames(60);
+    assert_eq!(distance(&mut stage), Some(0.0));
+    assert_eq!(ghosts(&mut stage).len(), 11);
+    stage.world().insert_resource(GhostChoice::Off);
+    stage.frames(3);
+    assert_eq!(distance(&mut stage), None);
+    assert!(ghosts(&mut stage).is_empty());
+}
+
+#[test]
+fn a_ghost_of_another_method_goes_its_own_way() {
+    let mut stage = open("chain");
+    stage.world().insert_resource(GhostChoice::Method(0));
+    stage.frames(60);
+    let apart = distance(&mut stage).unwrap();
+    assert!(apart > 1e-3 && apart < 5.0, "{apart} m apart");
+}
+
+#[test]
+fn a_ghost_at_another_rate_keeps_the_time() {
+    let mut stage = open("pendulum");
+    stage.world().resource_mut::<SolverSettings>().hz = 240.0;
+    stage.world().insert_resource(GhostChoice::Method(1));
+    stage.frames(60);
+    // At most a step of 1/60 s behind or before, at no more than 5.4 m/s of the tip's half-way point.
+    let apart = distance(&mut stage).unwrap();
+    assert!(apart > 0.0 && apart < 0.1, "{apart} m apart");
+}
+
+#[test]
+fn the_reference_answer_shows_how_far_off_a_method_is() {
+    let mut stage = open("pendulum");
+    stage.world().insert_resource(GhostChoice::Reference);
+    stage.frames(30);
+    let apart = distance(&mut stage).unwrap();
+    assert!(apart > 0.0 && apart < 0.05, "{apart} m apart");
+    // A rest position is its own answer; its motion is what the ghost tells.
+    let mut stage = open("stack");
+    stage.world().insert_resource(GhostChoice::Reference);
+    stage.frames(30);
+    let top = stage.position("cube 9");
+    let fallen = 9.5 - top.y;
+    assert!((distance(&mut stage).unwrap() - fallen).abs() < 0.2 * fallen, "{fallen} m");
+}
+
+/// At the start, every answer has every body where the scene has it.
+#[test]
+fn reference_poses_begin_at_the_start() {
+    for info in plumb::scene::catalog() {
+        let scene = info.make(&info.defaults()).unwrap();
+        let Some(poses) = truth::poses(&scene) else { continue };
+        for (index, position, rotation) in poses(0.0) {
+            let body = &scene.bodies[index];
+            assert!(body.position.distance(position) < 1e-12, "{}: {}", scene.name, body.name);
+            assert!(body.rotation.dot(rotation).abs() > 1.0 - 1e-12, "{}: {}", scene.name, body.name);
+        }
+    }
+}
+
+/// Derivatives of the reference poses are the velocities that the scene starts with.
+#[test]
+fn reference_poses_move_as_the_scene_starts() {
+    let h = 1e-6;
+    for name in ["pendulum", "heavy_top", "incline", "bounce"] {
+        let info = plumb::scene::find(name).unwrap();
+        let scene = info.make(&info.defaults()).unwrap();
+        let poses = truth::poses(&scene).unwrap();
+        for ((index, start, from), (_, later, to)) in poses(0.0).into_iter().zip(poses(h)) {
+            let body = &scene.bodies[index];
+            let linear = (later - start) / h;
+            let angular = (to * from.inverse()).to_scaled_axis() / h;
+            // Accelerations are some tens of m/s² and thousands of rad/s².
+            assert!(linear.distance(body.linear_velocity) < 1e-4, "{name}: {linear}");
+            assert!(angular.distance(body.angular_velocity) < 1e-2, "{name}: {angular}");
+        }
+    }
+}
+
+#[test]
+fn deleting_a_body_leaves_its_ghost_harmless() {
+    let mut stage = open("pendulum");
+    stage.world().insert_resource(GhostChoice::Method(1));
+    stage.frames(5);
+    let rod = stage.world().resource::<CurrentScene>().entities.bodies.clone();
+    for body in rod {
+        stage.world().despawn(body);
+    }
+    stage.frames(10);
+    let world = stage.world();
+    assert_eq!(world.query::<&Position>().iter(world).count(), 0);
+    stage.act(SandboxAction::Reset);
+    stage.frames(5);
+    assert_eq!(distance(&mut stage), Some(0.0));
+}
