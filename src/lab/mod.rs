@@ -13,8 +13,10 @@ pub mod sweep;
 mod trajectory;
 pub mod truth;
 pub mod verdict;
+mod whole_file;
 
 pub use metrics::{EnergyMetrics, Metrics, QuarantinedEntity, Shares, StepCounts, StepMilliseconds, TruthMetrics};
 pub use run::{BodyState, MOST_STEPS, Plan, PlanError, Sample, Simulation, measure};
-pub use settings_file::{SettingsFileError, read_settings, write_settings};
+pub use settings_file::{SettingsFileError, read_settings, settings_text, write_settings};
 pub use trajectory::TrajectoryWriter;
+pub use whole_file::write_whole;

@@ -9,6 +9,7 @@ use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;
 use serde::de::{Deserializer, Error as _, IgnoredAny, MapAccess, Visitor};
 
+use super::whole_file::write_whole;
 use crate::physics::{SettingsError, SolverSettings};
 
 /// Why there are no settings, in one line that names the place.
@@ -69,8 +70,13 @@ pub fn read_settings(path: &Path) -> Result<SolverSettings, SettingsFileError> {
 /// # Errors
 /// The file cannot be written.
 pub fn write_settings(path: &Path, settings: &SolverSettings) -> io::Result<()> {
+    write_whole(path, &settings_text(settings))
+}
+
+/// What [`write_settings`] writes.
+pub fn settings_text(settings: &SolverSettings) -> String {
     let text = options().to_string_pretty(settings, PrettyConfig::new()).expect("numbers and names always have a text");
-    std::fs::write(path, text + "\n")
+    text + "\n"
 }
 
 /// All settings on one line, as a settings file may have them.

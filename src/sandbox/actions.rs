@@ -1,11 +1,14 @@
 //! What a user can ask for. Keys and buttons write the same messages.
 
+use std::path::PathBuf;
+
 use bevy::app::FixedMain;
 use bevy::prelude::*;
 
 use super::build::UndoStack;
 use super::camera::{self, Framing};
-use super::{CurrentScene, Notice, Playback, Selection, build, panel, screenshot};
+use super::reload::Watch;
+use super::{CurrentScene, Notice, Playback, Selection, build, files, panel, screenshot};
 use crate::physics::{Collider, Position, RigidBody, Velocity};
 use crate::scene::{self, BodyColor, SceneEntity, SceneSpec, SpawnedScene};
 
@@ -20,6 +23,9 @@ pub enum SandboxAction {
         /// Parameters that differ from their defaults.
         parameters: Vec<(String, f64)>,
     },
+    /// Reads the scene's file again, seen from the same place; done by itself when the file
+    /// changes. What is wrong with it is said, and the old one stays.
+    ReloadScene,
     /// Puts the scene back to its start.
     Reset,
     /// Pauses or plays.
@@ -50,6 +56,18 @@ pub enum SandboxAction {
     Escape,
     /// Puts the camera back to where the scene is best seen from.
     FrameScene,
+    /// Saves the solver's settings.
+    SaveSettings {
+        /// A RON file.
+        path: PathBuf,
+        /// Whether what is there may be replaced.
+        overwrite: bool,
+    },
+    /// Takes the solver's settings from a file.
+    LoadSettings {
+        /// A RON file.
+        path: PathBuf,
+    },
     /// Writes the picture to the next free `plumb-N.png` in the working directory.
     Screenshot,
     /// Shows or hides the help.
@@ -76,7 +94,10 @@ pub(super) fn carry_out_actions(
 fn carry_out(world: &mut World, action: SandboxAction) {
     match action {
         SandboxAction::LoadScene { scene, parameters } => load_scene(world, scene, parameters),
+        SandboxAction::ReloadScene => reload_scene(world),
         SandboxAction::Reset => reset(world),
+        SandboxAction::SaveSettings { path, overwrite } => files::save_settings(world, &path, overwrite),
+        SandboxAction::LoadSettings { path } => files::load_settings(world, &path),
         SandboxAction::TogglePause => {
             let mut playback = world.resource_mut::<Playback>();
             playback.paused = !playback.paused;
@@ -106,15 +127,37 @@ fn carry_out(world: &mut World, action: SandboxAction) {
 }
 
 fn load_scene(world: &mut World, scene: String, parameters: Vec<(String, f64)>) {
+    let watch = Watch::on(&scene);
     match scene::load(&scene, &parameters) {
         Ok(spec) => {
             let entities = replace_bodies(world, &spec);
             world.insert_resource(CurrentScene { scene, parameters, spec, entities });
+            world.insert_resource(watch);
             *world.resource_mut::<Notice>() = Notice::None;
             frame_scene(world);
         }
         Err(error) => *world.resource_mut::<Notice>() = Notice::Error(error.to_string()),
     }
+}
+
+fn reload_scene(world: &mut World) {
+    let Some(mut current) = world.get_resource::<CurrentScene>().cloned() else { return };
+    let mut watch = Watch::on(&current.scene);
+    let notice = match scene::load(&current.scene, &current.parameters) {
+        Ok(spec) => {
+            current.entities = replace_bodies(world, &spec);
+            current.spec = spec;
+            let notice = Notice::Info(format!("reloaded {}", current.scene));
+            world.insert_resource(current);
+            notice
+        }
+        Err(error) => {
+            watch.problem = Some(error.to_string());
+            Notice::Error(error.to_string())
+        }
+    };
+    world.insert_resource(watch);
+    world.insert_resource(notice);
 }
 
 /// The camera stays: whoever resets wants to see the same thing again.

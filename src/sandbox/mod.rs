@@ -15,6 +15,7 @@ mod build;
 mod camera;
 pub mod controls;
 mod drag;
+mod files;
 mod ghost;
 mod gizmos;
 mod ground;
@@ -26,6 +27,7 @@ mod panel;
 mod playback;
 mod plots;
 mod quality;
+mod reload;
 mod screenshot;
 mod sky;
 mod state;
@@ -53,7 +55,7 @@ impl Plugin for SandboxPlugin {
         app.add_plugins((PhysicsPlugin::default(), MeshPickingPlugin, EguiPlugin::default(), PanOrbitCameraPlugin))
             .add_plugins((state::plugin, playback::plugin, actions::plugin, controls::plugin, screenshot::plugin))
             .add_plugins((quality::plugin, camera::plugin, light::plugin, sky::plugin, ground::plugin, meshes::plugin))
-            .add_plugins((drag::plugin, highlight::plugin, build::plugin))
+            .add_plugins((drag::plugin, highlight::plugin, build::plugin, reload::plugin))
             .add_plugins((panel::plugin, plots::plugin, ghost::plugin, gizmos::plugin, help::plugin));
     }
 }

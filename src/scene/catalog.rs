@@ -125,12 +125,12 @@ pub fn find(name: &str) -> Option<&'static SceneInfo> {
 }
 
 /// A scene by built-in name or path to a RON file, with parameters as given on the command line
-/// (`n=40`); checked. What ends in `.ron` or has a path separator in it is a path.
+/// (`n=40`); checked. [`is_path`] tells the one from the other.
 ///
 /// # Errors
 /// An unknown scene or parameter, a value out of range, or whatever is wrong with the file.
 pub fn load(scene: &str, parameters: &[(String, f64)]) -> Result<SceneSpec, SceneError> {
-    if scene.ends_with(".ron") || scene.contains(std::path::is_separator) {
+    if is_path(scene) {
         return match parameters.first() {
             None => format::read(scene),
             Some((parameter, _)) => Err(SceneError::UnknownParameter {
@@ -143,6 +143,12 @@ pub fn load(scene: &str, parameters: &[(String, f64)]) -> Result<SceneSpec, Scen
     let info =
         find(scene).ok_or_else(|| SceneError::UnknownScene { name: scene.to_owned(), nearest: nearest_name(scene) })?;
     info.make(&info.values(parameters)?)
+}
+
+/// Whether that is a path, and not the name of a built-in scene: it ends in `.ron` or has a path
+/// separator in it.
+pub fn is_path(scene: &str) -> bool {
+    scene.ends_with(".ron") || scene.contains(std::path::is_separator)
 }
 
 /// The built-in name that takes the fewest edits to reach, if at most a third of it is wrong.

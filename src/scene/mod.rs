@@ -17,7 +17,7 @@ mod spawn;
 mod spec;
 mod validate;
 
-pub use catalog::{Parameter, SceneInfo, catalog, find, load};
+pub use catalog::{Parameter, SceneInfo, catalog, find, is_path, load};
 pub use error::SceneError;
 pub use hull::HullSpec;
 pub use mesh::{MAX_MESH_BYTES, MeshError, MeshSpec, PictureMesh, TriangleMesh, builtin_meshes};

@@ -4,6 +4,7 @@ mod actions;
 mod building;
 mod chart;
 mod dragging;
+mod files;
 mod ghosts;
 mod keys;
 mod panel;

@@ -1,4 +1,4 @@
-//! The panel at the right: playback, scenes, building, solver, plots, gizmos, read-outs.
+//! The panel at the right: playback, scenes, building, files, solver, plots, gizmos, read-outs.
 //!
 //! Each section is a system that is handed egui's `Ui`, so that it names the resources it shows
 //! and nothing else. What a section asks of the sandbox it writes as a
@@ -7,6 +7,7 @@
 mod build;
 mod buttons;
 mod chart;
+mod files;
 mod playback;
 mod readouts;
 mod scenes;
@@ -31,7 +32,7 @@ pub struct PanelOpen(pub bool);
 
 pub(super) fn plugin(app: &mut App) {
     app.insert_resource(PanelOpen(true))
-        .add_plugins((playback::plugin, scenes::plugin, chart::plugin, toast::plugin))
+        .add_plugins((playback::plugin, scenes::plugin, files::plugin, chart::plugin, toast::plugin))
         .add_systems(EguiPrimaryContextPass, (theme::apply, show).chain());
 }
 
@@ -86,6 +87,7 @@ fn sections(ui: &mut egui::Ui, world: &mut World) -> Result<bool> {
             ui.set_max_width(ui.available_width() - SCROLL_BAR);
             section(ui, world, "Scene", true, scenes::show)?;
             section(ui, world, "Build", true, build::show)?;
+            section(ui, world, "Files", true, files::show)?;
             section(ui, world, "Gizmos", true, gizmos::show)?;
             let plots_open = section(ui, world, "Plots", true, plots::show)?;
             section(ui, world, "Ghost", false, ghost::show)?;

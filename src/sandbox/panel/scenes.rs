@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_egui::egui;
 
+use super::super::reload::Watch;
 use super::super::{CurrentScene, Notice, SandboxAction};
 use crate::scene::{Parameter, SceneInfo, catalog, find};
 
@@ -58,6 +59,7 @@ pub(super) fn show(
     InMut(ui): InMut<egui::Ui>,
     scene: Option<Res<CurrentScene>>,
     notice: Res<Notice>,
+    watch: Res<Watch>,
     mut form: ResMut<SceneForm>,
     mut actions: MessageWriter<SandboxAction>,
 ) {
@@ -88,7 +90,13 @@ pub(super) fn show(
             actions.write(SandboxAction::LoadScene { scene: form.path.trim().into(), parameters: Vec::new() });
         }
     });
-    if let Notice::Error(error) = &*notice {
+    let said = match &*notice {
+        Notice::Error(error) => Some(error),
+        _ => None,
+    };
+    // The file's own problem stays until the file is mended.
+    let lasting = watch.problem.as_ref().filter(|problem| Some(*problem) != said);
+    for error in lasting.into_iter().chain(said) {
         ui.colored_label(ui.visuals().error_fg_color, error);
     }
 }

@@ -1,0 +1,106 @@
+//! Where settings are saved.
+
+use bevy::prelude::*;
+use bevy_egui::egui;
+
+use super::super::SandboxAction;
+use super::super::files::file_path;
+
+pub(super) fn plugin(app: &mut App) {
+    app.init_resource::<FilesForm>();
+}
+
+/// What the section's widgets hold.
+#[derive(Resource)]
+pub(super) struct FilesForm {
+    settings: PathField,
+}
+
+/// A path, and whether the user was told that something is there.
+#[derive(Default)]
+struct PathField {
+    text: String,
+    warned: bool,
+}
+
+impl Default for FilesForm {
+    fn default() -> Self {
+        let settings = PathField { text: "settings.ron".into(), warned: false };
+        Self { settings }
+    }
+}
+
+pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut form: ResMut<FilesForm>, mut actions: MessageWriter<SandboxAction>) {
+    let FilesForm { settings } = &mut *form;
+    egui::Grid::new("files").num_columns(2).spacing([8.0, 4.0]).show(ui, |ui| {
+        ui.label("settings").on_hover_text("all settings of the solver; 'plumb run --settings FILE' reads them too");
+        ui.horizontal(|ui| {
+            settings.edit(ui, 142.0);
+            if let Some(overwrite) = settings.save_button(ui) {
+                actions.write(SandboxAction::SaveSettings { path: file_path(&settings.text), overwrite });
+            }
+            if ui.button("Load").clicked() {
+                actions.write(SandboxAction::LoadSettings { path: file_path(&settings.text) });
+            }
+        });
+        ui.end_row();
+    });
+}
+
+impl PathField {
+    /// The text field, leaving room at its right.
+    fn edit(&mut self, ui: &mut egui::Ui, room: f32) {
+        let field = egui::TextEdit::singleline(&mut self.text).desired_width(ui.available_width() - room);
+        if ui.add(field).changed() {
+            self.warned = false;
+        }
+    }
+
+    /// Tells, when the user has decided to save, whether to overwrite.
+    fn save_button(&mut self, ui: &mut egui::Ui) -> Option<bool> {
+        let label = match self.asks() {
+            true => egui::RichText::new("Overwrite?").color(ui.visuals().warn_fg_color),
+            false => "Save".into(),
+        };
+        let button = egui::Button::new(label).min_size(egui::vec2(SAVE_WIDTH, 0.0));
+        let clicked = ui.add_enabled(!self.text.trim().is_empty(), button).clicked();
+        clicked.then(|| self.click()).flatten()
+    }
+
+    /// Whether the next click overwrites a file.
+    fn asks(&self) -> bool {
+        self.warned && file_path(&self.text).exists()
+    }
+
+    /// Where a file is there already, a first click only warns.
+    fn click(&mut self) -> Option<bool> {
+        let overwrite = self.asks();
+        self.warned = !overwrite && file_path(&self.text).exists();
+        (!self.warned).then_some(overwrite)
+    }
+}
+
+/// Wide enough for the question, so that the button stays put.
+const SAVE_WIDTH: f32 = 76.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_is_there_takes_two_clicks() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.ron");
+        let mut field = PathField { text: path.to_str().unwrap().into(), warned: false };
+        assert_eq!(field.click(), Some(false), "nothing is there");
+        std::fs::write(&path, "").unwrap();
+        assert_eq!(field.click(), None);
+        assert!(field.asks());
+        assert_eq!(field.click(), Some(true));
+        assert!(!field.asks(), "and the next time it asks again");
+        assert_eq!(field.click(), None);
+        // Gone meanwhile: there is nothing to overwrite any more.
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!(field.click(), Some(false));
+    }
+}

@@ -1,0 +1,198 @@
+//! Scenes and settings in files: saved, loaded, and read again when they change.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use bevy::prelude::*;
+use plumb::lab::read_settings;
+use plumb::physics::{RigidBody, SolverSettings};
+use plumb::sandbox::{CurrentScene, Notice, SandboxAction};
+
+use crate::stage::Stage;
+
+/// A folder of its own with a scene in it, and the sandbox on that scene.
+struct Desk {
+    stage: Stage,
+    folder: tempfile::TempDir,
+}
+
+/// A row of balls.
+fn balls(count: usize) -> String {
+    let ball = |i| format!("(name: \"ball {i}\", shape: Sphere(radius: 0.3), position: ({i}, 3, 0)),\n");
+    let balls: String = (0..count).map(ball).collect();
+    format!("(bodies: [\n{balls}], view: (eye: (0, 2, 12), target: (0, 2, 0)))")
+}
+
+impl Desk {
+    fn with(scene: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let mut desk = Self { stage: Stage::open("()"), folder };
+        desk.write(scene);
+        let scene = desk.path("scene.ron").to_str().unwrap().to_owned();
+        desk.stage.act(SandboxAction::LoadScene { scene, parameters: Vec::new() });
+        desk.stage.frames(2);
+        desk
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn write(&self, scene: &str) {
+        fs::write(self.path("scene.ron"), scene).unwrap();
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.folder.path()).unwrap();
+        let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    fn notice(&mut self) -> Notice {
+        self.stage.world().resource::<Notice>().clone()
+    }
+
+    #[track_caller]
+    fn refusal(&mut self) -> String {
+        let Notice::Error(reason) = self.notice() else { panic!("no refusal but {:?}", self.notice()) };
+        assert_eq!(reason.lines().count(), 1, "{reason}");
+        reason
+    }
+
+    fn bodies(&mut self) -> usize {
+        let world = self.stage.world();
+        world.query::<&RigidBody>().iter(world).count()
+    }
+
+    /// A second passes.
+    fn wait(&mut self) {
+        self.stage.frames(60);
+    }
+}
+
+#[test]
+fn a_scene_whose_file_changes_starts_anew_seen_from_the_same_place() {
+    let mut desk = Desk::with(&balls(2));
+    desk.stage.move_to(Vec2::new(300.0, 300.0));
+    desk.stage.wheel(-1.0);
+    desk.stage.wheel(-3.0);
+    desk.stage.frames(90);
+    let (camera, height) = (desk.stage.camera(), desk.stage.position("ball 0").y);
+    assert_eq!(desk.notice(), Notice::None, "nothing to read again as long as nothing changes");
+
+    desk.write(&balls(3));
+    desk.wait();
+    assert_eq!(desk.bodies(), 3);
+    assert!(matches!(desk.notice(), Notice::Info(text) if text.contains("reloaded")));
+    assert!(desk.stage.position("ball 0").y > height, "from its start");
+    assert_eq!(desk.stage.camera(), camera);
+    assert_eq!(desk.stage.world().resource::<CurrentScene>().spec.bodies.len(), 3, "a reset leads there too");
+}
+
+#[test]
+fn a_file_that_is_broken_is_named_and_read_once_it_is_mended() {
+    let mut desk = Desk::with(&balls(2));
+    desk.write("(bodies: [(name: 7)])");
+    desk.wait();
+    let reason = desk.refusal();
+    assert!(reason.contains("scene.ron:1:"), "{reason}");
+    let height = desk.stage.position("ball 0").y;
+    desk.stage.frames(10);
+    assert_eq!(desk.bodies(), 2);
+    assert!(desk.stage.position("ball 0").y < height, "the old scene goes on");
+
+    // Said once: what the user is told meanwhile is not overwritten.
+    desk.stage.act(SandboxAction::Undo);
+    let said = desk.notice();
+    desk.wait();
+    assert_eq!(desk.notice(), said);
+
+    desk.write(&balls(4));
+    desk.wait();
+    assert_eq!(desk.bodies(), 4);
+}
+
+#[test]
+fn an_editor_that_replaces_the_file_is_waited_for() {
+    let mut desk = Desk::with(&balls(2));
+    fs::remove_file(desk.path("scene.ron")).unwrap();
+    desk.wait();
+    assert_eq!((desk.bodies(), desk.notice()), (2, Notice::None), "gone is not broken");
+    let new = desk.path("new");
+    fs::write(&new, balls(5)).unwrap();
+    fs::rename(new, desk.path("scene.ron")).unwrap();
+    desk.wait();
+    assert_eq!(desk.bodies(), 5);
+}
+
+#[test]
+fn a_half_written_file_is_not_read() {
+    let mut desk = Desk::with(&balls(2));
+    let whole = balls(6);
+    for end in (10..whole.len()).step_by(20) {
+        desk.write(&whole[..end]);
+        desk.stage.frames(9);
+        assert_eq!((desk.bodies(), desk.notice()), (2, Notice::None), "at {end} of {} bytes", whole.len());
+    }
+    desk.write(&whole);
+    desk.wait();
+    assert_eq!(desk.bodies(), 6);
+}
+
+#[test]
+fn only_the_file_of_the_scene_on_view_is_watched() {
+    let mut desk = Desk::with(&balls(2));
+    desk.stage.act(SandboxAction::LoadScene { scene: "stack".into(), parameters: vec![("n".into(), 3.0)] });
+    let bodies = desk.bodies();
+    desk.write(&balls(7));
+    desk.wait();
+    assert_eq!((desk.bodies(), desk.notice()), (bodies, Notice::None));
+}
+
+#[test]
+fn settings_come_back_from_their_file() {
+    let mut desk = Desk::with(&balls(1));
+    let path = desk.path("settings.ron");
+    let mine = SolverSettings { hz: 123.456, correction_speed: None, substeps: 7, ..SolverSettings::classic() };
+    desk.stage.world().insert_resource(mine);
+    desk.stage.act(SandboxAction::SaveSettings { path: path.clone(), overwrite: false });
+    assert!(matches!(desk.notice(), Notice::Info(text) if text.contains("settings.ron")));
+    assert_eq!(read_settings(&path).unwrap(), mine, "as 'plumb run --settings' reads them");
+
+    desk.stage.world().insert_resource(SolverSettings::default());
+    desk.stage.act(SandboxAction::LoadSettings { path });
+    assert_eq!(*desk.stage.world().resource::<SolverSettings>(), mine);
+}
+
+#[test]
+fn a_file_is_overwritten_only_when_told_so() {
+    let mut desk = Desk::with(&balls(1));
+    let path = desk.path("precious.ron");
+    fs::write(&path, "precious").unwrap();
+    desk.stage.act(SandboxAction::SaveSettings { path: path.clone(), overwrite: false });
+    assert!(desk.refusal().contains("exists already"));
+    assert_eq!(fs::read_to_string(&path).unwrap(), "precious");
+    desk.stage.act(SandboxAction::SaveSettings { path: path.clone(), overwrite: true });
+    assert!(read_settings(&path).is_ok());
+    assert_eq!(desk.names(), ["precious.ron", "scene.ron"], "no draft is left");
+}
+
+#[test]
+fn a_file_that_cannot_be_is_refused_in_one_line() {
+    let mut desk = Desk::with(&balls(1));
+    for path in [desk.path("no/such/folder/settings.ron"), desk.path(""), PathBuf::new()] {
+        desk.stage.act(SandboxAction::SaveSettings { path: path.clone(), overwrite: true });
+        let reason = desk.refusal();
+        assert!(path == Path::new("") || reason.contains(path.to_str().unwrap()), "{reason}");
+    }
+    let before = *desk.stage.world().resource::<SolverSettings>();
+    let missing = desk.path("missing.ron");
+    desk.stage.act(SandboxAction::LoadSettings { path: missing });
+    assert!(desk.refusal().contains("missing.ron"));
+    let wrong = desk.path("wrong.ron");
+    fs::write(&wrong, "(substeps: 0)").unwrap();
+    desk.stage.act(SandboxAction::LoadSettings { path: wrong });
+    assert!(desk.refusal().contains("wrong.ron:1:"));
+    assert_eq!(*desk.stage.world().resource::<SolverSettings>(), before);
+}
