@@ -39,6 +39,13 @@ pub enum SandboxAction {
     /// Adds a body of the [`super::Blueprint`] on the surface that the pointer is on; with the
     /// pointer off the picture, on the one in its middle.
     SpawnBody,
+    /// Makes the [`super::Blueprint`] a mesh.
+    ChooseMesh {
+        /// The path of an OBJ file, or the name of a mesh that comes with Plumb: `plumb:gem.obj`.
+        file: String,
+        /// Factor on its coordinates.
+        scale: f64,
+    },
     /// Joins the two picked bodies where the second was clicked.
     JoinPicked,
     /// Holds the picked body to the world where it was clicked.
@@ -113,6 +120,7 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         SandboxAction::ThrowBall => throw_ball(world),
         SandboxAction::DeletePicked => build::delete_picked(world),
         SandboxAction::SpawnBody => build::spawn_body(world),
+        SandboxAction::ChooseMesh { file, scale } => build::choose_mesh(world, &file, scale),
         SandboxAction::JoinPicked => build::join_picked(world),
         SandboxAction::PinPicked => build::pin_picked(world),
         SandboxAction::CutPicked => build::cut_picked(world),

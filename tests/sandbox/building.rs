@@ -488,3 +488,61 @@ fn names_stay_unique() {
     names.dedup();
     assert_eq!(names.len(), all, "{names:?}");
 }
+
+/// A slab that lies askew in its own coordinates, far from their origin.
+const SLAB: &str = "v 10 0 0\nv 12 1 0\nv 11.8 1.4 0\nv 9.8 0.4 0\nv 10 0 1\nv 12 1 1\nv 11.8 1.4 1\nv 9.8 0.4 1\n\
+                    f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+#[test]
+fn a_mesh_is_added_as_it_stands_in_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("slab.obj");
+    std::fs::write(&path, SLAB).unwrap();
+    let mut stage = paused(ROOM);
+    let file = path.to_str().unwrap().to_owned();
+    stage.act(SandboxAction::ChooseMesh { file, scale: 0.5 });
+    let point = DVec3::new(0.0, 1.0, 0.0);
+    let seen = stage.seen_at(point);
+    stage.move_to(seen);
+    stage.key(KeyCode::KeyA);
+    let slab = added(&mut stage, "slab");
+    // Its lowest corner is 0.7 below the middle of the file's heights 0 to 1.4, at half the size.
+    let off = place(&mut stage, slab) - (point + DVec3::Y * 0.35);
+    assert!(off.length() < 0.01 && off.y > 0.0, "off by {off}");
+    stage.act(SandboxAction::StepOnce);
+    let mass = stage.world().get::<Mass>(slab).unwrap().0;
+    assert!((mass - 125.0).abs() < 1.0, "0.125 m³ of it weigh {mass} kg");
+
+    // It comes back in the same pose, as the same mesh.
+    *stage.world().resource_mut::<Selection>() = Selection::of(slab);
+    let pose = (place(&mut stage, slab), stage.world().get::<Rotation>(slab).unwrap().0);
+    stage.act(SandboxAction::DeletePicked);
+    stage.act(SandboxAction::Undo);
+    let slab = added(&mut stage, "slab");
+    assert!(stage.world().get::<plumb::scene::PictureMesh>(slab).is_some());
+    assert_eq!(place(&mut stage, slab), pose.0);
+    assert!(stage.world().get::<Rotation>(slab).unwrap().0.angle_between(pose.1) < 1e-6);
+}
+
+#[test]
+fn every_mesh_that_comes_with_plumb_can_be_added() {
+    let mut stage = paused(ROOM);
+    for file in plumb::scene::builtin_meshes() {
+        let before = counts(&mut stage).0;
+        stage.act(SandboxAction::ChooseMesh { file: file.clone(), scale: 1.0 });
+        stage.act(SandboxAction::SpawnBody);
+        assert_eq!(counts(&mut stage).0, before + 1, "{file}: {:?}", notice(&mut stage));
+    }
+}
+
+#[test]
+fn a_mesh_that_cannot_be_had_is_named_and_the_last_shape_stays() {
+    let mut stage = paused(ROOM);
+    let shape = stage.world().resource::<Blueprint>().shape.clone();
+    for (file, scale, words) in
+        [("no/such.obj", 1.0, "such.obj"), ("plumb:no.obj", 1.0, "plumb:"), ("plumb:gem.obj", -1.0, "greater than 0")]
+    {
+        assert_refused(&mut stage, SandboxAction::ChooseMesh { file: file.into(), scale }, words);
+        assert_eq!(stage.world().resource::<Blueprint>().shape, shape);
+    }
+}

@@ -1,9 +1,12 @@
 //! What the next body is to be.
 
+use std::path::Path;
+
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use crate::scene::{BodySpec, ShapeSpec};
+use super::report;
+use crate::scene::{BodySpec, MeshSpec, ShapeSpec, builtin_meshes};
 
 /// What [`SandboxAction::SpawnBody`](crate::sandbox::SandboxAction::SpawnBody) makes.
 #[derive(Resource, Clone, Debug, PartialEq)]
@@ -40,13 +43,13 @@ impl Blueprint {
 
     /// What bodies of it are called, before a number is added.
     pub(super) fn noun(&self) -> &str {
-        match self.shape {
+        match &self.shape {
             ShapeSpec::Sphere { .. } => "ball",
             ShapeSpec::Cuboid { .. } => "box",
             ShapeSpec::Cone { .. } => "cone",
             ShapeSpec::HalfSpace => "ground",
             ShapeSpec::Hull(_) => "block",
-            ShapeSpec::Mesh(_) => "mesh",
+            ShapeSpec::Mesh(mesh) => stem(mesh.file()),
         }
     }
 
@@ -56,6 +59,44 @@ impl Blueprint {
         match self.weight {
             Weight::Density(density) => BodySpec { density, ..body },
             Weight::Mass(mass) => body.with_mass(mass),
+        }
+    }
+}
+
+/// The name of a mesh without folder, ending and `plumb:`.
+pub fn stem(file: &str) -> &str {
+    let name = file.rsplit(['/', '\\', ':']).next().unwrap_or(file);
+    name.strip_suffix(".obj").unwrap_or(name)
+}
+
+/// Makes the next body a mesh: one that comes with Plumb, or an OBJ file.
+pub fn choose_mesh(world: &mut World, file: &str, scale: f64) {
+    let outcome = load_mesh(file, scale).map(|mesh| {
+        world.resource_mut::<Blueprint>().shape = ShapeSpec::Mesh(mesh);
+    });
+    if let Err(reason) = outcome {
+        report(world, Err(reason));
+    }
+}
+
+fn load_mesh(file: &str, scale: f64) -> Result<MeshSpec, String> {
+    if !(scale.is_finite() && scale > 0.0) {
+        return Err(format!("{file}: a scale must be greater than 0, is {scale}"));
+    }
+    let is_builtin = builtin_meshes().any(|name| name == file);
+    // A scene that is saved elsewhere still finds it.
+    let path = if is_builtin { file.into() } else { std::path::absolute(file).map_err(|error| error.to_string())? };
+    MeshSpec::load(&path.to_string_lossy(), Path::new(""), scale).map_err(|error| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::stem;
+
+    #[test]
+    fn a_mesh_is_called_by_its_bare_name() {
+        for file in ["plumb:rock.obj", "rock.obj", "/home/me/rock.obj", "C:\\meshes\\rock.obj", "rock"] {
+            assert_eq!(stem(file), "rock");
         }
     }
 }

@@ -9,6 +9,7 @@ mod spawning;
 mod undo;
 
 pub use blueprint::{Blueprint, Weight};
+pub(super) use blueprint::{choose_mesh, stem};
 pub(super) use joining::{cut, cut_picked, join_picked, pin_picked};
 pub(super) use spawning::{spawn_body, unique_name};
 pub(super) use undo::{UndoStack, delete_picked, undo};

@@ -38,7 +38,7 @@ fn try_spawn(world: &mut World) -> Result<String, String> {
     let aim = world.run_system_cached(camera::aim).ok().flatten().ok_or("there is no picture to put a body into")?;
     let collider = blueprint.shape.collider();
     body.position = world
-        .run_system_cached_with(find_room, (aim, collider))
+        .run_system_cached_with(find_room, (aim, collider, body.principal_rotation()))
         .map_err(|error| error.to_string())?
         .ok_or("there is no room for a body")?;
     let entity = body.spawn(world);
@@ -55,10 +55,10 @@ pub fn unique_name(world: &mut World, noun: &str) -> String {
     std::iter::once(noun.to_owned()).chain(numbered).find(|name| !taken.contains(name.as_str())).expect("a free number")
 }
 
-/// Where a body of that shape rests just above what is aimed at, upright, clear of all that it
-/// would touch. None: everything for a long way up is full.
+/// Where a body of that shape and orientation rests just above what is aimed at, clear of all that
+/// it would touch. None: everything for a long way up is full.
 fn find_room(
-    In((aim, collider)): In<(Aim, Collider)>,
+    In((aim, collider, rotation)): In<(Aim, Collider, DQuat)>,
     mut rays: MeshRayCast,
     grounds: Query<(), With<GroundOf>>,
     bodies: Query<(&Collider, &Position, &Rotation, Option<&CollisionLayers>), With<RigidBody>>,
@@ -69,7 +69,7 @@ fn find_room(
     let at = |position: DVec3| PlacedCollider {
         collider: &collider,
         position: Position(position),
-        rotation: Rotation(DQuat::IDENTITY),
+        rotation: Rotation(rotation),
     };
 
     let solid = |entity| bodies.contains(entity) || grounds.contains(entity);
@@ -81,6 +81,7 @@ fn find_room(
     let mut position = match hit.map(|(_, hit)| hit) {
         Some(hit) if f64::from(hit.distance) < FARTHEST * aim.distance => {
             let normal = hit.normal.as_dvec3().normalize_or(DVec3::Y);
+            let normal = if normal.dot(aim.direction) > 0.0 { -normal } else { normal }; // an open mesh's inside
             let point = origin.0 + hit.point.as_dvec3();
             // A plane through the point says how far the shape reaches below its centre.
             let plane = PlacedCollider {

@@ -3,14 +3,16 @@
 use bevy::prelude::*;
 use bevy_egui::egui;
 
-use super::super::build::UndoStack;
+use super::super::build::{UndoStack, stem};
 use super::super::{Blueprint, SandboxAction, Selection, Weight};
 use super::buttons::{ActionButton, button_row, tooltip};
 use super::theme::Quantity;
-use crate::scene::ShapeSpec;
+use crate::scene::{MeshSpec, ShapeSpec, builtin_meshes};
 
 /// Sizes that can be set, m.
 const SIZES: std::ops::RangeInclusive<f64> = 0.01..=100.0;
+/// Factors on a mesh.
+const SCALES: std::ops::RangeInclusive<f64> = 1e-4..=1e4;
 /// Densities, kg/m³, and masses, kg.
 const DENSITIES: std::ops::RangeInclusive<f64> = 0.1..=1e6;
 const MASSES: std::ops::RangeInclusive<f64> = 1e-3..=1e9;
@@ -22,23 +24,61 @@ const SHAPES: [(&str, ShapeSpec); 3] = [
     ("cone", ShapeSpec::Cone { radius: 0.25, height: 0.6 }),
 ];
 
+/// What the section's widgets hold.
+#[derive(Default)]
+pub(super) struct BuildForm {
+    /// Of an OBJ file.
+    path: String,
+    /// Of a mesh, while it is being changed.
+    scale: Option<f64>,
+}
+
 pub(super) fn show(
     InMut(ui): InMut<egui::Ui>,
     mut blueprint: ResMut<Blueprint>,
+    mut form: Local<BuildForm>,
     selection: Res<Selection>,
     undo: Res<UndoStack>,
     mut actions: MessageWriter<SandboxAction>,
 ) {
     let mut edited = blueprint.clone();
+    let chosen_mesh = match &edited.shape {
+        ShapeSpec::Mesh(mesh) => Some(mesh.clone()),
+        _ => None,
+    };
     ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = egui::vec2(2.0, 2.0);
         for (name, start) in SHAPES {
             let chosen = std::mem::discriminant(&edited.shape) == std::mem::discriminant(&start);
             if ui.selectable_label(chosen, name).clicked() && !chosen {
                 edited.shape = start;
             }
         }
+        for file in builtin_meshes() {
+            let chosen = chosen_mesh.as_ref().is_some_and(|mesh| mesh.file() == file);
+            if ui.selectable_label(chosen, stem(&file)).on_hover_text("a mesh that comes with Plumb").clicked() {
+                actions.write(SandboxAction::ChooseMesh { file, scale: 1.0 });
+            }
+        }
     });
-    ui.horizontal(|ui| sizes(ui, &mut edited.shape));
+    ui.horizontal(|ui| {
+        ui.label("mesh").on_hover_text("path of a Wavefront OBJ file; the body is its convex hull and looks like it");
+        let field = egui::TextEdit::singleline(&mut form.path).hint_text("my_mesh.obj");
+        let entered = ui.add(field.desired_width(ui.available_width() - 50.0)).lost_focus()
+            && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        let given = !form.path.trim().is_empty();
+        if (ui.add_enabled(given, egui::Button::new("Use")).clicked() || entered) && given {
+            actions.write(SandboxAction::ChooseMesh { file: form.path.trim().into(), scale: 1.0 });
+        }
+    });
+    ui.horizontal(|ui| match chosen_mesh {
+        Some(mesh) => {
+            if let Some(scale) = scale(ui, &mesh, &mut form.scale) {
+                actions.write(SandboxAction::ChooseMesh { file: mesh.file().into(), scale });
+            }
+        }
+        None => sizes(ui, &mut edited.shape),
+    });
     ui.horizontal(|ui| weight(ui, &mut edited));
     blueprint.set_if_neq(edited);
 
@@ -77,6 +117,18 @@ fn sizes(ui: &mut egui::Ui, shape: &mut ShapeSpec) {
         }
     }
     ui.label("m");
+}
+
+/// How large a mesh is made: its hull is built anew once the value is let go, which tells it.
+fn scale(ui: &mut egui::Ui, mesh: &MeshSpec, scale: &mut Option<f64>) -> Option<f64> {
+    let mut edited = scale.unwrap_or(mesh.scale());
+    let speed = 0.01 * edited;
+    ui.label("scale");
+    let drag = egui::DragValue::new(&mut edited).range(SCALES).speed(speed).max_decimals(4);
+    let response = ui.add(drag.update_while_editing(false));
+    ui.weak(format!("{} across", Quantity::text(2.0 * mesh.hull().bounding_radius(), "m")));
+    *scale = response.dragged().then_some(edited);
+    (!response.dragged() && edited != mesh.scale()).then_some(edited)
 }
 
 /// Density or mass, and the other one of the two.
