@@ -139,8 +139,8 @@ fn load_scene(world: &mut World, scene: String, parameters: Vec<(String, f64)>) 
     match scene::load(&scene, &parameters) {
         Ok(spec) => {
             let entities = replace_bodies(world, &spec);
+            world.insert_resource(watch.with_meshes(&spec));
             world.insert_resource(CurrentScene { scene, parameters, spec, entities });
-            world.insert_resource(watch);
             *world.resource_mut::<Notice>() = Notice::None;
             frame_scene(world);
         }
@@ -150,10 +150,11 @@ fn load_scene(world: &mut World, scene: String, parameters: Vec<(String, f64)>) 
 
 fn reload_scene(world: &mut World) {
     let Some(mut current) = world.get_resource::<CurrentScene>().cloned() else { return };
-    let mut watch = Watch::on(&current.scene);
+    let mut watch = Watch::on(&current.scene).with_meshes(&current.spec);
     let notice = match scene::load(&current.scene, &current.parameters) {
         Ok(spec) => {
             current.entities = replace_bodies(world, &spec);
+            watch = watch.with_meshes(&spec);
             current.spec = spec;
             let notice = Notice::Info(format!("reloaded {}", current.scene));
             world.insert_resource(current);

@@ -1,33 +1,34 @@
-//! The scene's file is watched: when it changes, the scene starts anew from it, seen from the same
-//! place. A file that no longer makes sense is said to be so, and the running scene goes on.
+//! The scene's file and its meshes are watched: when one changes, the scene starts anew, seen from the
+//! same place. A file that no longer makes sense is said to be so, and the running scene goes on.
 
 use std::fs;
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use bevy::prelude::*;
 
 use super::{CurrentScene, SandboxAction};
-use crate::scene;
+use crate::scene::{self, SceneSpec, ShapeSpec};
 
-/// Seconds between two looks at the file. It is read once two looks in a row have found the same:
-/// it may be half written, or gone for a moment while an editor replaces it.
+/// Seconds between two looks at a file. It is read once two looks in a row have found the same: it
+/// may be half written, or gone for a moment while an editor replaces it.
 const INTERVAL: f64 = 0.25;
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Watch>().add_systems(Update, look.before(super::actions::carry_out_actions));
 }
 
-/// The file of the scene on view, if it has one.
+/// The files of the scene on view: its own, and those of its meshes.
 #[derive(Resource, Clone, Debug, Default)]
 pub(super) struct Watch {
-    /// None: a built-in scene.
-    path: Option<String>,
-    /// As it was when it was last read.
-    read: Option<Stamp>,
-    /// As it was at the last look.
-    seen: Option<Stamp>,
+    /// The scene's own first. None: a built-in scene.
+    files: Vec<PathBuf>,
+    /// As they were when they were last read.
+    read: Vec<Option<Stamp>>,
+    /// As they were at the last look.
+    seen: Vec<Option<Stamp>>,
     last_look: f64,
-    /// What was wrong with it when it was last read.
+    /// What was wrong with them when they were last read.
     pub problem: Option<String>,
 }
 
@@ -38,20 +39,49 @@ impl Watch {
     /// Watches the file of a scene that is about to be read: what is written to it from now on is
     /// news.
     pub fn on(scene: &str) -> Self {
-        let path = scene::is_path(scene).then(|| scene.to_owned());
-        let read = path.as_deref().and_then(stamp);
-        Self { path, read, seen: read, ..default() }
+        let mut watch = Self::default();
+        if scene::is_path(scene) {
+            watch.add(scene.into());
+        }
+        watch
     }
 
-    /// Whether the file now says something else than when it was last read, and has stopped changing.
+    /// Watches the scene's meshes too.
+    pub fn with_meshes(mut self, spec: &SceneSpec) -> Self {
+        if self.files.is_empty() {
+            return self;
+        }
+        for body in &spec.bodies {
+            if let Some(ShapeSpec::Mesh(mesh)) = &body.shape
+                && let Some(path) = mesh.path()
+                && !self.files.iter().any(|file| file == path)
+            {
+                self.add(path.to_owned());
+            }
+        }
+        self
+    }
+
+    fn add(&mut self, file: PathBuf) {
+        let stamp = stamp(&file);
+        self.files.push(file);
+        self.read.push(stamp);
+        self.seen.push(stamp);
+    }
+
+    /// Whether the files now say something else than when they were last read, and have stopped
+    /// changing. Without its own file there is no scene to read.
     fn has_news(&mut self) -> bool {
-        let now = self.path.as_deref().and_then(stamp);
-        let settled = now == std::mem::replace(&mut self.seen, now);
-        settled && now.is_some() && now != self.read
+        let now: Vec<_> = self.files.iter().map(|file| stamp(file)).collect();
+        let is_there = now.first().is_some_and(Option::is_some);
+        let differs = now != self.read;
+        let settled = now == self.seen;
+        self.seen = now;
+        is_there && differs && settled
     }
 }
 
-fn stamp(path: &str) -> Option<Stamp> {
+fn stamp(path: &Path) -> Option<Stamp> {
     let metadata = fs::metadata(path).ok()?;
     Some((metadata.modified().ok()?, metadata.len()))
 }
@@ -63,7 +93,7 @@ fn look(
     mut actions: MessageWriter<SandboxAction>,
 ) {
     let now = clock.elapsed_secs_f64();
-    if scene.is_none() || watch.path.is_none() || now - watch.last_look < INTERVAL {
+    if scene.is_none() || watch.files.is_empty() || now - watch.last_look < INTERVAL {
         return;
     }
     let watch = watch.bypass_change_detection();

@@ -196,3 +196,31 @@ fn a_file_that_cannot_be_is_refused_in_one_line() {
     assert!(desk.refusal().contains("wrong.ron:1:"));
     assert_eq!(*desk.stage.world().resource::<SolverSettings>(), before);
 }
+
+#[test]
+fn a_mesh_that_changes_is_read_again() {
+    let block = |height: f64| {
+        let vertices = |y: f64| format!("v 0 {y} 0\nv 1 {y} 0\nv 1 {y} 1\nv 0 {y} 1\n");
+        let faces = "f 1 2 3 4\nf 8 7 6 5\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\n";
+        format!("{}{}{faces}", vertices(0.0), vertices(height))
+    };
+    let mut desk = Desk::with("()");
+    fs::write(desk.path("block.obj"), block(1.0)).unwrap();
+    desk.write(r#"(bodies: [(name: "block", shape: Mesh(file: "block.obj"))])"#);
+    desk.wait();
+    let volume = |desk: &mut Desk| {
+        let block = desk.stage.body("block");
+        desk.stage.world().get::<plumb::physics::Collider>(block).unwrap().volume()
+    };
+    assert!((volume(&mut desk) - 1.0).abs() < 1e-6);
+    fs::write(desk.path("block.obj"), block(2.25)).unwrap();
+    desk.wait();
+    assert!((volume(&mut desk) - 2.25).abs() < 1e-6);
+    fs::write(desk.path("block.obj"), "v 0 0 0\n").unwrap();
+    desk.wait();
+    assert!(desk.refusal().contains("block.obj"));
+    assert!((volume(&mut desk) - 2.25).abs() < 1e-6);
+    fs::write(desk.path("block.obj"), block(3.0)).unwrap();
+    desk.wait();
+    assert!((volume(&mut desk) - 3.0).abs() < 1e-6);
+}
