@@ -68,11 +68,11 @@ fn try_pin(world: &mut World) -> Result<String, String> {
         return Err(format!("{name} cannot move: there is nothing to pin"));
     }
     let place = place_of(world, picked).ok_or("the picked body is gone")?;
-    let pin_name = unique_name(world, "pin");
-    let pin = BodySpec::pin(&pin_name, place).spawn(world);
+    let pin_name = unique_name(world, "world:pin"); // as scene files name what stands for the world
+    let pin = BodySpec::pin(pin_name, place).spawn(world);
     world.entity_mut(pin).insert(Pin);
     let ball = BallJoint::new(pin, picked.entity).with_anchors(DVec3::ZERO, picked.point);
-    let joint = world.spawn((Name::new(format!("{pin_name} to {name}")), SceneEntity, ball)).id();
+    let joint = world.spawn((Name::new(format!("{name} to the world")), SceneEntity, ball)).id();
     world.resource_mut::<UndoStack>().push(format!("pinning {name}"), Deed::Added(vec![joint, pin]));
     Ok(format!("pinned {name} to the world"))
 }

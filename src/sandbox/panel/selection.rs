@@ -26,6 +26,7 @@ pub(super) fn show(
         return;
     };
     let name_of = |entity| match bodies.get(entity) {
+        Ok((Some(name), ..)) if name.starts_with("world:") => "the world".into(),
         Ok((Some(name), ..)) => name.to_string(),
         _ => entity.to_string(),
     };
