@@ -63,6 +63,13 @@ pub enum SandboxAction {
     Escape,
     /// Puts the camera back to where the scene is best seen from.
     FrameScene,
+    /// Saves the scene as it stands now, with the camera's view.
+    SaveScene {
+        /// A RON file.
+        path: PathBuf,
+        /// Whether what is there may be replaced.
+        overwrite: bool,
+    },
     /// Saves the solver's settings.
     SaveSettings {
         /// A RON file.
@@ -103,6 +110,7 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         SandboxAction::LoadScene { scene, parameters } => load_scene(world, scene, parameters),
         SandboxAction::ReloadScene => reload_scene(world),
         SandboxAction::Reset => reset(world),
+        SandboxAction::SaveScene { path, overwrite } => files::save_scene(world, &path, overwrite),
         SandboxAction::SaveSettings { path, overwrite } => files::save_settings(world, &path, overwrite),
         SandboxAction::LoadSettings { path } => files::load_settings(world, &path),
         SandboxAction::TogglePause => {

@@ -14,7 +14,7 @@ use super::light;
 use super::quality::Quality;
 use super::state::Covered;
 use crate::physics::RenderOrigin;
-use crate::scene::{SceneSpec, ShapeSpec};
+use crate::scene::{SceneSpec, ShapeSpec, ViewSpec};
 
 /// Distance of the camera's focus from Bevy's origin, m, beyond which the origin moves to it:
 /// `f32` is exact to 0.06 mm there.
@@ -80,6 +80,14 @@ fn bounds(spec: &SceneSpec) -> (DVec3, DVec3) {
         Some((body.position - radius, body.position + radius))
     });
     spheres.reduce(|(low, high), (a, b)| (low.min(a), high.max(b))).unwrap_or((DVec3::splat(-2.0), DVec3::splat(2.0)))
+}
+
+/// Where the camera is and what it orbits, if there is one.
+pub(super) fn view(world: &mut World) -> Option<ViewSpec> {
+    let origin = world.resource::<RenderOrigin>().0;
+    let (camera, pose) = world.query::<(&PanOrbitCamera, &Transform)>().single(world).ok()?;
+    let view = ViewSpec { eye: origin + pose.translation.as_dvec3(), target: origin + camera.focus.as_dvec3() };
+    (view.eye != view.target).then_some(view)
 }
 
 /// Puts the camera there at once.

@@ -1,12 +1,33 @@
-//! Saving and loading settings.
+//! Saving the scene and the settings, and loading settings.
 
 use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
-use super::Notice;
+use super::reload::Watch;
+use super::{CurrentScene, Notice, camera};
 use crate::lab::{read_settings, settings_text, write_whole};
 use crate::physics::SolverSettings;
+use crate::scene::SceneSpec;
+
+/// Saves the scene as it stands now, seen from where the camera is.
+pub(super) fn save_scene(world: &mut World, path: &Path, overwrite: bool) {
+    let outcome = scene_now(world, path).and_then(|text| save(path, overwrite, &text));
+    if let Ok(path) = &outcome
+        && world.get_resource::<CurrentScene>().is_some_and(|current| Path::new(&current.scene) == path)
+    {
+        world.resource_mut::<Watch>().accept(); // what is on view need not be read again
+    }
+    report(world, outcome.map(|path| format!("saved {}", absolute(&path))));
+}
+
+/// The scene as the text of a file at that path: meshes are named relative to it.
+fn scene_now(world: &mut World, path: &Path) -> Result<String, String> {
+    let name = world.get_resource::<CurrentScene>().map_or_else(|| "scene".into(), |current| current.spec.name.clone());
+    let mut scene = SceneSpec::of_world(world, name);
+    scene.view = camera::view(world);
+    scene.to_ron(path.parent()).map_err(|error| error.to_string())
+}
 
 /// Saves the solver's settings.
 pub(super) fn save_settings(world: &mut World, path: &Path, overwrite: bool) {

@@ -69,6 +69,12 @@ impl Watch {
         self.seen.push(stamp);
     }
 
+    /// Takes the files as they are now for what is on view.
+    pub fn accept(&mut self) {
+        self.read = self.files.iter().map(|file| stamp(file)).collect();
+        self.problem = None;
+    }
+
     /// Whether the files now say something else than when they were last read, and have stopped
     /// changing. Without its own file there is no scene to read.
     fn has_news(&mut self) -> bool {

@@ -3,10 +3,12 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use bevy::math::DVec3;
 use bevy::prelude::*;
 use plumb::lab::read_settings;
-use plumb::physics::{RigidBody, SolverSettings};
-use plumb::sandbox::{CurrentScene, Notice, SandboxAction};
+use plumb::physics::{BallJoint, Position, RigidBody, SolverSettings, Velocity};
+use plumb::sandbox::{CurrentScene, Notice, Picked, SandboxAction, Selection};
+use plumb::scene::BodyColor;
 
 use crate::stage::Stage;
 
@@ -223,4 +225,107 @@ fn a_mesh_that_changes_is_read_again() {
     fs::write(desk.path("block.obj"), block(3.0)).unwrap();
     desk.wait();
     assert!((volume(&mut desk) - 3.0).abs() < 1e-6);
+}
+
+/// Every body's name, place and velocity, by name.
+fn states(stage: &mut Stage) -> Vec<(String, DVec3, Velocity)> {
+    let world = stage.world();
+    let mut bodies = world.query_filtered::<(&Name, &Position, &Velocity), With<RigidBody>>();
+    let mut states: Vec<_> = bodies.iter(world).map(|(name, x, v)| (name.to_string(), x.0, *v)).collect();
+    states.sort_by(|a, b| a.0.cmp(&b.0));
+    states
+}
+
+#[test]
+fn a_scene_is_saved_as_it_stands_and_goes_on_from_there() {
+    let mut desk = Desk::with(
+        r#"(
+            bodies: [
+                (name: "ground", shape: HalfSpace),
+                (name: "red", shape: Cuboid(size: (1, 1, 1)), color: (1, 0, 0), position: (0, 0.5, 0)),
+                (name: "ball", shape: Sphere(radius: 0.4), position: (3, 2, 0), velocity: (0, 3, 0), restitution: 0.5),
+            ],
+            view: (eye: (0, 3, 12), target: (0, 2, 0)),
+        )"#,
+    );
+    let stage = &mut desk.stage;
+    let [red, ball] = ["red", "ball"].map(|name| stage.body(name));
+    let hand = |entity, point| Some(Picked { entity, point });
+    *stage.world().resource_mut::<Selection>() =
+        Selection { body: hand(ball, DVec3::ZERO), partner: hand(red, DVec3::new(0.5, 0.5, 0.0)) };
+    stage.act(SandboxAction::JoinPicked);
+    stage.act(SandboxAction::PinPicked);
+    stage.act(SandboxAction::ChooseMesh { file: "plumb:gem.obj".into(), scale: 0.5 });
+    stage.act(SandboxAction::SpawnBody);
+    stage.act(SandboxAction::ThrowBall);
+    stage.frames(20);
+    stage.act(SandboxAction::TogglePause);
+    stage.frames(2);
+    let (camera, before) = (stage.camera(), states(stage));
+
+    let path = desk.path("saved.ron");
+    desk.stage.act(SandboxAction::SaveScene { path: path.clone(), overwrite: false });
+    assert!(matches!(desk.notice(), Notice::Info(text) if text.contains("saved.ron")), "{:?}", desk.notice());
+    assert_eq!(desk.names(), ["saved.ron", "scene.ron"]);
+    desk.stage.act(SandboxAction::TogglePause);
+    desk.stage.frames(30);
+    let later = states(&mut desk.stage);
+
+    let scene = path.to_str().unwrap().to_owned();
+    desk.stage.act(SandboxAction::TogglePause);
+    desk.stage.act(SandboxAction::LoadScene { scene, parameters: Vec::new() });
+    assert_eq!(desk.notice(), Notice::None);
+    desk.stage.frames(2);
+    let again = states(&mut desk.stage);
+    assert_eq!(again.len(), before.len());
+    for (now, then) in again.iter().zip(&before) {
+        assert!(now.1.distance(then.1) < 1e-9 && now.2 == then.2, "{now:?} instead of {then:?}");
+    }
+    let world = desk.stage.world();
+    assert_eq!(world.query::<&BallJoint>().iter(world).count(), 2);
+    let red = desk.stage.body("red");
+    assert_eq!(desk.stage.world().get::<BodyColor>(red), Some(&BodyColor([1.0, 0.0, 0.0])));
+    let seen = desk.stage.camera();
+    assert!(
+        seen.translation.distance(camera.translation) < 1e-3 && seen.rotation.angle_between(camera.rotation) < 1e-3
+    );
+
+    desk.stage.act(SandboxAction::TogglePause);
+    desk.stage.frames(30);
+    // The forces that the solver starts from are not saved: impacts come out a little otherwise.
+    for (now, then) in states(&mut desk.stage).iter().zip(&later) {
+        assert!(now.1.distance(then.1) < 0.2, "{} goes to {} instead of {}", now.0, now.1, then.1);
+    }
+}
+
+#[test]
+fn a_scene_is_not_saved_over_another_unless_told_so() {
+    let mut desk = Desk::with(&balls(2));
+    let path = desk.path("precious.ron");
+    fs::write(&path, "precious").unwrap();
+    desk.stage.act(SandboxAction::SaveScene { path: path.clone(), overwrite: false });
+    assert!(desk.refusal().contains("exists already"));
+    assert_eq!(fs::read_to_string(&path).unwrap(), "precious");
+    desk.stage.act(SandboxAction::SaveScene { path: path.clone(), overwrite: true });
+    assert!(fs::read_to_string(&path).unwrap().contains("ball 1"));
+    let nowhere = desk.path("no/such/folder/scene.ron");
+    desk.stage.act(SandboxAction::SaveScene { path: nowhere, overwrite: false });
+    assert!(desk.refusal().contains("no/such/folder"));
+}
+
+#[test]
+fn a_scene_saved_over_its_own_file_is_not_read_again() {
+    let mut desk = Desk::with(&balls(2));
+    desk.stage.act(SandboxAction::SpawnBody);
+    desk.stage.frames(20);
+    let path = desk.path("scene.ron");
+    desk.stage.act(SandboxAction::SaveScene { path, overwrite: true });
+    let said = desk.notice();
+    let height = desk.stage.position("ball 0").y;
+    desk.wait();
+    assert_eq!(desk.notice(), said, "it was not reloaded");
+    assert!(desk.stage.position("ball 0").y < height - 1.0, "it goes on");
+    desk.write(&balls(4));
+    desk.wait();
+    assert_eq!(desk.bodies(), 4, "but what somebody else writes is");
 }

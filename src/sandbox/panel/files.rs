@@ -1,19 +1,22 @@
-//! Where settings are saved.
+//! Where the scene and the settings are saved.
 
 use bevy::prelude::*;
 use bevy_egui::egui;
 
-use super::super::SandboxAction;
 use super::super::files::file_path;
+use super::super::{CurrentScene, SandboxAction};
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<FilesForm>();
+    app.init_resource::<FilesForm>().add_systems(PreUpdate, follow_scene);
 }
 
 /// What the section's widgets hold.
 #[derive(Resource)]
 pub(super) struct FilesForm {
+    scene: PathField,
     settings: PathField,
+    /// The scene whose name was offered last.
+    offered: String,
 }
 
 /// A path, and whether the user was told that something is there.
@@ -26,13 +29,30 @@ struct PathField {
 impl Default for FilesForm {
     fn default() -> Self {
         let settings = PathField { text: "settings.ron".into(), warned: false };
-        Self { settings }
+        Self { scene: PathField::default(), settings, offered: String::new() }
+    }
+}
+
+/// Offers a built-in scene's name, or the file that the scene came from.
+fn follow_scene(scene: Option<Res<CurrentScene>>, mut form: ResMut<FilesForm>) {
+    if let Some(scene) = scene.filter(|scene| scene.is_changed() && scene.scene != form.offered) {
+        let text = file_path(&scene.scene).display().to_string();
+        form.scene = PathField { text, warned: false };
+        form.offered.clone_from(&scene.scene);
     }
 }
 
 pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut form: ResMut<FilesForm>, mut actions: MessageWriter<SandboxAction>) {
-    let FilesForm { settings } = &mut *form;
+    let FilesForm { scene, settings, .. } = &mut *form;
     egui::Grid::new("files").num_columns(2).spacing([8.0, 4.0]).show(ui, |ui| {
+        ui.label("scene").on_hover_text("the scene as it stands now, in RON; the README describes the format");
+        ui.horizontal(|ui| {
+            scene.edit(ui, 92.0);
+            if let Some(overwrite) = scene.save_button(ui) {
+                actions.write(SandboxAction::SaveScene { path: file_path(&scene.text), overwrite });
+            }
+        });
+        ui.end_row();
         ui.label("settings").on_hover_text("all settings of the solver; 'plumb run --settings FILE' reads them too");
         ui.horizontal(|ui| {
             settings.edit(ui, 142.0);
