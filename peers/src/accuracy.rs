@@ -1,0 +1,112 @@
+//! How far off the engines are at their recommended settings.
+
+use crate::engine::{EngineKind, Settings, Unable};
+use crate::metrics::{Meter, Metrics};
+use crate::plan::{Plan, Report};
+use crate::record::Row;
+use crate::scene::Scene;
+use crate::statistics::median;
+use crate::table::{short, table};
+
+/// Measured where none are asked for.
+pub const SCENES: &str = "chain 1, chain 100, chain 1000, stack 10, stack 30, pyramid 40, pyramids 8, sandwich 1000, \
+                          top, joint_grid 100, rods 5";
+
+/// Measures every scene of a plan.
+pub fn measure(plan: &Plan) -> Report {
+    let mut report = Report::default();
+    let mut heading = vec!["error".to_owned(), String::new()];
+    heading.extend(plan.engines.iter().map(EngineKind::to_string));
+    let mut cells = vec![heading];
+    for scene in &plan.scenes {
+        plan.progress(scene);
+        let seconds = plan.seconds.unwrap_or_else(|| seconds(scene));
+        let rows: Vec<Row> =
+            plan.engines.iter().map(|&kind| run(scene, kind, &plan.settings, seconds, "accuracy")).collect();
+        for (what, error) in headline(scene) {
+            let mut line = vec![format!("{scene}, {} s", short(seconds)), what.to_owned()];
+            line.extend(rows.iter().map(|row| error(row).map_or_else(|| "-".to_owned(), short)));
+            cells.push(line);
+        }
+        report.note_refusals(scene, &rows);
+        report.rows.extend(rows);
+    }
+    report.text = table(&cells) + &report.text;
+    report
+}
+
+/// Runs a scene in an engine and says how far off it was, or why there is nothing to say.
+pub fn run(scene: &Scene, kind: EngineKind, settings: &Settings, seconds: f64, name: &'static str) -> Row {
+    let row = Row { seconds, ..Row::new(name, scene, kind, settings) };
+    match watch(scene, kind, settings, seconds) {
+        Err(unable) => row.with_note(unable),
+        Ok((None, _)) => row.with_note("a state is not finite"),
+        Ok((Some(metrics), milliseconds)) => Row { ms_per_step: median(&milliseconds), ..row }.with_metrics(&metrics),
+    }
+}
+
+/// The run's metrics, if it stayed finite, and what each step took, ms.
+fn watch(
+    scene: &Scene,
+    kind: EngineKind,
+    settings: &Settings,
+    seconds: f64,
+) -> Result<(Option<Metrics>, Vec<f64>), Unable> {
+    let mut run = kind.start(scene, settings)?;
+    let mut meter = Meter::new(scene, run.read()?);
+    let mut milliseconds = Vec::new();
+    for _ in 0..(seconds * settings.hz).round() as u64 {
+        milliseconds.push(1e3 * run.step()?.as_secs_f64());
+        let (step, time) = (run.steps(), run.time());
+        meter.observe(step, time, run.read()?);
+    }
+    Ok((meter.metrics(), milliseconds))
+}
+
+/// 100 steps for the large scenes, 10 s for those at rest or swinging.
+fn seconds(scene: &Scene) -> f64 {
+    match scene.name() {
+        "pyramid" | "pyramids" | "joint_grid" => 100.0 / 60.0,
+        "chain" | "stack" | "sandwich" | "top" => 10.0,
+        _ => scene.seconds(),
+    }
+}
+
+/// A column of a row, with what it is.
+type Headline = (&'static str, fn(&Row) -> Option<f64>);
+
+/// What is shown of a scene; all is in the rows.
+fn headline(scene: &Scene) -> Vec<Headline> {
+    let worst_joint: Headline = ("worst joint separation, m", |row| row.joint_separation);
+    let last_joint: Headline = ("joint separation at the end, m", |row| row.joint_separation_end);
+    match scene.name() {
+        "chain" | "joint_grid" => vec![worst_joint, last_joint],
+        "rods" => vec![("error at 1 s, m", |row| row.error_at_1_s), worst_joint],
+        "top" => vec![("energy change, relative", |row| row.energy_change)],
+        "stack" | "pyramid" | "pyramids" | "sandwich" => vec![
+            ("worst sink, m", |row| row.sink),
+            ("sink at the end, m", |row| row.sink_end),
+            ("worst drift, m", |row| row.drift),
+        ],
+        _ => vec![("error", |row| row.error)],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_is_as_long_as_asked_and_near_the_reference() {
+        let scene = Scene::parse("rods 1").unwrap();
+        let settings = Settings { hz: 120.0, substeps: None, threads: 1 };
+        for kind in EngineKind::standard() {
+            let row = run(&scene, kind, &settings, 1.0, "precision");
+            // Half a swing of a metre: an engine that ran at another rate would be off by far more.
+            let error = row.error_at_1_s.unwrap();
+            assert!(error < 0.1, "{kind}: {error}");
+            assert!(row.error.unwrap() >= error && row.ms_per_step.is_some(), "{kind}");
+            assert_eq!((row.seconds, row.hz, row.answer), (1.0, 120.0, "tip of the last rod"));
+        }
+    }
+}

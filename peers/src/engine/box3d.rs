@@ -1,0 +1,212 @@
+//! Box3D through its C interface: its default definitions, with sleep off.
+#![allow(unsafe_code)]
+
+use std::ffi::c_int;
+
+use bevy::math::{DQuat, DVec3};
+use box3d_sys::*;
+use plumb::lab::BodyState;
+use plumb::physics::{MassProperties, RigidBody as Kind, Shape};
+
+use super::{Engine, NO_HULL};
+use crate::scene::{Body, Joint, Scene};
+
+/// A scene in a Box3D world, which dies with it.
+pub struct Box3d {
+    world: b3WorldId,
+    bodies: Vec<b3BodyId>,
+    /// Bodies with a force and torque that last; Box3D clears both at each step.
+    pushed: Vec<(b3BodyId, b3Vec3, b3Vec3)>,
+    step: f32,
+    substeps: c_int,
+}
+
+impl Box3d {
+    pub fn new(scene: &Scene, hz: f64, substeps: u32, threads: u32) -> Self {
+        // SAFETY: default definitions are valid, and only public fields are changed.
+        let world = unsafe {
+            let mut definition = b3DefaultWorldDef();
+            definition.gravity = vector(scene.spec.gravity);
+            definition.enableSleep = false;
+            definition.workerCount = threads;
+            b3CreateWorld(&definition)
+        };
+        let ground = ground_half_extent(scene);
+        let bodies: Vec<b3BodyId> = scene.bodies.iter().map(|body| create_body(world, body, ground)).collect();
+        for joint in &scene.joints {
+            create_joint(world, joint, &bodies);
+        }
+        let pushed = scene.bodies.iter().zip(&bodies).filter(|(body, _)| body.is_pushed());
+        let pushed = pushed.map(|(body, &id)| (id, vector(body.force.force), vector(body.force.torque))).collect();
+        Self { world, bodies, pushed, step: (1.0 / hz) as f32, substeps: substeps as c_int }
+    }
+}
+
+impl Engine for Box3d {
+    fn step(&mut self) {
+        // SAFETY: the world and its bodies live as long as self.
+        unsafe {
+            for &(body, force, torque) in &self.pushed {
+                b3Body_ApplyForceToCenter(body, force, true);
+                b3Body_ApplyTorque(body, torque, true);
+            }
+            b3World_Step(self.world, self.step, self.substeps);
+        }
+    }
+
+    fn read(&mut self, states: &mut Vec<BodyState>) {
+        states.clear();
+        states.extend(self.bodies.iter().map(|&body| {
+            // SAFETY: the body lives as long as self.
+            let (position, rotation, linear, angular) = unsafe {
+                (
+                    b3Body_GetWorldCenter(body),
+                    b3Body_GetRotation(body),
+                    b3Body_GetLinearVelocity(body),
+                    b3Body_GetAngularVelocity(body),
+                )
+            };
+            let b3Quat { v, s } = rotation;
+            BodyState {
+                position: double(position),
+                rotation: DQuat::from_array([v.x, v.y, v.z, s].map(f64::from)).normalize(),
+                linear: double(linear),
+                angular: double(angular),
+            }
+        }));
+    }
+}
+
+impl Drop for Box3d {
+    fn drop(&mut self) {
+        // SAFETY: the world was created with self and nothing uses it after this.
+        unsafe { b3DestroyWorld(self.world) }
+    }
+}
+
+/// Of the library, with that of the crate that brings it.
+pub fn version() -> String {
+    // SAFETY: it only returns numbers.
+    let b3Version { major, minor, revision } = unsafe { b3GetVersion() };
+    format!("{major}.{minor}.{revision} (box3d-sys {})", super::locked_version("box3d-sys"))
+}
+
+fn create_body(world: b3WorldId, body: &Body, ground: f64) -> b3BodyId {
+    // SAFETY: the world exists, the default definition is valid, and only public fields are changed.
+    let id = unsafe {
+        let mut definition = b3DefaultBodyDef();
+        definition.type_ = match body.kind {
+            Kind::Dynamic => b3BodyType_b3_dynamicBody,
+            Kind::Static | Kind::Kinematic => b3BodyType_b3_staticBody,
+        };
+        definition.position = vector(body.position);
+        definition.rotation = quaternion(body.rotation);
+        definition.linearVelocity = vector(body.velocity.linear);
+        definition.angularVelocity = vector(body.velocity.angular);
+        definition.linearDamping = body.damping.linear as f32;
+        definition.angularDamping = body.damping.angular as f32;
+        definition.gravityScale = body.gravity_scale as f32;
+        b3CreateBody(world, &definition)
+    };
+    if let Some(collider) = &body.collider {
+        create_shape(id, body, collider.shape(), ground);
+    }
+    if let Some(MassProperties { mass, inertia }) = body.mass {
+        let [cx, cy, cz] = [inertia.x * DVec3::X, inertia.y * DVec3::Y, inertia.z * DVec3::Z].map(vector);
+        let mass = b3MassData { mass: mass as f32, center: vector(DVec3::ZERO), inertia: b3Matrix3 { cx, cy, cz } };
+        // SAFETY: the body was just created.
+        unsafe { b3Body_SetMassData(id, mass) }
+    }
+    id
+}
+
+fn create_shape(id: b3BodyId, body: &Body, shape: &Shape, ground: f64) {
+    // SAFETY: the default definition is valid, and only public fields are changed; the body exists;
+    // what the calls read outlives them, since Box3D copies it.
+    unsafe {
+        let mut definition = b3DefaultShapeDef();
+        definition.baseMaterial.friction = body.material.friction as f32;
+        definition.baseMaterial.restitution = body.material.restitution as f32;
+        definition.filter.categoryBits = u64::from(body.layers.memberships);
+        definition.filter.maskBits = u64::from(body.layers.filters);
+        // The body has its mass from elsewhere.
+        definition.updateBodyMass = false;
+        match shape {
+            Shape::Sphere { radius } => {
+                let sphere = b3Sphere { center: vector(DVec3::ZERO), radius: *radius as f32 };
+                b3CreateSphereShape(id, &definition, &sphere);
+            }
+            Shape::Cuboid { size } => {
+                let half = vector(*size / 2.0);
+                let hull = b3MakeBoxHull(half.x, half.y, half.z);
+                b3CreateHullShape(id, &definition, &hull.base);
+            }
+            // It has no half-space.
+            Shape::HalfSpace => {
+                let half = vector(DVec3::new(ground, GROUND_HALF_DEPTH, ground));
+                let hull = b3MakeOffsetBoxHull(half.x, half.y, half.z, vector(-GROUND_HALF_DEPTH * DVec3::Y));
+                b3CreateHullShape(id, &definition, &hull.base);
+            }
+            Shape::Cone { radius, height } => create_hull(id, &definition, &cone_points(*radius, *height)),
+            Shape::Hull(hull) => create_hull(id, &definition, &hull.vertices().map(vector).collect::<Vec<_>>()),
+        }
+    }
+}
+
+fn create_hull(id: b3BodyId, definition: &b3ShapeDef, points: &[b3Vec3]) {
+    let count = points.len() as c_int;
+    // SAFETY: as many points as said; the hull is used only if it was made, and destroyed once after
+    // Box3D has copied it.
+    unsafe {
+        let hull = b3CreateHull(points.as_ptr(), count, count);
+        assert!(!hull.is_null(), "{NO_HULL}");
+        b3CreateHullShape(id, definition, hull);
+        b3DestroyHull(hull);
+    }
+}
+
+/// m.
+const GROUND_HALF_DEPTH: f64 = 5.0;
+
+/// The ground as a box reaches this far from its middle, m: past all bodies by a good margin.
+fn ground_half_extent(scene: &Scene) -> f64 {
+    const MARGIN: f64 = 50.0;
+    scene.bodies.iter().map(|body| body.position.x.abs().max(body.position.z.abs())).fold(0.0, f64::max) + MARGIN
+}
+
+/// Corners of the base and the apex, from the centre of mass. 32 sides are what Box3D allows in its
+/// own cones.
+fn cone_points(radius: f64, height: f64) -> Vec<b3Vec3> {
+    const SIDES: usize = 32;
+    let rim = (0..SIDES).map(|side| {
+        let (sin, cos) = (std::f64::consts::TAU * side as f64 / SIDES as f64).sin_cos();
+        DVec3::new(radius * cos, -height / 4.0, radius * sin)
+    });
+    rim.chain([0.75 * height * DVec3::Y]).map(vector).collect()
+}
+
+fn create_joint(world: b3WorldId, joint: &Joint, bodies: &[b3BodyId]) {
+    // SAFETY: world and bodies exist, the default definition is valid, and only public fields are
+    // changed.
+    unsafe {
+        let mut definition = b3DefaultSphericalJointDef();
+        definition.base.bodyIdA = bodies[joint.a];
+        definition.base.bodyIdB = bodies[joint.b];
+        definition.base.localFrameA.p = vector(joint.anchor_a);
+        definition.base.localFrameB.p = vector(joint.anchor_b);
+        definition.base.collideConnected = joint.collide;
+        b3CreateSphericalJoint(world, &definition);
+    }
+}
+
+fn vector(v: DVec3) -> b3Vec3 {
+    b3Vec3 { x: v.x as f32, y: v.y as f32, z: v.z as f32 }
+}
+
+fn quaternion(q: DQuat) -> b3Quat {
+    b3Quat { v: vector(q.xyz()), s: q.w as f32 }
+}
+
+fn double(v: b3Vec3) -> DVec3 {
+    DVec3::new(f64::from(v.x), f64::from(v.y), f64::from(v.z))
+}

@@ -1,0 +1,65 @@
+//! Plumb through its public face: a headless world, a scene spawned into it, `step`.
+
+use bevy::app::App;
+use bevy::prelude::Entity;
+use plumb::lab::BodyState;
+use plumb::physics::{Position, Precision, Rotation, SolverSettings, Velocity, headless_app, step};
+
+use super::{Engine, Method, Settings};
+use crate::scene::Scene;
+
+/// A scene in a world of its own.
+pub struct Plumb {
+    app: App,
+    bodies: Vec<Entity>,
+}
+
+impl Plumb {
+    pub fn new(scene: &Scene, settings: SolverSettings) -> Self {
+        let mut app = headless_app();
+        app.insert_resource(settings);
+        let bodies = scene.spec.spawn(app.world_mut()).bodies;
+        Self { app, bodies }
+    }
+}
+
+impl Engine for Plumb {
+    fn step(&mut self) {
+        step(self.app.world_mut());
+    }
+
+    fn read(&mut self, states: &mut Vec<BodyState>) {
+        states.clear();
+        states.extend(self.bodies.iter().map(|&body| {
+            let body = self.app.world().entity(body);
+            let (Position(position), Rotation(rotation), velocity) =
+                body.components::<(&Position, &Rotation, &Velocity)>();
+            BodyState { position: *position, rotation: *rotation, linear: velocity.linear, angular: velocity.angular }
+        }));
+    }
+}
+
+/// A preset at the asked rate. Substeps are the preset's own unless asked for.
+pub fn settings(preset: &str, asked: &Settings) -> SolverSettings {
+    let preset = SolverSettings::preset(preset).unwrap_or_default();
+    SolverSettings {
+        hz: asked.hz,
+        substeps: asked.substeps.unwrap_or(preset.substeps),
+        threads: asked.threads,
+        ..preset
+    }
+}
+
+pub fn method(preset: &str, asked: &Settings) -> Method {
+    let settings = settings(preset, asked);
+    let precision = match settings.precision {
+        Precision::F32 => "f32",
+        Precision::F64 => "f64",
+    };
+    Method {
+        version: super::locked_version("plumb"),
+        precision,
+        substeps: settings.substeps,
+        iterations: settings.iterations,
+    }
+}

@@ -1,0 +1,150 @@
+//! What a step costs: all engines step the same scene in alternation, in blocks of steps, so that a
+//! machine that gets slower or faster meanwhile does so for all.
+
+use std::time::{Duration, Instant};
+
+use crate::engine::{EngineKind, Run, Settings, Unable};
+use crate::plan::{Plan, Report};
+use crate::record::Row;
+use crate::scene::Scene;
+use crate::statistics::{median, range};
+use crate::table::{short, table};
+
+/// Measured where none are asked for.
+pub const SCENES: &str = "pyramid 40, pyramids 8, joint_grid 100, chain 1, chain 100, chain 1000, stack 10, stack 30, \
+                          sandwich 1000, top, rods 5";
+
+/// Steps before anything is timed: contacts are found, buffers have grown.
+const WARM_UP_STEPS: u32 = 60;
+
+/// Steps that an engine takes before it is the next one's turn.
+const BLOCK_STEPS: u32 = 20;
+
+/// A block, or the warm-up, ends early after this.
+const LONGEST_BLOCK: Duration = Duration::from_secs(2);
+
+/// Measures every scene of a plan.
+pub fn measure(plan: &Plan) -> Report {
+    let mut report = Report::default();
+    let mut heading = vec!["ms a step".to_owned()];
+    heading.extend(plan.engines.iter().map(EngineKind::to_string));
+    let mut cells = vec![heading];
+    let mut ratios = cells.clone();
+    ratios[0][0] = "times plumb's".to_owned();
+    for scene in &plan.scenes {
+        plan.progress(scene);
+        let rows = measure_scene(scene, &plan.engines, &plan.settings, plan.rounds);
+        let line = |show: fn(&Row) -> Option<f64>| {
+            let cell = |row: &Row| show(row).map_or_else(|| "-".to_owned(), short);
+            [scene.to_string()].into_iter().chain(rows.iter().map(cell)).collect()
+        };
+        cells.push(line(|row| row.ms_per_step));
+        ratios.push(line(|row| row.times_plumb));
+        report.note_refusals(scene, &rows);
+        report.rows.extend(rows);
+    }
+    report.text = format!("{}\n{}", table(&cells), table(&ratios)) + &report.text;
+    report
+}
+
+/// One engine in one scene: the step times, ms, of each block.
+struct Lane {
+    run: Result<Run, Unable>,
+    blocks: Vec<Vec<f64>>,
+}
+
+fn measure_scene(scene: &Scene, engines: &[EngineKind], settings: &Settings, rounds: u32) -> Vec<Row> {
+    let mut lanes: Vec<Lane> =
+        engines.iter().map(|kind| Lane { run: kind.start(scene, settings), blocks: Vec::new() }).collect();
+    for lane in &mut lanes {
+        lane.block(WARM_UP_STEPS);
+        lane.blocks.clear();
+    }
+    for round in 0..rounds as usize {
+        // Not always the same after the same.
+        for turn in 0..lanes.len() {
+            let lane = (round + turn) % lanes.len();
+            lanes[lane].block(BLOCK_STEPS);
+        }
+    }
+    let medians: Vec<Vec<f64>> = lanes.iter().map(Lane::block_medians).collect();
+    let plumb = engines.iter().position(|kind| kind.is_plumb());
+    let fastest_peer = (0..engines.len())
+        .filter(|&lane| !engines[lane].is_plumb())
+        .filter_map(|lane| Some((lane, median(&medians[lane])?)))
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(lane, _)| lane);
+    let rows = engines.iter().zip(&lanes).zip(&medians).map(|((kind, lane), own)| {
+        let row = Row::new("speed", scene, *kind, settings);
+        match &lane.run {
+            Err(unable) => row.with_note(unable),
+            Ok(run) => Row {
+                seconds: run.time(),
+                ms_per_step: median(&lane.blocks.concat()),
+                ms_low: range(own).map(|(low, _)| low),
+                ms_high: range(own).map(|(_, high)| high),
+                times_plumb: plumb.and_then(|plumb| ratio(own, &medians[plumb])),
+                times_fastest_peer: fastest_peer.and_then(|peer| ratio(own, &medians[peer])),
+                ..row
+            },
+        }
+    });
+    rows.collect()
+}
+
+impl Lane {
+    /// Takes steps until their number or the time is up; after a panic none.
+    fn block(&mut self, steps: u32) {
+        let Ok(run) = &mut self.run else { return };
+        let start = Instant::now();
+        let mut block = Vec::new();
+        while block.is_empty() || (block.len() < steps as usize && start.elapsed() < LONGEST_BLOCK) {
+            match run.step() {
+                Ok(took) => block.push(1e3 * took.as_secs_f64()),
+                Err(unable) => {
+                    self.run = Err(unable);
+                    return;
+                }
+            }
+        }
+        self.blocks.push(block);
+    }
+
+    fn block_medians(&self) -> Vec<f64> {
+        self.blocks.iter().filter_map(|block| median(block)).collect()
+    }
+}
+
+/// Median of the ratios within each round: what slows both down cancels.
+fn ratio(own: &[f64], other: &[f64]) -> Option<f64> {
+    let ratios: Vec<f64> = own.iter().zip(other).map(|(own, other)| own / other).collect();
+    median(&ratios)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ratios_are_taken_round_by_round() {
+        // Both twice as slow from the third round on.
+        assert_eq!(ratio(&[1.0, 1.0, 2.0, 2.0, 2.0], &[4.0, 4.0, 8.0, 8.0, 8.0]), Some(0.25));
+        assert_eq!(ratio(&[], &[1.0]), None);
+    }
+
+    #[test]
+    fn every_engine_has_a_row_and_plumb_is_one_times_plumb() {
+        let scene = Scene::parse("rods 2").unwrap();
+        let settings = Settings { hz: 60.0, substeps: None, threads: 1 };
+        let rows = measure_scene(&scene, &EngineKind::standard(), &settings, 3);
+        assert_eq!(rows.len(), EngineKind::standard().len());
+        assert_eq!(rows[0].times_plumb, Some(1.0));
+        for row in &rows {
+            // A warm-up and three blocks of 20 steps.
+            assert!((row.seconds - 2.0).abs() < 1e-12, "{}", row.engine);
+            assert!(row.ms_low <= row.ms_per_step && row.ms_per_step <= row.ms_high, "{}", row.engine);
+        }
+        let fastest = rows[1..].iter().filter_map(|row| row.times_fastest_peer).fold(f64::INFINITY, f64::min);
+        assert!((0.5..=1.0).contains(&fastest));
+    }
+}
