@@ -9,5 +9,6 @@ mod scene_errors;
 mod scene_format;
 mod scene_meshes;
 mod scene_overlap;
+mod standing;
 mod sweeps;
 mod truth;

@@ -15,7 +15,7 @@ const ARCH_DEPTH: f64 = 1.0;
 pub(super) const ARCH: SceneInfo = SceneInfo {
     name: "arch",
     about: "a semicircular arch of 15 voussoirs of 12 degrees, radii 4 and 5 m, 1 m deep, on the ground",
-    truth: "stands: lines of thrust of 0.29 to 0.53 of the weight on each springing fit in, friction allows 0.6",
+    truth: "stands: a line of thrust fits in, and friction of 0.31 would do; there is 0.6",
     parameters: &[],
     seconds: 10.0,
     bodies: |_| VOUSSOIRS as f64 + 1.0,
@@ -39,8 +39,8 @@ pub(super) const CARD_HOUSE: SceneInfo = SceneInfo {
 /// 0.293 (through the crown's upper edge and the haunches' lower) to 0.532 (through the crown's
 /// lower edge) of the weight of half an arch, which each springing carries. Its thickness is 0.22
 /// of its mean radius; 0.107 is the least for a semicircle. Friction must keep the springings from
-/// sliding apart, by the share that the thrust is of the weight, and at least thrust the joints
-/// between voussoirs need 0.34 at most: the ground and the joints give 0.6.
+/// sliding apart, by the share that the thrust is of the weight, and joints between voussoirs too:
+/// 0.309 is the least that some line of thrust needs, the ground and the joints give 0.6.
 fn build_arch() -> SceneSpec {
     let angle = PI / VOUSSOIRS as f64;
     let (sin, cos) = (0.5 * angle).sin_cos();
@@ -91,7 +91,7 @@ const STOREYS: usize = 3;
 /// *The apex's normal.* Where two edges meet, every direction between the normals of the two
 /// inner faces, α below and α above the horizontal, separates the cards. Plumb's contacts take one
 /// of those two normals, and friction makes up for the angle to the horizontal force: tan α =
-/// 0.36 of the 0.6 there is.
+/// 0.36 of the 0.6 there is, where a horizontal normal would let 0.32 do.
 fn build_card_house() -> SceneSpec {
     let DVec3 { x: length, y: thickness, .. } = CARD;
     let (sin, cos) = LEAN_DEGREES.to_radians().sin_cos();
