@@ -35,7 +35,7 @@ pub(super) const DOMINOES: SceneInfo = SceneInfo {
             );
         }
         let middle = DVec3::new(0.5 * PITCH * (COUNT - 1) as f64, 0.4, 0.0);
-        scene.view = Some(ViewSpec::framing(middle, 4.6, DVec3::new(-0.55, 0.5, 1.0)));
+        scene.view = Some(ViewSpec::framing(middle, 3.9, DVec3::new(-0.4, 0.45, 1.0)));
         scene
     },
 };
