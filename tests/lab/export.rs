@@ -227,6 +227,24 @@ fn captured(scene: &SceneSpec, steps: u32) -> (Simulation, SceneSpec) {
     (simulation, captured)
 }
 
+/// Asserts that bodies are in the same states to the last bit, but for the turn of hulls that lie
+/// askew in their own axes: to the principal ones and back costs rounding.
+#[track_caller]
+fn assert_same_states(one: &Simulation, other: &Simulation) {
+    assert_eq!(one.scene().bodies.len(), other.scene().bodies.len());
+    let bits = |vector: DVec3| vector.to_array().map(f64::to_bits);
+    let states = one.sample().bodies.iter().zip(other.sample().bodies);
+    for ((one, other), spec) in states.zip(&one.scene().bodies) {
+        for (one, other) in [(one.position, other.position), (one.linear, other.linear), (one.angular, other.angular)] {
+            assert_eq!(bits(one), bits(other), "{}", spec.name);
+        }
+        let is_askew = spec.shape.as_ref().is_some_and(|shape| shape.axes() != DQuat::IDENTITY);
+        let same_bits = one.rotation.to_array().map(f64::to_bits) == other.rotation.to_array().map(f64::to_bits);
+        let near = is_askew && one.rotation.abs_diff_eq(other.rotation, 1e-15);
+        assert!(same_bits || near, "{}: {} {}", spec.name, one.rotation, other.rotation);
+    }
+}
+
 #[test]
 fn a_scene_is_captured_as_it_stands_to_the_last_bit() {
     for name in ["limbs", "chain", "card_house", "painleve", "top"] {
@@ -234,8 +252,12 @@ fn a_scene_is_captured_as_it_stands_to_the_last_bit() {
         let again = read(&text_of(&scene), "captured.ron");
         assert_eq!(scene, again, "{name}");
         let respawned = Simulation::new(again, SolverSettings::default());
-        assert_eq!(bits(&simulation), bits(&respawned), "{name}");
-        assert_eq!(simulation.scene().joints, scene.joints, "{name}");
+        assert_same_states(&simulation, &respawned);
+        for (one, other) in simulation.scene().joints.iter().zip(&scene.joints) {
+            assert!(one.anchor_a.abs_diff_eq(other.anchor_a, 1e-15) && one.anchor_b.abs_diff_eq(other.anchor_b, 1e-15));
+            let anchors = (one.anchor_a, one.anchor_b);
+            assert_eq!(JointSpec { anchor_a: anchors.0, anchor_b: anchors.1, ..other.clone() }, *one, "{name}");
+        }
     }
 }
 
@@ -333,10 +355,7 @@ fn a_hull_is_captured_in_the_axes_it_was_given_in() {
     assert!(found.joints[0].anchor_b.abs_diff_eq(DVec3::new(0.5, 0.0, 0.0), 1e-14));
     let again = read(&text_of(&found), "hung.ron");
     let respawned = Simulation::new(again, SolverSettings::default());
-    for (one, other) in simulation.sample().bodies.iter().zip(respawned.sample().bodies) {
-        assert_eq!((one.position, one.linear, one.angular), (other.position, other.linear, other.angular));
-        assert!(one.rotation.abs_diff_eq(other.rotation, 1e-15), "{} {}", one.rotation, other.rotation);
-    }
+    assert_same_states(&simulation, &respawned);
     let world = simulation.world();
     let body = simulation.entities().bodies[0];
     let point =

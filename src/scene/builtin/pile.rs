@@ -19,10 +19,12 @@ const JITTER: f64 = 0.05;
 /// Of the lowest layer above the ground, m.
 const DROP: f64 = 1.0;
 
-const WALL_HEIGHT: f64 = 0.6;
+/// Side of the tray, and height of its walls, in sides of the grid: full, it would hold all things
+/// but for what they heap up in the middle.
+const TRAY: f64 = 1.4;
+const WALL_HEIGHT: f64 = 0.16;
+/// m.
 const WALL_THICKNESS: f64 = 0.25;
-/// Side of the tray in sides of the grid.
-const TRAY: f64 = 1.7;
 
 pub(super) const PILE: SceneInfo = SceneInfo {
     name: "pile",
@@ -39,8 +41,9 @@ fn build_pile(n: usize) -> SceneSpec {
     let side = (n as f64).cbrt().ceil() as usize;
     let mut scene = SceneSpec::new("pile", EARTH);
     scene.bodies.push(BodySpec::ground().with_color(palette::GROUND));
-    let half_tray = 0.5 * TRAY * PITCH * side as f64;
-    add_walls(&mut scene, half_tray);
+    let width = PITCH * side as f64;
+    let half_tray = 0.5 * TRAY * width;
+    add_walls(&mut scene, half_tray, WALL_HEIGHT * width);
     let mut random = seeded();
     for i in 0..n {
         let [layer, row, column] = [i / (side * side), i / side % side, i % side].map(|k| PITCH * k as f64);
@@ -50,12 +53,12 @@ fn build_pile(n: usize) -> SceneSpec {
         scene.bodies.push(thing(i, place, &mut random));
     }
     let target = DVec3::new(0.0, 0.3 * half_tray, 0.0);
-    scene.view = Some(ViewSpec::framing(target, 1.45 * half_tray + 0.5, DVec3::new(0.45, 0.65, 1.0)));
+    scene.view = Some(ViewSpec::framing(target, 1.5 * half_tray + 0.5, DVec3::new(0.45, 0.65, 1.0)));
     scene
 }
 
 /// Four walls around the origin, `half` from it inside.
-fn add_walls(scene: &mut SceneSpec, half: f64) {
+fn add_walls(scene: &mut SceneSpec, half: f64, height: f64) {
     let out = half + 0.5 * WALL_THICKNESS;
     let (long, short) = (2.0 * (half + WALL_THICKNESS), 2.0 * half);
     for (name, x, z, size_x, size_z) in [
@@ -64,8 +67,8 @@ fn add_walls(scene: &mut SceneSpec, half: f64) {
         ("back wall", 0.0, -out, long, WALL_THICKNESS),
         ("front wall", 0.0, out, long, WALL_THICKNESS),
     ] {
-        let size = DVec3::new(size_x, WALL_HEIGHT, size_z);
-        let position = DVec3::new(x, 0.5 * WALL_HEIGHT, z);
+        let size = DVec3::new(size_x, height, size_z);
+        let position = DVec3::new(x, 0.5 * height, z);
         let wall = BodySpec::new(name, ShapeSpec::Cuboid { size }, position);
         scene.bodies.push(wall.fixed().with_color(palette::SLATE));
     }
