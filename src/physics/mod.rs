@@ -33,6 +33,7 @@ mod threads;
 mod transform;
 mod write_back;
 
+#[cfg(feature = "lab")]
 pub(crate) use body::BodySlot;
 pub use body::{
     CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, ObserveContacts,
