@@ -43,8 +43,8 @@ fn body<'a>(scene: &'a SceneSpec, name: &str) -> &'a BodySpec {
 #[test]
 fn all_scenes_are_there_the_start_scene_first() {
     let names: Vec<_> = catalog().iter().map(|scene| scene.name).collect();
-    let expected = "limbs pendulum rods chain joint_grid top heavy_top incline slide_roll rolling painleve bounce \
-                    spheres cradle stack pyramid pyramids sandwich arch card_house dominoes pile \
+    let expected = "limbs pendulum rods chain hanging joint_grid top heavy_top incline slide_roll rolling painleve \
+                    bounce spheres cradle wall stack pyramid pyramids sandwich arch card_house dominoes pile \
                     far";
     assert_eq!(names.join(" "), expected);
     for scene in catalog() {
@@ -159,11 +159,11 @@ fn rods_and_chain_start_where_their_references_do() {
 
 #[test]
 fn gravity_is_as_designed() {
-    let ten = ["rods", "chain", "joint_grid", "stack", "pyramid", "pyramids", "sandwich", "far"];
+    let ten = ["rods", "chain", "hanging", "joint_grid", "stack", "pyramid", "pyramids", "sandwich", "far"];
     for info in catalog() {
         let gravity = built(info.name, &[]).gravity;
         let strength = match info.name {
-            "top" => 0.0,
+            "top" | "wall" => 0.0,
             name if ten.contains(&name) => 10.0,
             _ => 9.81,
         };
@@ -179,7 +179,7 @@ fn gravity_is_as_designed() {
 
 #[test]
 fn what_does_not_collide_by_design_has_no_layers() {
-    for name in ["pendulum", "rods", "chain", "joint_grid", "top", "heavy_top"] {
+    for name in ["pendulum", "rods", "chain", "hanging", "joint_grid", "top", "heavy_top"] {
         let scene = built(name, &[]);
         let shapes: Vec<_> = scene.bodies.iter().filter(|body| body.shape.is_some()).collect();
         assert!(!shapes.is_empty() && shapes.iter().all(|body| body.layers == CollisionLayers::NONE), "{name}");

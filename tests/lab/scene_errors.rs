@@ -53,7 +53,7 @@ fn an_unknown_scene_gets_the_nearest_name() {
 #[test]
 fn an_unknown_or_repeated_parameter_is_named() {
     assert_eq!(loading("stack", &[("m", 3.0)]), "stack: no parameter 'm'; it has n, jitter");
-    assert_eq!(loading("top", &[("n", 3.0)]), "top: no parameter 'n'; it has none");
+    assert_eq!(loading("pendulum", &[("n", 3.0)]), "pendulum: no parameter 'n'; it has none");
     assert_eq!(
         loading("assets/scenes/example.ron", &[("n", 3.0)]),
         "assets/scenes/example.ron: no parameter 'n'; it has none"

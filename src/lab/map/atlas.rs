@@ -35,6 +35,8 @@ pub struct Axis {
 pub enum Quantity {
     /// A parameter of the scene.
     Parameter(&'static str),
+    /// Steps per second.
+    Hz,
     /// Substeps of a step.
     Substeps,
     /// Sweeps of a substep.
@@ -49,8 +51,11 @@ const ITERATIONS: Axis = Axis {
 
 const SUBSTEPS: Axis = Axis { label: "substeps", quantity: Quantity::Substeps, values: &[1.0, 2.0, 4.0, 8.0, 16.0] };
 
+const HZ: Axis =
+    Axis { label: "steps per second", quantity: Quantity::Hz, values: &[30.0, 60.0, 120.0, 240.0, 480.0, 960.0] };
+
 /// Every map.
-pub const ATLAS: [MapInfo; 4] = [
+pub const ATLAS: [MapInfo; 10] = [
     MapInfo {
         name: "chain",
         scene: "chain",
@@ -106,5 +111,89 @@ pub const ATLAS: [MapInfo; 4] = [
         },
         about: "a wall spreads its weight, and stands where a column of its height does not",
         series: 3,
+    },
+    MapInfo {
+        name: "top",
+        scene: "top",
+        parameters: &[],
+        seconds: 3.0,
+        x: HZ,
+        y: Axis {
+            label: "spin, rad/s",
+            quantity: Quantity::Parameter("spin"),
+            values: &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0],
+        },
+        about: "a box spinning about its middle axis flips over and over: the faster, the sooner a step turns too far",
+        series: 4,
+    },
+    MapInfo {
+        name: "bounce",
+        scene: "bounce",
+        parameters: &[("e", 1.0)],
+        seconds: 5.0,
+        x: HZ,
+        y: Axis {
+            label: "height of the drop, m",
+            quantity: Quantity::Parameter("height"),
+            values: &[0.5, 1.0, 5.0, 20.0, 100.0, 500.0],
+        },
+        about: "balls that bounce for ever: the faster they land, the deeper a step takes them into the ground",
+        series: 4,
+    },
+    MapInfo {
+        name: "wall",
+        scene: "wall",
+        parameters: &[],
+        seconds: 1.0,
+        x: HZ,
+        y: Axis {
+            label: "speed of the ball, m/s",
+            quantity: Quantity::Parameter("v"),
+            values: &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3],
+        },
+        about: "a ball thrown at a wall as thick as its radius: where a step is longer than both, it may pass unseen",
+        series: 4,
+    },
+    MapInfo {
+        name: "far",
+        scene: "far",
+        parameters: &[],
+        seconds: 2.0,
+        x: SUBSTEPS,
+        y: Axis {
+            label: "distance from the origin, m",
+            quantity: Quantity::Parameter("d"),
+            values: &[1e2, 1e4, 1e5, 1e6, 1e7, 1e8],
+        },
+        about: "a stack and a chain must do far from the origin what they do at it, to 1e-5 m",
+        series: 4,
+    },
+    MapInfo {
+        name: "painleve",
+        scene: "painleve",
+        parameters: &[],
+        seconds: 0.5,
+        x: Axis {
+            label: "friction",
+            quantity: Quantity::Parameter("mu"),
+            values: &[0.0, 0.3, 0.6, 0.9, 1.2, 1.5, 2.0, 3.0],
+        },
+        y: Axis {
+            label: "angle of the rod to the ground, degrees",
+            quantity: Quantity::Parameter("tilt"),
+            values: &[20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0],
+        },
+        about: "a rod that slides ahead of its centre: with much friction no rigid motion exists, and none may gain energy",
+        series: 4,
+    },
+    MapInfo {
+        name: "card_house",
+        scene: "card_house",
+        parameters: &[],
+        seconds: 5.0,
+        x: ITERATIONS,
+        y: SUBSTEPS,
+        about: "a house of cards stands by friction alone: what the sweeps leave undone lets it slide apart",
+        series: 4,
     },
 ];

@@ -58,6 +58,7 @@ impl MapInfo {
         for (axis, value) in [(&self.x, x), (&self.y, y)] {
             match axis.quantity {
                 Quantity::Parameter(name) => point.parameters.push((name.to_owned(), value)),
+                Quantity::Hz => point.settings.hz = value,
                 Quantity::Substeps => point.settings.substeps = value as u32,
                 Quantity::Iterations => point.settings.iterations = value as u32,
             }

@@ -1,4 +1,4 @@
-//! Restitution: `bounce`, `spheres`, `cradle`. All frictionless.
+//! Impacts: `bounce`, `spheres`, `cradle`, `wall`. All frictionless.
 
 use bevy::math::{DQuat, DVec3};
 use rand::RngExt;
@@ -12,9 +12,12 @@ const RADIUS: f64 = 0.1;
 
 pub(super) const BOUNCE: SceneInfo = SceneInfo {
     name: "bounce",
-    about: "7 x 7 balls of 10 kg and radius 0.1 m, dropped from 5 m on a grid of 2 m, frictionless",
-    truth: "closed form: the apex after k bounces is R + 4.9 e^(2k); at rest after t0 (1 + e)/(1 - e)",
-    parameters: &[Parameter::real("e", "restitution", 0.5, 0.0, 1.0)],
+    about: "7 x 7 balls of 10 kg and radius R = 0.1 m on a grid of 2 m, dropped, frictionless",
+    truth: "closed form: the apex after k bounces is R + (height - R) e^(2k); at rest after t0 (1 + e)/(1 - e)",
+    parameters: &[
+        Parameter::real("e", "restitution", 0.5, 0.0, 1.0),
+        Parameter::real("height", "of the centres at the start, m", 5.0, 0.2, 1e4),
+    ],
     seconds: 20.0,
     bodies: |_| 50.0,
     build: |values| {
@@ -22,9 +25,10 @@ pub(super) const BOUNCE: SceneInfo = SceneInfo {
         scene.bodies.push(BodySpec::ground().with_material(0.0, 0.0).with_color(palette::GROUND));
         for i in 0..49 {
             let (x, z) = (2.0 * f64::from(i / 7) - 6.0, 2.0 * f64::from(i % 7) - 6.0);
-            scene.bodies.push(ball(i as usize, DVec3::new(x, 5.0, z), 10.0, values[0]));
+            scene.bodies.push(ball(i as usize, DVec3::new(x, values[1], z), 10.0, values[0]));
         }
-        scene.view = Some(ViewSpec::framing(DVec3::new(0.0, 2.5, 0.0), 8.0, DVec3::new(0.4, 0.25, 1.0)));
+        let middle = 0.5 * values[1];
+        scene.view = Some(ViewSpec::framing(middle * DVec3::Y, middle.hypot(7.6), DVec3::new(0.4, 0.25, 1.0)));
         scene
     },
 };
@@ -47,6 +51,19 @@ pub(super) const CRADLE: SceneInfo = SceneInfo {
     seconds: 5.0,
     bodies: |_| 10.0,
     build: |_| build_cradle(),
+};
+
+pub(super) const WALL: SceneInfo = SceneInfo {
+    name: "wall",
+    about: "a ball of 1 kg and radius 0.1 m thrown at v m/s at a static wall t m thick, no gravity, restitution 0",
+    truth: "closed form: it flies v t, then rests on the wall's face",
+    parameters: &[
+        Parameter::real("v", "speed of the ball, m/s", 10.0, 0.1, 1e4),
+        Parameter::real("t", "thickness of the wall, m", 0.1, 1e-3, 10.0),
+    ],
+    seconds: 1.0,
+    bodies: |_| 2.0,
+    build: |values| build_wall(values[0], values[1]),
 };
 
 fn ball(i: usize, position: DVec3, mass: f64, restitution: f64) -> BodySpec {
@@ -88,5 +105,23 @@ fn build_cradle() -> SceneSpec {
         scene.bodies.extend([pin, bob]);
     }
     scene.view = Some(ViewSpec::framing(DVec3::new(0.0, 0.4, 0.0), 1.0, DVec3::new(0.25, 0.2, 1.0)));
+    scene
+}
+
+/// The wall's face is at x = 0. The ball meets it after 0.62 m, or sooner where it is slow: in the
+/// midst of a step at the usual speeds and steps.
+fn build_wall(speed: f64, thickness: f64) -> SceneSpec {
+    let way = 0.62 * speed.min(1.0);
+    let mut scene = SceneSpec::new("wall", DVec3::ZERO);
+    let wall = ShapeSpec::Cuboid { size: DVec3::new(thickness, 2.0, 2.0) };
+    scene.bodies.push(
+        BodySpec::new("wall", wall, 0.5 * thickness * DVec3::X)
+            .fixed()
+            .with_material(0.0, 0.0)
+            .with_color(palette::SLATE),
+    );
+    let start = -(RADIUS + way) * DVec3::X;
+    scene.bodies.push(ball(0, start, 1.0, 0.0).with_velocity(speed * DVec3::X, DVec3::ZERO));
+    scene.view = Some(ViewSpec::framing(-0.3 * DVec3::X, 1.5, DVec3::new(-0.5, 0.35, 1.0)));
     scene
 }

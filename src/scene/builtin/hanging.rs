@@ -1,5 +1,5 @@
-//! Rods on ball joints, hung from a pivot at the origin and released horizontal along +x:
-//! `pendulum`, `rods`, `chain`. Nothing collides.
+//! Bodies on ball joints, hung from a pivot at the origin: released horizontal along +x
+//! (`pendulum`, `rods`, `chain`) or at rest (`hanging`). Nothing collides.
 
 use bevy::math::DVec3;
 
@@ -50,6 +50,31 @@ pub(super) const CHAIN: SceneInfo = SceneInfo {
         let mut scene = SceneSpec::new("chain", TEN);
         hang_chain(&mut scene, DVec3::ZERO, values[0]);
         scene.view = Some(swing_view(DVec3::ZERO, 12.0));
+        scene
+    },
+};
+
+pub(super) const HANGING: SceneInfo = SceneInfo {
+    name: "hanging",
+    about: "n balls of 1 kg hung one below the other, 1 m apart, no collision",
+    truth: "stays put; each joint carries the weight below it",
+    parameters: &[Parameter::whole("n", "balls", 10.0, 1.0, 1000.0)],
+    seconds: 5.0,
+    bodies: |values| values[0] + 1.0,
+    build: |values| {
+        let mut scene = SceneSpec::new("hanging", TEN);
+        scene.bodies.push(pivot(DVec3::ZERO));
+        for i in 0..values[0] as usize {
+            let top = -(i as f64) * DVec3::Y;
+            let ball = BodySpec::new(format!("weight {i}"), ShapeSpec::Sphere { radius: 0.3 }, top - 0.5 * DVec3::Y)
+                .with_mass(1.0)
+                .without_collision()
+                .with_color(palette::bright(i));
+            scene.joints.push(JointSpec::at(&scene.bodies[i], &ball, top));
+            scene.bodies.push(ball);
+        }
+        let length = values[0];
+        scene.view = Some(ViewSpec::framing(-0.5 * length * DVec3::Y, 0.55 * length + 0.5, DVec3::new(0.2, 0.15, 1.0)));
         scene
     },
 };

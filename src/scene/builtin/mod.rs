@@ -21,11 +21,12 @@ use rand_pcg::rand_core::SeedableRng;
 use super::SceneInfo;
 
 /// Every built-in scene, the start scene first.
-pub(super) static ALL: [SceneInfo; 23] = [
+pub(super) static ALL: [SceneInfo; 25] = [
     limbs::LIMBS,
     hanging::PENDULUM,
     hanging::RODS,
     hanging::CHAIN,
+    hanging::HANGING,
     grid::JOINT_GRID,
     tops::TOP,
     tops::HEAVY_TOP,
@@ -36,6 +37,7 @@ pub(super) static ALL: [SceneInfo; 23] = [
     bouncing::BOUNCE,
     bouncing::SPHERES,
     bouncing::CRADLE,
+    bouncing::WALL,
     stacking::STACK,
     stacking::PYRAMID,
     stacking::PYRAMIDS,

@@ -67,12 +67,15 @@ pub(super) const ROLLING: SceneInfo = SceneInfo {
 
 pub(super) const PAINLEVE: SceneInfo = SceneInfo {
     name: "painleve",
-    about: "a rod 1 x 0.02 x 0.02 m at 60 degrees to the ground, its lower end sliding at 5 m/s away from the side it leans to",
-    truth: "mu < 1.34: the equation of motion, till it lifts off or sticks; above, no rigid motion exists: no energy gained",
-    parameters: &[Parameter::real("mu", "friction of the pair", 1.0, 0.0, 10.0)],
+    about: "a rod 1 x 0.02 x 0.02 m tilted to the ground, its lower end sliding at 5 m/s away from the side it leans to",
+    truth: "mu < 1.34 at 60 degrees: the equation of motion, till it lifts off or sticks; above, no rigid motion exists: no energy gained",
+    parameters: &[
+        Parameter::real("mu", "friction of the pair", 1.0, 0.0, 10.0),
+        Parameter::real("tilt", "angle of the rod to the ground, degrees", 60.0, 5.0, 85.0),
+    ],
     seconds: 1.0,
     bodies: |_| 2.0,
-    build: |values| build_painleve(values[0]),
+    build: |values| build_painleve(values[0], values[1]),
 };
 
 fn build_rolling(angle: f64) -> SceneSpec {
@@ -109,15 +112,14 @@ fn build_rolling(angle: f64) -> SceneSpec {
 ///
 /// Normal force and friction of unit N accelerate it upwards by (1 + x (x − μ y)/k²)/m, where it
 /// lies x beside and y below the centre of mass, and m k² = m (L² + w²)/12 is the moment of
-/// inertia. From μ = (k² + x²)/(x y) = 1.3396 on that is not upwards: a larger force presses the
+/// inertia. From μ = (k² + x²)/(x y) on, 1.3396 at 60°, that is not upwards: a larger force presses the
 /// edge only harder into the ground, and no finite force stops it (Painlevé 1895).
-fn build_painleve(friction: f64) -> SceneSpec {
+fn build_painleve(friction: f64, tilt_degrees: f64) -> SceneSpec {
     const SIZE: DVec3 = DVec3::new(1.0, 0.02, 0.02);
-    const ANGLE_DEGREES: f64 = 60.0;
     let mut scene = SceneSpec::new("painleve", EARTH);
     scene.bodies.push(BodySpec::ground().with_material(friction, 0.0).with_color(palette::GROUND));
     // The rod's x axis points from its lower end up and back.
-    let rotation = DQuat::from_rotation_z((180.0 - ANGLE_DEGREES).to_radians());
+    let rotation = DQuat::from_rotation_z((180.0 - tilt_degrees).to_radians());
     let touching = rotation * DVec3::new(-0.5 * SIZE.x, 0.5 * SIZE.y, 0.0);
     scene.bodies.push(BodySpec {
         locked: LockedAxes { translation: [false, false, true], rotation: [true, true, false] },

@@ -3,21 +3,28 @@
 use bevy::math::{DQuat, DVec3};
 
 use super::{EARTH, EARTH_G, palette};
+use crate::scene::catalog::Parameter;
 use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
 pub(super) const TOP: SceneInfo = SceneInfo {
     name: "top",
     about: "a box 1 x 0.6 x 0.2 m spinning without gravity about its middle axis, nudged: it flips over and over",
     truth: "closed form: angular velocity in Jacobi elliptic functions; energy, angular momentum",
-    parameters: &[],
+    parameters: &[Parameter::real(
+        "spin",
+        "about the middle axis, rad/s; a thousandth of it about the first",
+        10.0,
+        0.01,
+        1e4,
+    )],
     seconds: 10.0,
     bodies: |_| 1.0,
-    build: |_| {
+    build: |values| {
         let mut scene = SceneSpec::new("top", DVec3::ZERO);
         let shape = ShapeSpec::Cuboid { size: DVec3::new(1.0, 0.6, 0.2) };
         scene.bodies.push(
             BodySpec::new("top", shape, DVec3::ZERO)
-                .with_velocity(DVec3::ZERO, DVec3::new(0.01, 10.0, 0.0))
+                .with_velocity(DVec3::ZERO, values[0] * DVec3::new(1e-3, 1.0, 0.0))
                 .without_collision()
                 .with_color(palette::ORANGE),
         );
