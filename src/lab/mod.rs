@@ -15,7 +15,10 @@ pub mod truth;
 pub mod verdict;
 mod whole_file;
 
-pub use metrics::{EnergyMetrics, Metrics, QuarantinedEntity, Shares, StepCounts, StepMilliseconds, TruthMetrics};
+pub use metrics::{
+    ContactResidual, EnergyMetrics, Metrics, MomentumMetrics, QuarantinedEntity, Shares, StepCounts, StepMilliseconds,
+    TruthMetrics,
+};
 pub use run::{BodyState, MOST_STEPS, Plan, PlanError, Sample, Simulation, measure};
 pub use settings_file::{SettingsFileError, read_settings, settings_text, write_settings};
 pub use trajectory::TrajectoryWriter;

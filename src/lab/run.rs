@@ -9,8 +9,7 @@ use xxhash_rust::xxh3::Xxh3;
 
 use crate::physics::diagnostics::hash_state;
 use crate::physics::{
-    Diagnostics, Position, Quarantined, Rotation, SettingsError, SolverSettings, StepStats, Velocity, headless_app,
-    step,
+    Position, Quarantined, Rotation, SettingsError, SolverSettings, StepStats, Velocity, headless_app, step,
 };
 use crate::scene::{self, SceneError, SceneSpec, SpawnedScene};
 
@@ -19,7 +18,7 @@ use super::truth;
 
 /// A scene in a world of its own.
 pub struct Simulation {
-    app: App,
+    world: World,
     scene: SceneSpec,
     entities: SpawnedScene,
     poses: QueryState<(&'static Position, &'static Rotation, &'static Velocity)>,
@@ -53,26 +52,24 @@ pub struct Sample<'a> {
 impl Simulation {
     /// Spawns a scene into a new headless world. Scene and settings must be valid.
     pub fn new(scene: SceneSpec, settings: SolverSettings) -> Self {
-        let mut app = headless_app();
-        let world = app.world_mut();
+        let mut world = std::mem::take(headless_app().world_mut());
         world.insert_resource(settings);
-        let entities = scene.spawn(world);
-        let mut simulation = Self { poses: world.query(), app, scene, entities, states: Vec::new() };
+        let entities = scene.spawn(&mut world);
+        let mut simulation = Self { poses: world.query(), world, scene, entities, states: Vec::new() };
         simulation.gather();
         simulation
     }
 
     /// One step.
     pub fn step(&mut self) {
-        step(self.app.world_mut());
+        step(&mut self.world);
         self.gather();
     }
 
     fn gather(&mut self) {
-        let world = self.app.world();
-        self.poses.update_archetypes(world);
+        self.poses.update_archetypes(&self.world);
         self.states.clear();
-        self.states.extend(self.poses.iter_many_manual(world, &self.entities.bodies).map(
+        self.states.extend(self.poses.iter_many_manual(&self.world, &self.entities.bodies).map(
             |(position, rotation, velocity)| BodyState {
                 position: position.0,
                 rotation: rotation.0,
@@ -101,14 +98,19 @@ impl Simulation {
         &self.entities
     }
 
+    /// The settings it runs with.
+    pub fn settings(&self) -> &SolverSettings {
+        self.world.resource()
+    }
+
     /// The world it runs in.
     pub fn world(&self) -> &World {
-        self.app.world()
+        &self.world
     }
 
     /// The world it runs in, to change something.
     pub fn world_mut(&mut self) -> &mut World {
-        self.app.world_mut()
+        &mut self.world
     }
 
     /// A fingerprint (XXH3) of every bit of the bodies' poses and velocities and of what the
@@ -140,6 +142,8 @@ pub struct Plan {
     pub scene: SceneSpec,
     /// Whether [`scene`](Self::scene) is the built-in scene of its name, with a known answer.
     pub built_in: bool,
+    /// Whether to work out a converged answer where none is known otherwise.
+    pub converge: bool,
     /// Every parameter of a built-in scene with its value.
     pub parameters: Vec<(String, f64)>,
     /// The solver's settings.
@@ -204,6 +208,7 @@ impl Plan {
         Ok(Self {
             scene: scene::load(scene, parameters)?,
             built_in: built_in.is_some(),
+            converge: built_in.is_some(),
             parameters: all.map(|info| (info.name.to_owned(), value(info.name, info.default))).collect(),
             settings,
             steps: steps as u64,
@@ -218,9 +223,11 @@ impl Plan {
 /// Those of `watch`.
 pub fn measure<E>(plan: &Plan, mut watch: impl FnMut(&Sample) -> Result<(), E>) -> Result<Metrics, E> {
     let mut simulation = Simulation::new(plan.scene.clone(), plan.settings);
-    simulation.world_mut().init_resource::<Diagnostics>();
-    let truth = if plan.built_in { truth::of(&plan.scene) } else { None };
-    let mut meter = Meter::new(&simulation, truth);
+    let known = plan.built_in.then(|| truth::of(&plan.scene, &plan.settings)).flatten();
+    let truth = known
+        .map(Ok)
+        .or_else(|| plan.converge.then(|| truth::converged(&plan.scene, plan.steps as f64 / plan.settings.hz)));
+    let mut meter = Meter::new(plan, &mut simulation, truth);
     watch(&simulation.sample())?;
     for _ in 0..plan.steps {
         simulation.step();

@@ -4,9 +4,10 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::Metrics;
+use super::{Metrics, TruthMetrics};
 
-/// A run fails where a joint parts by over this share of its limb, …
+/// A run fails where the scene's own condition breaks ([`TruthMetrics::fails_above`]), a joint parts
+/// by over this share of its limb, …
 const JOINT_SHARE: f64 = 0.1;
 
 /// … energy rises by over this share of its scale, …
@@ -26,7 +27,8 @@ pub enum Verdict {
     Holds,
     /// None fails it, one is over a tenth of that.
     Degrades,
-    /// A state is not finite, a joint parts, energy rises, a body sinks or leaves its place.
+    /// A state is not finite, a joint parts, energy rises, a body sinks or leaves its place, or the
+    /// scene's own condition breaks.
     Fails,
     /// It was given up before its end.
     Unknown,
@@ -66,10 +68,15 @@ pub fn judge(metrics: &Metrics) -> Judgement {
         (Some(shares.sunk_of_size), SINK_SHARE, "a body sinks by", "its size"),
         (shares.moved_of_size, SINK_SHARE, "a body that should stay moves by", "its size"),
     ];
-    let worst = measures
+    let measures = measures
         .into_iter()
-        .filter_map(|(share, limit, what, of)| Some((share? / limit, format!("{what} {}", percent(share?, of)))))
-        .max_by(|(one, _), (other, _)| one.total_cmp(other));
+        .filter_map(|(share, limit, what, of)| Some((share? / limit, format!("{what} {}", percent(share?, of)))));
+    let truths = metrics.truth.iter().chain(&metrics.further_truths);
+    let conditions = truths.filter_map(|truth| {
+        let TruthMetrics { name, error, unit, fails_above, .. } = truth;
+        Some((error / (*fails_above)?, format!("{name}: off by {error:.2e} {unit}")))
+    });
+    let worst = measures.chain(conditions).max_by(|(one, _), (other, _)| one.total_cmp(other));
     match worst {
         Some((ratio, reason)) if ratio > 1.0 || ratio.is_nan() => Judgement { verdict: Verdict::Fails, reason },
         Some((ratio, reason)) if ratio > DEGRADES_FROM => Judgement { verdict: Verdict::Degrades, reason },

@@ -1,9 +1,10 @@
 //! What a step did and how true it was: counts, times, energy, momentum, errors, forces.
 //!
-//! [`StepStats`] is always there. [`Diagnostics`] and [`ContactForces`] are filled in only
-//! while the resource exists: insert it to read it.
+//! [`StepStats`] is always there. [`Diagnostics`], [`ContactForces`] and [`JointForces`] are filled
+//! in only while the resource exists: insert it to read it.
 
 use std::hash::Hasher;
+use std::time::{Duration, Instant};
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
@@ -24,7 +25,7 @@ pub struct StepStats {
     pub steps: u64,
     /// Simulation time, s: steps × h.
     pub time: f64,
-    /// Wall-clock time of the last step, s.
+    /// Wall-clock time of the last step, s, without what was spent on measuring it.
     pub step_seconds: f64,
     /// Bodies, all kinds.
     pub bodies: u32,
@@ -106,17 +107,52 @@ pub struct ContactForce {
     pub depth: f64,
     /// Force on B: normal and friction, N, world axes; mean over the step's substeps.
     pub force: DVec3,
+    /// Force on B that the step's last solve found, N, world axes.
+    pub last_force: DVec3,
+}
+
+/// The joints with the forces that the last step's solves found. Filled in while present.
+#[derive(Resource, Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Resource, Debug, Default, PartialEq)]
+pub struct JointForces(pub Vec<JointForce>);
+
+/// One joint and the force through it.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+pub struct JointForce {
+    /// The joint.
+    pub joint: Entity,
+    /// Force on its body B, N, world axes; mean over the step's substeps.
+    pub force: DVec3,
+}
+
+/// How long the last step's measuring took.
+#[derive(Resource, Default)]
+pub(super) struct MeasuringTime {
+    started: Option<Instant>,
+    pub spent: Duration,
 }
 
 pub(super) fn plugin(app: &mut App) {
-    app.add_systems(
+    app.init_resource::<MeasuringTime>().add_systems(
         PhysicsSchedule,
         (
+            start_clock,
             measure.run_if(resource_exists::<Diagnostics>),
             collect_contact_forces.run_if(resource_exists::<ContactForces>),
+            collect_joint_forces.run_if(resource_exists::<JointForces>),
+            stop_clock,
         )
+            .chain()
             .in_set(PhysicsSystems::Diagnose),
     );
+}
+
+fn start_clock(mut time: ResMut<MeasuringTime>) {
+    time.started = Some(Instant::now());
+}
+
+fn stop_clock(mut time: ResMut<MeasuringTime>) {
+    time.spent = time.started.take().map_or(Duration::ZERO, |started| started.elapsed());
 }
 
 fn measure(
@@ -162,7 +198,8 @@ fn collect_contact_forces(
 ) {
     let contacts = lagged.active(&settings, &contacts);
     forces.0.clear();
-    for (manifold, index, force) in solvers.list[..solvers.used].iter().flat_map(|solver| solver.contact_forces()) {
+    let found = solvers.list[..solvers.used].iter().flat_map(|solver| solver.contact_forces());
+    for (manifold, index, [force, last_force]) in found {
         let manifold = &contacts.manifolds[manifold as usize];
         let point = contacts.points_of(manifold)[index];
         forces.0.push(ContactForce {
@@ -172,8 +209,14 @@ fn collect_contact_forces(
             normal: manifold.normal.into(),
             depth: point.depth,
             force: force.into(),
+            last_force: last_force.into(),
         });
     }
+}
+
+fn collect_joint_forces(joints: Res<Joints>, mut forces: ResMut<JointForces>) {
+    forces.0.clear();
+    forces.0.extend(joints.list.iter().map(|joint| JointForce { joint: joint.entity, force: joint.force.into() }));
 }
 
 /// Feeds every bit that the next step depends on to a hasher: poses and velocities of all bodies

@@ -83,13 +83,17 @@ fn json_has_every_key_and_no_other() {
     assert_eq!(
         sorted(&keys(&metrics)),
         sorted(
-            "scene parameters settings bodies joints contacts steps seconds ms_per_step energy joint_error_max_m \
-             penetration_max_m sink_max_m drift_max_m truth quarantined simd state_hash"
+            "scene parameters settings bodies joints contacts steps seconds ms_per_step counts energy momentum \
+             joint_error_max_m penetration_max_m sink_max_m drift_max_m jitter_m_per_s force_error contact_residual \
+             truth truth_unknown further_truths shares quarantined simd state_hash"
         )
     );
     assert_eq!(sorted(&keys(&metrics["ms_per_step"])), "median p95 total");
     assert_eq!(sorted(&keys(&metrics["energy"])), "end max_relative_drift start");
-    assert_eq!(sorted(&keys(&metrics["truth"])), "error name unit");
+    assert_eq!(sorted(&keys(&metrics["truth"])), "error fails_above name uncertainty unit");
+    assert_eq!(sorted(&keys(&metrics["counts"])), "pairs row_updates");
+    assert_eq!(sorted(&keys(&metrics["momentum"])), "angular_max_relative_drift linear_max_relative_drift");
+    assert_eq!(sorted(&keys(&metrics["shares"])), "energy_rise joint_of_limb moved_of_size sunk_of_size");
 
     assert_eq!(metrics["scene"], "rods");
     assert_eq!(metrics["parameters"]["n"], 2.0);
@@ -106,7 +110,9 @@ fn json_has_every_key_and_no_other() {
 
 #[test]
 fn json_of_a_scene_without_an_answer_says_so() {
-    assert_eq!(json(&["run", "limbs", "--seconds", "0.05", "--json"])["truth"], Value::Null);
+    let metrics = json(&["run", "limbs", "--seconds", "0.04", "--json"]);
+    assert_eq!(metrics["truth"], Value::Null);
+    assert_eq!(metrics["truth_unknown"], "a converged answer begins at 0.05 s");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod command_line;
 mod export;
 mod metrics;
+mod references;
 mod run;
 mod scene_builtin;
 mod scene_errors;

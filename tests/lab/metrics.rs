@@ -4,14 +4,14 @@ use std::convert::Infallible;
 
 use bevy::math::DVec3;
 use plumb::lab::{Metrics, Plan, Sample, measure};
-use plumb::physics::{Precision, SolverSettings};
+use plumb::physics::{FrictionModel, Integrator, Precision, SolverSettings};
 use plumb::scene::SceneSpec;
 
 /// Runs a user's scene at 100 Hz.
 fn run(text: &str, steps: u64) -> Metrics {
     let scene = SceneSpec::from_ron(text, "test.ron").unwrap_or_else(|error| panic!("{error}"));
     let settings = SolverSettings { hz: 100.0, precision: Precision::F64, ..SolverSettings::classic() };
-    let plan = Plan { scene, built_in: false, parameters: Vec::new(), settings, steps };
+    let plan = Plan { scene, built_in: false, converge: false, parameters: Vec::new(), settings, steps };
     measure(&plan, |_| Ok::<(), Infallible>(())).unwrap()
 }
 
@@ -104,4 +104,138 @@ fn a_scene_at_rest_measures_its_energy_against_weight_times_height() {
     let drift = metrics.energy.max_relative_drift.unwrap();
     let sunk = -(lowest[0] + lowest[1]) / 4.0;
     assert!(sunk > 1e-5 && (drift - sunk).abs() < 0.2 * sunk, "{drift} {sunk}");
+}
+
+/// A body with its centre half a metre over the ground, g = 10.
+fn on_the_ground(body: &str, settings: SolverSettings, steps: u64) -> Metrics {
+    let ground = r#"(name: "ground", kind: Static, shape: HalfSpace, friction: 0.5)"#;
+    measured(&format!(r#"{ground}, (name: "body", position: (0, 0.5, 0), friction: 0.5, {body})"#), settings, steps)
+}
+
+fn measured(bodies: &str, settings: SolverSettings, steps: u64) -> Metrics {
+    let text = format!("(gravity: (0, -10, 0), bodies: [{bodies}])");
+    let scene = SceneSpec::from_ron(&text, "test.ron").unwrap_or_else(|error| panic!("{error}"));
+    let plan = Plan { scene, built_in: false, converge: false, parameters: Vec::new(), settings, steps };
+    measure(&plan, |_| Ok::<(), Infallible>(())).unwrap()
+}
+
+/// One contact point.
+const BALL: &str = "shape: Sphere(radius: 0.5)";
+/// Four.
+const CUBE: &str = "shape: Cuboid(size: (1, 1, 1))";
+
+/// Contacts without what keeps them from the plain laws.
+fn plain(substeps: u32, integrator: Integrator) -> SolverSettings {
+    SolverSettings {
+        precision: Precision::F64,
+        iterations: 200,
+        substeps,
+        integrator,
+        slop: 0.0,
+        restitution_speed: Some(0.0),
+        ..SolverSettings::default()
+    }
+}
+
+#[test]
+fn converged_contacts_obey_their_laws() {
+    let variants = [(1, Integrator::Euler), (4, Integrator::Euler), (1, Integrator::VelocityVerlet)];
+    for (substeps, integrator) in variants {
+        let check = |what: &str, metrics: Metrics| {
+            let residual = metrics.contact_residual.expect("it touches the ground");
+            assert!(residual.last < 1e-6, "{what}, {substeps} {integrator:?}: {residual:?}");
+            assert!(residual.worst >= residual.last);
+        };
+        const UPRIGHT: &str = "locked: (rotation: (true, true, true))";
+        for (what, more) in [
+            ("rests", ""),
+            ("slides", &*format!("velocity: (2, 0, 1), {UPRIGHT}")),
+            ("is pushed and sticks", &*format!("force: (2000, 0, 0), {UPRIGHT}")),
+            ("is pushed and slides", &*format!("force: (4000, 0, 0), {UPRIGHT}")),
+            ("slides and rolls", "velocity: (2, 0, 1)"),
+            ("is pushed and rolls", "force: (4000, 0, 0)"),
+            ("is pushed and spins", "force: (20000, 0, 0)"),
+        ] {
+            // Within a step, a contact point turns with the ball, off the ground.
+            let turns = substeps > 1 && !more.is_empty() && !more.contains(UPRIGHT);
+            if !turns {
+                check(what, on_the_ground(&format!("{BALL}, {more}"), plain(substeps, integrator), 20));
+            }
+        }
+        // Four points, which with friction could brace themselves against each other.
+        let frictionless = SolverSettings { friction: FrictionModel::Off, ..plain(substeps, integrator) };
+        let cube = r#"(name: "ground", kind: Static, shape: HalfSpace, friction: 0),
+                      (name: "cube", shape: Cuboid(size: (1, 1, 1)), position: (0, 0.5, 0))"#;
+        check("cube rests", measured(cube, frictionless, 20));
+    }
+}
+
+#[test]
+fn a_contact_that_bounces_by_its_restitution_obeys_the_law_too() {
+    let bounce = |restitution_speed| {
+        let settings = SolverSettings { restitution_speed, ..plain(1, Integrator::Euler) };
+        let metrics = on_the_ground(&format!("{BALL}, velocity: (0, -3, 0), restitution: 0.5"), settings, 1);
+        metrics.contact_residual.unwrap().worst
+    };
+    assert!(bounce(Some(0.0)) < 1e-6, "{}", bounce(Some(0.0)));
+    assert!((bounce(None) - 0.5).abs() < 1e-6, "it should have left at 1.5 m/s: {}", bounce(None));
+}
+
+#[test]
+fn what_a_solve_leaves_undone_shows_in_the_contacts_laws() {
+    let heavy_on_light = r#"(name: "ground", kind: Static, shape: HalfSpace, friction: 0),
+        (name: "light", shape: Sphere(radius: 0.5), position: (0, 0.5, 0)),
+        (name: "heavy", shape: Sphere(radius: 0.5), mass: 50000, position: (0, 1.5, 0))"#;
+    let residual = |iterations| {
+        let settings = SolverSettings { iterations, warm_starting: false, ..plain(1, Integrator::Euler) };
+        measured(heavy_on_light, settings, 1).contact_residual.unwrap().worst
+    };
+    let (few, many) = (residual(2), residual(20_000));
+    assert!(few > 0.1 && many < 1e-6, "{few} {many}");
+    // The 2009 friction does not know how hard a contact presses: each of the four points that slide
+    // is slowed as if it carried all.
+    let classic = SolverSettings { iterations: 200, precision: Precision::F64, ..SolverSettings::classic() };
+    let flawed = on_the_ground(&format!("{CUBE}, velocity: (2, 0, 0)"), classic, 5).contact_residual.unwrap();
+    assert!(flawed.worst > 0.02, "{flawed:?}");
+}
+
+#[test]
+fn forces_of_scenes_at_rest_are_held_against_statics() {
+    let settings = |iterations| SolverSettings { iterations, precision: Precision::F64, ..SolverSettings::default() };
+    let force_error = |scene: &str, n: f64, iterations: u32| {
+        let plan = Plan::new(scene, &[("n".into(), n)], settings(iterations), Some(3.0)).unwrap();
+        measure(&plan, |_| Ok::<(), Infallible>(())).unwrap().force_error.expect("statics says")
+    };
+    for (scene, n) in [("stack", 3.0), ("pyramid", 3.0), ("hanging", 4.0), ("joint_grid", 3.0)] {
+        let error = force_error(scene, n, 200);
+        assert!(error < 0.01, "{scene}: {error}");
+    }
+    assert!(force_error("hanging", 30.0, 1) > 0.01);
+    let slide = Plan::new("slide_roll", &[], settings(10), Some(0.1)).unwrap();
+    assert_eq!(measure(&slide, |_| Ok::<(), Infallible>(())).unwrap().force_error, None);
+}
+
+#[test]
+fn jitter_is_measured_where_all_should_rest() {
+    let jitter = |scene: &str| {
+        let plan = Plan::new(scene, &[], SolverSettings::default(), Some(0.5)).unwrap();
+        measure(&plan, |_| Ok::<(), Infallible>(())).unwrap().jitter_m_per_s
+    };
+    assert_eq!(jitter("slide_roll"), None);
+    assert!(jitter("sandwich").is_some_and(|speed| speed > 0.0 && speed < 0.1), "{:?}", jitter("sandwich"));
+}
+
+#[test]
+fn momentum_drifts_only_where_nothing_outside_takes_part() {
+    let spheres = r#"(gravity: (0, -9.81, 0), bodies: [
+        (name: "a", shape: Sphere(radius: 0.5), velocity: (2, 0, 0), angular_velocity: (0, 0, 5)),
+        (name: "b", shape: Sphere(radius: 0.5), position: (1.5, 0.3, 0)),
+    ])"#;
+    let metrics = run(spheres, 60);
+    let momentum = metrics.momentum;
+    // They collide: without friction rows' rounding nothing is left. Single steps round at 1e-16.
+    assert!(momentum.linear_max_relative_drift.unwrap() < 1e-6, "{momentum:?}");
+    assert!(momentum.angular_max_relative_drift.is_some(), "{momentum:?}");
+    let on_ground = on_the_ground(CUBE, SolverSettings::default(), 2).momentum;
+    assert_eq!((on_ground.linear_max_relative_drift, on_ground.angular_max_relative_drift), (None, None));
 }

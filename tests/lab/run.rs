@@ -74,7 +74,7 @@ fn a_plan_without_length_takes_the_scenes_own() {
     let settings = SolverSettings::default();
     let plan = Plan::new("bounce", &[("e".into(), 0.25)], settings, None).unwrap();
     assert_eq!(plan.steps, 1200);
-    assert_eq!(plan.parameters, [("e".to_owned(), 0.25)]);
+    assert_eq!(plan.parameters, [("e".to_owned(), 0.25), ("height".to_owned(), 5.0)]);
     assert_eq!(Plan::new("stack", &[], settings, None).unwrap().parameters.len(), 2, "defaults are listed too");
 }
 

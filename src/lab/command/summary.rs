@@ -1,6 +1,6 @@
 //! The measurements of a run for a person to read.
 
-use crate::lab::Metrics;
+use crate::lab::{Metrics, MomentumMetrics};
 
 pub(super) fn of(metrics: &Metrics) -> String {
     let rows = rows(metrics);
@@ -48,8 +48,27 @@ fn rows(metrics: &Metrics) -> Vec<(String, String)> {
             format!("{} m down, {} m sideways at most", short(metrics.sink_max_m), short(metrics.drift_max_m)),
         ),
     ];
-    if let Some(truth) = &metrics.truth {
+    if let Some(jitter) = metrics.jitter_m_per_s {
+        rows.push(("trembles".into(), format!("at {} m/s (last second)", short(jitter))));
+    }
+    if let Some(error) = metrics.force_error {
+        rows.push(("forces".into(), format!("off by {} of the weight they carry (last second)", short(error))));
+    }
+    if let Some(residual) = metrics.contact_residual {
+        let (worst, last) = (short(residual.worst), short(residual.last));
+        rows.push(("contacts".into(), format!("off their laws by {worst} at worst, {last} at the end")));
+    }
+    let MomentumMetrics { linear_max_relative_drift, angular_max_relative_drift } = metrics.momentum;
+    for (kind, drift) in [("linear", linear_max_relative_drift), ("angular", angular_max_relative_drift)] {
+        if let Some(drift) = drift {
+            rows.push(("momentum".into(), format!("{kind}: strayed by {}", short(drift))));
+        }
+    }
+    for truth in metrics.truth.iter().chain(&metrics.further_truths) {
         rows.push(("error".into(), format!("{} {} ({})", short(truth.error), truth.unit, truth.name)));
+    }
+    if let Some(reason) = &metrics.truth_unknown {
+        rows.push(("error".into(), format!("unknown: {reason}")));
     }
     rows.push(("state".into(), metrics.state_hash.clone()));
     for entity in &metrics.quarantined {

@@ -38,8 +38,10 @@ pub struct Record {
     pub unit: String,
     /// The answer's own uncertainty, in the same unit.
     pub uncertainty: Option<f64>,
-    /// Median wall-clock time of a step, ms.
+    /// Median wall-clock time of a step, ms, of the fastest of the repeats.
     pub ms_per_step: Option<f64>,
+    /// How much larger the slowest repeat's median was, ms; none of a single run.
+    pub ms_spread: Option<f64>,
     /// 95 of 100 steps took at most this, ms.
     pub ms_p95: Option<f64>,
     /// Row updates of the last step.
@@ -48,6 +50,10 @@ pub struct Record {
     pub pairs: u32,
     /// Largest |E − E₀|/S.
     pub energy_drift: Option<f64>,
+    /// Largest relative drift of linear momentum, where nothing outside takes part.
+    pub linear_momentum_drift: Option<f64>,
+    /// Largest relative drift of angular momentum, where nothing outside takes part.
+    pub angular_momentum_drift: Option<f64>,
     /// Worst joint separation, m.
     pub joint_error: Option<f64>,
     /// Worst penetration, m.
@@ -56,6 +62,14 @@ pub struct Record {
     pub sink: Option<f64>,
     /// Largest horizontal move of any body, m.
     pub drift: Option<f64>,
+    /// Speed that is left in the last second where all should rest, m/s.
+    pub jitter: Option<f64>,
+    /// Largest error of the forces across a level over the weight they carry.
+    pub force_error: Option<f64>,
+    /// Worst relative residual of the contacts' natural map.
+    pub contact_residual: Option<f64>,
+    /// That of the last step.
+    pub contact_residual_last: Option<f64>,
     /// Holds, degrades or fails.
     pub verdict: Verdict,
     /// Why it degrades or fails.
@@ -63,21 +77,34 @@ pub struct Record {
 }
 
 impl Record {
-    /// A run that came to its end.
-    pub(super) fn of(point: &Point, program: &str, metrics: &Metrics, judgement: Judgement) -> Self {
+    /// A run that came to its end, the fastest of its repeats, whose medians spread by so much.
+    pub(super) fn of(
+        point: &Point,
+        program: &str,
+        metrics: &Metrics,
+        ms_spread: Option<f64>,
+        judgement: Judgement,
+    ) -> Self {
         Self {
             error: metrics.truth.as_ref().map(|truth| truth.error),
             unit: metrics.truth.as_ref().map_or(String::new(), |truth| truth.unit.to_owned()),
             uncertainty: metrics.truth.as_ref().map(|truth| truth.uncertainty),
             ms_per_step: Some(metrics.ms_per_step.median),
+            ms_spread,
             ms_p95: Some(metrics.ms_per_step.p95),
             row_updates: metrics.counts.row_updates,
             pairs: metrics.counts.pairs,
             energy_drift: metrics.energy.max_relative_drift,
+            linear_momentum_drift: metrics.momentum.linear_max_relative_drift,
+            angular_momentum_drift: metrics.momentum.angular_max_relative_drift,
             joint_error: Some(metrics.joint_error_max_m),
             penetration: Some(metrics.penetration_max_m),
             sink: Some(metrics.sink_max_m),
             drift: Some(metrics.drift_max_m),
+            jitter: metrics.jitter_m_per_s,
+            force_error: metrics.force_error,
+            contact_residual: metrics.contact_residual.map(|residual| residual.worst),
+            contact_residual_last: metrics.contact_residual.map(|residual| residual.last),
             ..Self::failed(point, program, judgement)
         }
     }
@@ -99,14 +126,21 @@ impl Record {
             unit: String::new(),
             uncertainty: None,
             ms_per_step: None,
+            ms_spread: None,
             ms_p95: None,
             row_updates: 0,
             pairs: 0,
             energy_drift: None,
+            linear_momentum_drift: None,
+            angular_momentum_drift: None,
             joint_error: None,
             penetration: None,
             sink: None,
             drift: None,
+            jitter: None,
+            force_error: None,
+            contact_residual: None,
+            contact_residual_last: None,
             verdict: judgement.verdict,
             reason: judgement.reason,
         }

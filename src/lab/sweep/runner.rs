@@ -65,10 +65,16 @@ struct OverBudget;
 
 fn run_point(point: &Point, budget: Budget, program: &str) -> Result<Record, PlanError> {
     let plan = Plan::new(&point.scene, &point.parameters, point.settings, Some(point.seconds))?;
+    // A point without an error is on no chart.
+    let plan = Plan { converge: true, ..plan };
     let started = Instant::now();
     let mut best: Option<Metrics> = None;
+    let mut medians = Vec::new();
     for _ in 0..MOST_REPEATS {
         let metrics = measure(&plan, |_| if started.elapsed() > budget.most { Err(OverBudget) } else { Ok(()) });
+        if let Ok(metrics) = &metrics {
+            medians.push(metrics.ms_per_step.median);
+        }
         match (metrics, &best) {
             (Ok(metrics), Some(known)) if known.ms_per_step.median <= metrics.ms_per_step.median => {}
             (Ok(metrics), _) => best = Some(metrics),
@@ -83,5 +89,7 @@ fn run_point(point: &Point, budget: Budget, program: &str) -> Result<Record, Pla
         }
     }
     let metrics = best.expect("at least one run came to its end");
-    Ok(Record::of(point, program, &metrics, judge(&metrics)))
+    let slowest = medians.iter().copied().fold(0.0, f64::max);
+    let spread = (medians.len() > 1).then_some(slowest - metrics.ms_per_step.median);
+    Ok(Record::of(point, program, &metrics, spread, judge(&metrics)))
 }

@@ -109,7 +109,7 @@ fn write_row(file: &mut File, record: Option<&Record>) -> io::Result<()> {
 }
 
 /// The columns, in the order of [`Record`]'s fields.
-const HEADER: [&str; 24] = [
+const HEADER: [&str; 31] = [
     "key",
     "program",
     "scene",
@@ -124,14 +124,21 @@ const HEADER: [&str; 24] = [
     "unit",
     "uncertainty",
     "ms_per_step",
+    "ms_spread",
     "ms_p95",
     "row_updates",
     "pairs",
     "energy_drift",
+    "linear_momentum_drift",
+    "angular_momentum_drift",
     "joint_error",
     "penetration",
     "sink",
     "drift",
+    "jitter",
+    "force_error",
+    "contact_residual",
+    "contact_residual_last",
     "verdict",
     "reason",
 ];

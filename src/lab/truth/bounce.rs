@@ -14,12 +14,14 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     let (bounce, rest) = bounce(scene)?;
     let weight: f64 = balls.iter().map(|&index| scene.bodies[index].mass).sum::<Option<f64>>()? * bounce.gravity;
     let fall = weight * bounce.drop;
+    let landing_speed = (2.0 * bounce.gravity * bounce.drop).sqrt();
     let distance = move |sample: &Sample| {
         let expected = rest + bounce.height(sample.time);
         let heights = balls.iter().map(|&index| sample.bodies[index].position.y);
         Some(heights.map(|height| (height - expected).abs()).fold(0.0, f64::max))
     };
-    Some(Truth::largest("height of the balls", "m", distance).with_energy_scale(EnergyScale::Known(fall)))
+    let truth = Truth::largest("height of the balls", "m", distance).with_uncertainty(TIME_UNCERTAINTY * landing_speed);
+    Some(truth.with_energy_scale(EnergyScale::Known(fall)))
 }
 
 /// Every ball where the answer has it.
@@ -47,6 +49,9 @@ fn bounce(scene: &SceneSpec) -> Option<(Bounce, f64)> {
     };
     Some((bounce, ground.position.y + radius))
 }
+
+/// A landing's time, up to 20 s, is known to a rounding of each of up to 100 flights before it, s.
+const TIME_UNCERTAINTY: f64 = 100.0 * 20.0 * f64::EPSILON;
 
 struct Bounce {
     gravity: f64,

@@ -6,7 +6,7 @@ use bevy::math::DVec3;
 use crate::scene::{SceneSpec, ShapeSpec};
 
 use super::super::run::Sample;
-use super::pendulum::Swing;
+use super::pendulum::{Swing, UNCERTAINTY};
 use super::{EnergyScale, Truth, anchor_on, dynamic};
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
@@ -32,5 +32,6 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
         Some(errors.fold(0.0, f64::max))
     };
     let fall = first.mass? * gravity * lever * (1.0 - start.dot(down));
-    Some(Truth::largest("angle of the balls", "rad", distance).with_energy_scale(EnergyScale::Known(fall)))
+    let truth = Truth::largest("angle of the balls", "rad", distance).with_uncertainty(UNCERTAINTY);
+    Some(truth.with_energy_scale(EnergyScale::Known(fall)))
 }

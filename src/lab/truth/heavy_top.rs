@@ -1,21 +1,71 @@
 //! A cone spinning on its tip in steady slow precession: its axis keeps its tilt α and turns
-//! about the vertical at the smaller root Ω of I⊥ Ω² cos α − I₃ ω₃ Ω + m g l = 0.
+//! about the vertical at the smaller root Ω of I⊥ Ω² cos α − I₃ ω₃ Ω + m g l = 0. Angular momentum
+//! about the tip is kept along the vertical and along the axis, since gravity's torque is across
+//! both.
 
 use bevy::math::{DQuat, DVec3};
 
 use crate::scene::{SceneSpec, ShapeSpec};
 
-use super::super::run::Sample;
+use super::super::run::{BodyState, Sample};
 use super::{Poses, Truth, anchor_on, dynamic};
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
-    let Steady { index, body_axis, up, precession, .. } = Steady::of(scene)?;
-    let start = scene.bodies[index].rotation * body_axis;
-    let distance = move |sample: &Sample| {
-        let axis = sample.bodies[index].rotation * body_axis;
-        Some(angle_between(axis, DQuat::from_axis_angle(up, precession * sample.time) * start))
+    let Steady { index, body_axis, up, precession, lever, .. } = Steady::of(scene)?;
+    let top = &scene.bodies[index];
+    let Some(ShapeSpec::Cone { radius, height }) = top.shape else { return None };
+    let start = top.rotation * body_axis;
+    let axis = move |sample: &Sample| sample.bodies[index].rotation * body_axis;
+    let expected = move |sample: &Sample| DQuat::from_axis_angle(up, precession * sample.time) * start;
+    let distance = move |sample: &Sample| Some(angle_between(axis(sample), expected(sample)));
+    let azimuth = move |sample: &Sample| {
+        let [is, should] = [axis(sample), expected(sample)].map(|axis| axis - axis.dot(up) * up);
+        Some(angle_between(is, should))
     };
-    Some(Truth::largest("direction of the axis", "rad", distance))
+    let momentum = Momentum { index, pivot: top.position - start * lever, body_axis, radius, height };
+    let at_start = momentum.of(&BodyState {
+        position: top.position,
+        rotation: top.rotation,
+        linear: top.linear_velocity,
+        angular: top.angular_velocity,
+    });
+    let change = move |sample: &Sample, along: DVec3, along_at_start: DVec3| {
+        let now = momentum.of(&sample.bodies[momentum.index]).dot(along);
+        Some((now - at_start.dot(along_at_start)).abs() / at_start.length())
+    };
+    let about_vertical = move |sample: &Sample| change(sample, up, up);
+    let about_axis = move |sample: &Sample| change(sample, axis(sample), start);
+    // Ω t reaches 20 rad, known to a few roundings; a start off by one wobbles by less.
+    let truth = Truth::largest("direction of the axis", "rad", distance).with_uncertainty(1e-13);
+    Some(
+        truth
+            .and(Truth::largest("azimuth of the axis", "rad", azimuth).with_uncertainty(1e-13))
+            .and(Truth::largest("angular momentum about the vertical", "of its whole", about_vertical))
+            .and(Truth::largest("angular momentum about the axis", "of its whole", about_axis)),
+    )
+}
+
+/// What angular momentum about the tip takes, per mass.
+#[derive(Clone, Copy)]
+struct Momentum {
+    index: usize,
+    /// Where the tip is held, m.
+    pivot: DVec3,
+    body_axis: DVec3,
+    radius: f64,
+    height: f64,
+}
+
+impl Momentum {
+    /// m²/s.
+    fn of(&self, state: &BodyState) -> DVec3 {
+        let axis = state.rotation * self.body_axis;
+        let along = state.angular.dot(axis) * axis;
+        let axial = 0.3 * self.radius * self.radius;
+        let transverse = 0.0375 * (4.0 * self.radius * self.radius + self.height * self.height);
+        let spin = axial * along + transverse * (state.angular - along);
+        (state.position - self.pivot).cross(state.linear) + spin
+    }
 }
 
 /// The top where the answer has it: turned by Ωt about the vertical, and by (ω₃ − Ω cos α)t

@@ -19,7 +19,8 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
         let angle = along.dot(outward).atan2(along.dot(down));
         Some(wrapped(angle - swing.angle(sample.time)).abs())
     };
-    Some(Truth::largest("angle of the rod", "rad", distance).with_energy_scale(EnergyScale::Known(fall)))
+    let truth = Truth::largest("angle of the rod", "rad", distance).with_uncertainty(UNCERTAINTY);
+    Some(truth.with_energy_scale(EnergyScale::Known(fall)))
 }
 
 /// The rod where the answer has it.
@@ -65,6 +66,10 @@ impl Rod {
         Some(Self { index, to_centre, outward, down, swing, start })
     }
 }
+
+/// ω₀ t, up to 40 rad in a scene's time, is known to a few roundings; the rate of the angle to it is
+/// below 2, rad.
+pub(super) const UNCERTAINTY: f64 = 1e-13;
 
 /// A pendulum released at rest.
 pub(super) struct Swing {

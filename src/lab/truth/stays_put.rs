@@ -1,9 +1,9 @@
-//! Scenes in equilibrium: any motion is error.
+//! Scenes in equilibrium: any motion is error, and forces carry weights.
 
 use crate::scene::SceneSpec;
 
 use super::super::run::Sample;
-use super::{Poses, Truth, dynamic};
+use super::{Poses, Statics, Truth, dynamic};
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     // Gravity turned out of the plane of a joint grid makes it swing.
@@ -11,11 +11,15 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
         return None;
     }
     let starts: Vec<_> = dynamic(scene).into_iter().map(|index| (index, scene.bodies[index].position)).collect();
+    // The answer is exact; a place is kept to a rounding of its distance from the origin.
+    let extent = starts.iter().map(|(_, start)| start.length()).fold(0.0, f64::max);
     let distance = move |sample: &Sample| {
         let moves = starts.iter().map(|(index, start)| sample.bodies[*index].position.distance(*start));
         Some(moves.fold(0.0, f64::max))
     };
-    Some(Truth::largest("largest move of a body that should stay", "m", distance).that_stays())
+    let truth = Truth::largest("largest move of a body that should stay", "m", distance);
+    let truth = truth.that_stays().with_uncertainty(f64::EPSILON * extent);
+    Some(Truth { statics: Statics::of(scene), ..truth })
 }
 
 /// Every body where it starts.

@@ -439,11 +439,15 @@ impl IslandSolver {
         }
     }
 
-    /// The mean force on B at each contact point, as (manifold, point within it, force in N).
-    pub fn contact_forces(&self) -> impl Iterator<Item = (u32, usize, Vector3<f64>)> + '_ {
+    /// The force on B at each contact point, as (manifold, point within it, its mean over the step
+    /// and that of the last solve in N).
+    pub fn contact_forces(&self) -> impl Iterator<Item = (u32, usize, [Vector3<f64>; 2])> + '_ {
         self.manifolds.iter().zip(&self.manifold_source).flat_map(move |(manifold, &source)| {
             let points = &self.points[manifold.first_point..manifold.end_point];
-            points.iter().enumerate().map(move |(index, point)| (source, index, point.impulse / self.h_total))
+            points
+                .iter()
+                .enumerate()
+                .map(move |(index, point)| (source, index, [point.impulse / self.h_total, point.force]))
         })
     }
 }

@@ -1,0 +1,75 @@
+//! What steps cost: by the clock, and in counts that no clock spoils.
+
+use serde::Serialize;
+
+use crate::physics::StepStats;
+
+/// Wall-clock time, ms, of the physics step alone.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StepMilliseconds {
+    /// Half of the steps took at most this.
+    pub median: f64,
+    /// 95 of 100 steps took at most this.
+    pub p95: f64,
+    /// All steps together.
+    pub total: f64,
+}
+
+/// Work of the last step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct StepCounts {
+    /// Row updates: rows × iterations × solves.
+    pub row_updates: u64,
+    /// Pairs that the narrow phase tested.
+    pub pairs: u32,
+}
+
+impl StepCounts {
+    pub(super) fn of(stats: &StepStats) -> Self {
+        Self { row_updates: stats.row_updates, pairs: stats.pairs }
+    }
+}
+
+impl StepMilliseconds {
+    /// From the time of each step, s.
+    pub(super) fn of(mut seconds: Vec<f64>) -> Self {
+        let total = 1e3 * seconds.iter().sum::<f64>();
+        seconds.sort_unstable_by(f64::total_cmp);
+        // Nearest rank: the smallest time that this share of the steps did not exceed.
+        let rank = |share: f64| {
+            let rank = (share * seconds.len() as f64).ceil() as usize;
+            seconds.get(rank.max(1) - 1).map_or(0.0, |&seconds| 1e3 * seconds)
+        };
+        Self { median: rank(0.5), p95: rank(0.95), total }
+    }
+}
+
+/// The widest vector instructions that the compiler was allowed.
+pub(super) const fn simd() -> &'static str {
+    if cfg!(target_feature = "avx512f") {
+        "avx512"
+    } else if cfg!(all(target_feature = "avx2", target_feature = "fma")) {
+        "avx2+fma"
+    } else if cfg!(target_feature = "avx2") {
+        "avx2"
+    } else if cfg!(target_feature = "sse2") {
+        "sse2"
+    } else if cfg!(target_feature = "neon") {
+        "neon"
+    } else {
+        "none"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_are_nearest_ranks() {
+        let ms = StepMilliseconds::of((1..=100).rev().map(|n| f64::from(n) * 1e-3).collect());
+        assert!((ms.median - 50.0).abs() < 1e-9 && (ms.p95 - 95.0).abs() < 1e-9 && (ms.total - 5050.0).abs() < 1e-9);
+        let one = StepMilliseconds::of(vec![0.002]);
+        assert!((one.median - 2.0).abs() < 1e-9 && one.median == one.p95);
+    }
+}

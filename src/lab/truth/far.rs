@@ -1,0 +1,39 @@
+//! A scene far from the origin does what it does at the origin: the same scene there, with the
+//! same settings, is stepped beside it.
+
+use crate::physics::SolverSettings;
+use crate::scene::{self, SceneSpec};
+
+use super::super::run::{Sample, Simulation};
+use super::{ROUNDING, Truth, dynamic};
+
+/// What a run may differ from the one at the origin, m.
+const FAILS_ABOVE: f64 = 1e-5;
+
+pub(super) fn truth(scene: &SceneSpec, settings: &SolverSettings) -> Option<Truth> {
+    let near = scene::load(&scene.name, &[("d".to_owned(), 0.0)]).ok()?;
+    let offsets: Vec<_> = dynamic(scene)
+        .into_iter()
+        .map(|index| (index, scene.bodies[index].position - near.bodies[index].position))
+        .collect();
+    let distance = offsets.first()?.1.length();
+    if distance == 0.0 {
+        return None;
+    }
+    let mut twin = Simulation::new(near, *settings);
+    let differs = move |sample: &Sample| {
+        while twin.sample().step < sample.step {
+            twin.step();
+        }
+        let near = twin.sample().bodies;
+        let differences = offsets.iter().map(|&(index, offset)| {
+            // Of like size first: their difference is exact.
+            (sample.bodies[index].position - offset).distance(near[index].position)
+        });
+        Some(differences.fold(0.0, f64::max))
+    };
+    // A position there is known to half a bit of the distance, and so is what it is compared with.
+    let uncertainty = ROUNDING.max(f64::EPSILON * distance);
+    let truth = Truth::largest("difference from the scene at the origin", "m", differs);
+    Some(truth.with_uncertainty(uncertainty).failing_above(FAILS_ABOVE))
+}
