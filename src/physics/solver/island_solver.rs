@@ -141,7 +141,7 @@ pub(crate) struct LocalManifold {
 /// A contact point that moves along with its bodies through the substeps.
 #[derive(Clone, Debug)]
 pub(crate) struct LocalPoint {
-    /// From the centres of mass, world axes, at the present poses.
+    /// From the centres of mass, world axes, where the contact was found.
     pub arm_a: Vector3<f64>,
     pub arm_b: Vector3<f64>,
     /// Overlap at the present poses; negative where a gap opened.
@@ -322,14 +322,15 @@ impl IslandSolver {
         }
     }
 
-    /// Brings arms and depths to the present poses; the normal stays that of the step.
+    /// Brings depths to the present poses. Normal and arms stay those of the step: the point of a
+    /// rolling body that touched is left behind by the place where it touches, and a force on it
+    /// there would drive the body on (a ball at 0.3 m/s had twice its speed after 5 s).
     fn move_points(&mut self) {
         for manifold in &self.manifolds {
             let (a, b) = (&self.bodies[manifold.a as usize], &self.bodies[manifold.b as usize]);
             for point in &mut self.points[manifold.first_point..manifold.end_point] {
-                point.arm_a = a.rotation * point.body_arm_a;
-                point.arm_b = b.rotation * point.body_arm_b;
-                let offset = b.position - a.position + point.arm_b - point.arm_a;
+                let turned = b.rotation * point.body_arm_b - a.rotation * point.body_arm_a;
+                let offset = b.position - a.position + turned;
                 point.depth = point.found_depth - manifold.normal.dot(&(offset - point.found_offset));
             }
         }
