@@ -33,6 +33,8 @@ pub struct StepStats {
     pub joints: u32,
     /// Pairs that the broad phase handed to the narrow phase.
     pub pairs: u32,
+    /// Axes along which the separating axis test measured how far two shapes overlap.
+    pub axes_tested: u64,
     /// Pairs that touch.
     pub manifolds: u32,
     /// Contact points.

@@ -111,8 +111,9 @@ pub struct SolverSettings {
     /// How contact points are found.
     pub contacts: ContactModel,
     /// L1 distance within which two candidate axes of the separating axis test count as one, ≥ 0.
+    /// Of extreme-vertex contacts only.
     pub axis_epsilon: f64,
-    /// Whether n and −n count as one candidate axis.
+    /// Whether n and −n count as one candidate axis. Of extreme-vertex contacts only.
     pub merge_opposite_axes: bool,
     /// Whether the broad phase also prunes on y.
     pub prune_y: bool,

@@ -2,6 +2,7 @@
 
 mod arrows;
 mod classic;
+mod cones;
 mod determinism;
 mod endurance;
 mod far;

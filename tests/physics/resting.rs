@@ -48,7 +48,8 @@ fn figures_fall_and_come_to_rest_with_their_joints_held() {
     let mut limbs = figure(&mut world, DVec3::new(0.0, 0.5, 0.0), 0.3);
     limbs.extend(figure(&mut world, DVec3::new(0.4, 2.6, 0.1), -0.8));
     let mut worst: f64 = 0.0;
-    for _ in 0..600 {
+    // A forearm that comes to lie on its side rolls for long.
+    for _ in 0..900 {
         step(&mut world);
         worst = worst.max(world.resource::<Diagnostics>().joint_error);
     }

@@ -15,6 +15,9 @@ pub(super) const VERTEX_EPSILON: f64 = 1e-2;
 /// angle at which two edges give different axes, far above rounding.
 const PARALLEL_EPSILON: f64 = 1e-9;
 
+/// Vertices that [`Hull::reach`] looks at together.
+const LANES: usize = 4;
+
 /// A convex polyhedron in body axes, about the centre of mass.
 #[derive(Clone, Debug)]
 pub(crate) struct Hull {
@@ -23,6 +26,10 @@ pub(crate) struct Hull {
     pub edges: Vec<Edge>,
     /// Unit directions of the edges, each once up to sign.
     pub edge_directions: Vec<Vector3<f64>>,
+    /// Radius of the largest ball about the centre of mass that the hull holds, m.
+    pub inner_radius: f64,
+    /// The vertices by components, some at a time; the last ones fill up with the first.
+    lanes: Vec<[[f64; LANES]; 3]>,
 }
 
 /// Where two faces meet.
@@ -32,6 +39,8 @@ pub(crate) struct Edge {
     pub ends: [u32; 2],
     /// The faces on either side.
     pub faces: [u32; 2],
+    /// Unit, from the first vertex to the second.
+    pub direction: Vector3<f64>,
 }
 
 /// A plane polygon.
@@ -60,12 +69,34 @@ impl Hull {
         let mut directions = VectorSet::default();
         directions.reset(PARALLEL_EPSILON, true, 1.0);
         for (&(from, to), &face) in sides.iter().filter(|((from, to), _)| from < to) {
-            edges.push(Edge { ends: [from, to], faces: [face, sides[&(to, from)]] });
-            directions.insert((vertices[to as usize] - vertices[from as usize]).normalize());
+            let direction = (vertices[to as usize] - vertices[from as usize]).normalize();
+            edges.push(Edge { ends: [from, to], faces: [face, sides[&(to, from)]], direction });
+            directions.insert(direction);
         }
-        let faces = loops.into_iter().map(|corners| Face::new(&vertices, corners)).collect();
-        Self { vertices, faces, edges, edge_directions: directions.vectors().to_vec() }
+        let faces: Vec<_> = loops.into_iter().map(|corners| Face::new(&vertices, corners)).collect();
+        let inner_radius = faces.iter().map(|face| face.offset).fold(f64::INFINITY, f64::min);
+        let lanes = vertices.chunks(LANES).map(|some| lanes_of(some, &vertices[0])).collect();
+        Self { vertices, faces, edges, edge_directions: directions.vectors().to_vec(), inner_radius, lanes }
     }
+
+    /// How far it reaches along a direction from the centre of mass (times the direction's
+    /// length): the support function. All vertices are looked at, a few at a time, which measured
+    /// took a fifth (8 vertices) to two fifths (128) as long as climbing from neighbor to neighbor.
+    pub fn reach(&self, direction: &Vector3<f64>) -> f64 {
+        let mut farthest = [f64::NEG_INFINITY; LANES];
+        for [x, y, z] in &self.lanes {
+            for lane in 0..LANES {
+                let along = x[lane] * direction.x + y[lane] * direction.y + z[lane] * direction.z;
+                farthest[lane] = if along > farthest[lane] { along } else { farthest[lane] };
+            }
+        }
+        farthest.into_iter().fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+/// Some vertices by components, filled up with another.
+fn lanes_of(some: &[Vector3<f64>], filler: &Vector3<f64>) -> [[f64; LANES]; 3] {
+    std::array::from_fn(|axis| std::array::from_fn(|lane| some.get(lane).unwrap_or(filler)[axis]))
 }
 
 impl Face {

@@ -167,7 +167,9 @@ impl Collider {
             Shape::HalfSpace => Geometry::HalfSpace,
             Shape::Sphere { radius } => Geometry::Sphere { radius: *radius },
             Shape::Cuboid { size } => Geometry::Cuboid { half: Vector3::from(size.to_array()) / 2.0 },
-            Shape::Cone { radius, height } => Geometry::Hull(Arc::new(cone::hull(*radius, *height))),
+            &Shape::Cone { radius, height } => {
+                Geometry::Cone { radius, height, hull: Arc::new(cone::hull(radius, height)) }
+            }
             Shape::Hull(hull) => Geometry::Hull(hull.hull()),
         }
     }
@@ -184,6 +186,13 @@ pub(crate) enum Geometry {
     Cuboid {
         /// Half extents.
         half: Vector3<f64>,
+    },
+    /// Apex up +y, the base a quarter of the height below the centre of mass.
+    Cone {
+        radius: f64,
+        height: f64,
+        /// The polygonal cone of the 2009 engine's contacts.
+        hull: Arc<Hull>,
     },
     /// A convex polyhedron.
     Hull(Arc<Hull>),

@@ -75,7 +75,7 @@ fn bounding_sphere_holds_every_vertex_and_touches_one() {
     // A flat cone, a tall one, and one near the border where apex and base are as far.
     for (radius, height) in [(1.0, 0.2), (0.3, 2.0), (1.0, 2f64.sqrt())] {
         let collider = Collider::cone(radius, height);
-        let Geometry::Hull(hull) = collider.geometry() else { panic!("a cone is a hull") };
+        let Geometry::Cone { hull, .. } = collider.geometry() else { panic!("a cone") };
         let farthest = hull.vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max);
         assert!((farthest / collider.bounding_radius() - 1.0).abs() < 1e-12);
     }

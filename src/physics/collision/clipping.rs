@@ -3,23 +3,20 @@
 //! The face that gave the normal is the *reference*, the face of the other shape most against it
 //! the *incident* one. The incident face is cut by the sides of the reference face, and what is
 //! left below the reference plane are the contact points, each with its own depth, half-way
-//! between the two surfaces. Two edges touch in one point, a ball in one, and what lies on a
-//! half-space in the vertices below its plane. Of more than [`MAX_POINTS`] the deepest and those
-//! that span the most area are kept.
+//! between the two surfaces. Of more than [`MAX_POINTS`] the deepest and those that span the most
+//! area are kept ([`keep_spread`]).
 
 use nalgebra::Vector3;
 
-use super::placed::{Placed, PlacedEdge};
-use super::sat::{AxisSource, Overlap, plane_depth};
-use super::{CONTACT_TOLERANCE, ContactPoint, FeatureId};
-use crate::physics::collider::Geometry;
+use super::placed::first_max;
+use super::{ContactPoint, FeatureId};
 
 /// Most points of a clipped manifold.
 pub(super) const MAX_POINTS: usize = 4;
 
 /// Sides of the reference face are moved outward by this share of the smaller bounding radius, so
 /// that corners of aligned boxes stay corners when rounding moves them across a side.
-const SIDE_MARGIN: f64 = 1e-5;
+pub(super) const SIDE_MARGIN: f64 = 1e-5;
 
 /// Depths that are less than the greatest by up to this share of the smaller bounding radius
 /// count as deepest: the first of them is taken, so that the choice does not flicker.
@@ -31,11 +28,14 @@ const NEARLY_WIDEST: f64 = 0.99;
 /// Buffers of the clipping, kept from pair to pair.
 #[derive(Default)]
 pub(super) struct ClipBuffers {
-    reference: Vec<Vector3<f64>>,
-    incident: Vec<Vector3<f64>>,
+    /// Corners of the reference face, counter-clockwise seen from outside.
+    pub reference: Vec<Vector3<f64>>,
+    /// Corners of the incident face; two are a segment, one a point.
+    pub incident: Vec<Vector3<f64>>,
     polygon: Vec<Corner>,
     clipped: Vec<Corner>,
-    found: Vec<ContactPoint>,
+    /// What was found, in the axes of the reference shape.
+    pub found: Vec<ContactPoint>,
 }
 
 /// A corner of the polygon being clipped, named by the lines that meet in it: sides of the
@@ -43,158 +43,152 @@ pub(super) struct ClipBuffers {
 #[derive(Clone, Copy)]
 struct Corner {
     point: Vector3<f64>,
-    before: u8,
-    after: u8,
+    before: u16,
+    after: u16,
 }
+
+/// A face whose deepest point has less than this share of the overlap, less [`SOUND_MARGIN`] of the
+/// smaller radius, has lost to its sides what truly touches.
+const SOUND_SHARE: f64 = 0.9;
+const SOUND_MARGIN: f64 = 1e-4;
 
 /// Names the side of a reference face; sides of the incident face have names below this.
-const REFERENCE_SIDE: u8 = 0x80;
+const REFERENCE_SIDE: u16 = 0x8000;
 
-/// Adds the contact points of an overlap, relative to body A.
-pub(super) fn contact_points(
-    a: &Placed,
-    b: &Placed,
-    overlap: &Overlap,
-    plane_gap: f64,
-    buffers: &mut ClipBuffers,
-    points: &mut Vec<ContactPoint>,
-) {
-    let Overlap { normal, depth, source } = *overlap;
-    buffers.found.clear();
-    match (a.geometry, b.geometry) {
-        (_, Geometry::Sphere { radius }) => points.push(ContactPoint {
-            point: b.center - normal * (radius - depth / 2.0),
-            depth,
-            feature: FeatureId::default(),
-        }),
-        (Geometry::Sphere { radius }, _) => points.push(ContactPoint {
-            point: a.center + normal * (radius - depth / 2.0),
-            depth,
-            feature: FeatureId::default(),
-        }),
-        (Geometry::HalfSpace, _) => {
-            vertices_below(a, b, &normal, plane_gap, &mut buffers.found);
-            keep_spread(&mut buffers.found, &normal, b.radius, points);
+/// Which faces are clipped, and how deep they overlap.
+pub(super) struct Clip {
+    pub reference_is_b: bool,
+    pub reference_face: u32,
+    pub incident_face: u32,
+    /// Unit, out of the reference face.
+    pub normal: Vector3<f64>,
+    /// Distance of the reference plane from the origin along the normal.
+    pub level: f64,
+    /// Of the overlap.
+    pub depth: f64,
+    /// The smaller bounding radius.
+    pub size: f64,
+    /// Corners up to this height above the reference plane count as on it.
+    pub tolerance: f64,
+}
+
+impl Clip {
+    /// Cuts the incident face by the sides of the reference face, all in the axes of the
+    /// reference shape, and collects what is below the reference plane. Whether anything was.
+    pub fn clip(&self, buffers: &mut ClipBuffers) -> bool {
+        let ClipBuffers { reference, incident, polygon, .. } = buffers;
+        fill(polygon, incident);
+        let reference = std::mem::take(reference);
+        for (side, from) in reference.iter().enumerate() {
+            let to = &reference[if side + 1 < reference.len() { side + 1 } else { 0 }];
+            // Not normalised: a side of no length cuts nothing.
+            let outward = (to - from).cross(&self.normal);
+            let limit = outward.dot(from) + SIDE_MARGIN * self.size * outward.norm();
+            buffers.cut(side, |point| outward.dot(point) - limit);
         }
-        (_, Geometry::HalfSpace) => {
-            vertices_below(b, a, &-normal, plane_gap, &mut buffers.found);
-            keep_spread(&mut buffers.found, &normal, a.radius, points);
-        }
-        _ if source == AxisSource::Edges => {
-            let (on_a, on_b) = (a.edge_toward(&normal), b.edge_toward(&-normal));
-            let point = middle_of_closest(&on_a, &on_b);
-            points.push(ContactPoint { point, depth, feature: FeatureId::of_edges(on_a.index, on_b.index) });
-        }
-        _ => {
-            if source == AxisSource::A {
-                clip_faces(a, b, false, overlap, buffers);
-            } else {
-                let turned = Overlap { normal: -normal, ..*overlap };
-                clip_faces(b, a, true, &turned, buffers);
+        buffers.reference = reference;
+        self.collect(buffers)
+    }
+
+    /// Likewise, where the reference face is a rectangle across `axis`, of those half extents.
+    pub fn clip_to_rectangle(&self, axis: usize, half: &Vector3<f64>, buffers: &mut ClipBuffers) -> bool {
+        let ClipBuffers { incident, polygon, .. } = buffers;
+        fill(polygon, incident);
+        let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+        let [far_u, far_v] = [u, v].map(|side| half[side] + SIDE_MARGIN * self.size);
+        buffers.cut(0, |point| point[v] - far_v);
+        buffers.cut(1, |point| -point[u] - far_u);
+        buffers.cut(2, |point| -point[v] - far_v);
+        buffers.cut(3, |point| point[u] - far_u);
+        self.collect(buffers)
+    }
+
+    fn collect(&self, buffers: &mut ClipBuffers) -> bool {
+        let ClipBuffers { incident, polygon, found, .. } = buffers;
+        found.clear();
+        let name = |corner: &Corner| {
+            let Self { reference_is_b, reference_face, incident_face, .. } = *self;
+            FeatureId::of_clipping(reference_is_b, reference_face, incident_face, corner.before, corner.after)
+        };
+        for corner in &*polygon {
+            let depth = self.level - corner.point.dot(&self.normal);
+            if depth >= -self.tolerance {
+                let depth = depth.max(0.0);
+                let point = corner.point + self.normal * (depth / 2.0);
+                found.push(ContactPoint { point, depth, feature: name(corner) });
             }
-            keep_spread(&mut buffers.found, &normal, a.radius.min(b.radius), points);
         }
+        let is_any = !found.is_empty();
+        if !is_any {
+            // The sides cut off all that is below the plane, as may be where the reference was
+            // preferred to a rival of less depth: the deepest corner stands for the face.
+            let deepest = first_max(incident.iter().map(|corner| -corner.dot(&self.normal)));
+            let point = incident[deepest] + self.normal * (self.depth / 2.0);
+            found.push(ContactPoint {
+                point,
+                depth: self.depth,
+                feature: name(&incident_corner(point, deepest, incident.len())),
+            });
+        }
+        is_any
     }
 }
 
-/// The vertices of a body up to a gap over a plane, moved half-way to it.
-fn vertices_below(plane: &Placed, body: &Placed, normal: &Vector3<f64>, gap: f64, found: &mut Vec<ContactPoint>) {
-    let level = plane.center.dot(normal);
-    body.for_each_vertex(|index, vertex| {
-        if let Some(depth) = plane_depth(level - vertex.dot(normal), gap, body.radius) {
-            let point = vertex + normal * (depth / 2.0);
-            found.push(ContactPoint { point, depth, feature: FeatureId::of_vertex(true, index) });
-        }
-    });
-}
+impl ClipBuffers {
+    /// Whether the deepest of the points found is about as deep as the overlap. If not, or if the
+    /// reference face was left with nothing, it was preferred to what truly touches.
+    pub fn stand_for(&self, depth: f64, size: f64) -> bool {
+        let deepest = self.found.iter().map(|point| point.depth).fold(0.0, f64::max);
+        deepest >= SOUND_SHARE * depth - SOUND_MARGIN * size
+    }
 
-/// Cuts the incident face of `other` by the sides of the face of `base` along the normal, which
-/// points from `base` to `other`.
-fn clip_faces(base: &Placed, other: &Placed, base_is_b: bool, overlap: &Overlap, buffers: &mut ClipBuffers) {
-    let ClipBuffers { reference, incident, polygon, clipped, found } = buffers;
-    let normal = overlap.normal;
-    let reference_face = base.face_toward(&normal, reference);
-    let incident_face = other.face_toward(&-normal, incident);
-    polygon.clear();
-    let sides = incident.len();
-    polygon.extend(incident.iter().enumerate().map(|(corner, &point)| Corner {
-        point,
-        before: incident_side(corner + sides - 1, sides),
-        after: incident_side(corner, sides),
-    }));
-    let size = base.radius.min(other.radius);
-    for (side, &from) in reference.iter().enumerate() {
-        let to = reference[(side + 1) % reference.len()];
-        let outward = (to - from).cross(&reference_face.normal).normalize();
-        let limit = outward.dot(&from) + SIDE_MARGIN * size;
-        clip(polygon, clipped, &outward, limit, REFERENCE_SIDE | side as u8);
+    /// Keeps what of the polygon lies at or below `height` zero. A segment is not closed.
+    #[inline]
+    fn cut(&mut self, side: usize, height: impl Fn(&Vector3<f64>) -> f64) {
+        let Self { polygon, clipped, .. } = self;
+        if polygon.iter().all(|corner| height(&corner.point) <= 0.0) {
+            return;
+        }
+        let name = side as u16 | REFERENCE_SIDE;
+        let closed = polygon.len() > 2;
+        clipped.clear();
+        for (index, corner) in polygon.iter().enumerate() {
+            let above = height(&corner.point);
+            if above <= 0.0 {
+                clipped.push(*corner);
+            }
+            let Some(next) = polygon.get(index + 1).or(if closed { polygon.first() } else { None }) else { continue };
+            let next_above = height(&next.point);
+            if (above <= 0.0) != (next_above <= 0.0) {
+                let share = above / (above - next_above);
+                let point = corner.point + (next.point - corner.point) * share;
+                let (before, after) = if above <= 0.0 { (corner.after, name) } else { (name, corner.after) };
+                clipped.push(Corner { point, before, after });
+            }
+        }
         std::mem::swap(polygon, clipped);
     }
-    let level = reference.iter().map(|corner| corner.dot(&normal)).fold(f64::NEG_INFINITY, f64::max);
-    let tolerance = CONTACT_TOLERANCE * (base.radius + other.radius);
-    let name =
-        |before, after| FeatureId::of_clipping(base_is_b, reference_face.index, incident_face.index, before, after);
-    for corner in &*polygon {
-        let depth = level - corner.point.dot(&normal);
-        if depth >= -tolerance {
-            let depth = depth.max(0.0);
-            let point = corner.point + normal * (depth / 2.0);
-            found.push(ContactPoint { point, depth, feature: name(corner.before, corner.after) });
-        }
-    }
-    if found.is_empty() {
-        // Only a depth that is not the least (an axis left out) ends here: the deepest corner
-        // stands for the face.
-        let deepest = super::placed::first_max(incident.iter().map(|corner| -corner.dot(&normal)));
-        let point = incident[deepest] + normal * (overlap.depth / 2.0);
-        let feature = name(incident_side(deepest + sides - 1, sides), incident_side(deepest, sides));
-        found.push(ContactPoint { point, depth: overlap.depth, feature });
-    }
 }
 
-fn incident_side(side: usize, sides: usize) -> u8 {
-    (side % sides) as u8 & !REFERENCE_SIDE
+/// The incident face as the polygon to clip.
+fn fill(polygon: &mut Vec<Corner>, incident: &[Vector3<f64>]) {
+    polygon.clear();
+    polygon.extend(incident.iter().enumerate().map(|(index, &point)| incident_corner(point, index, incident.len())));
 }
 
-/// Keeps what of a polygon lies within `limit` along `outward`.
-fn clip(polygon: &[Corner], clipped: &mut Vec<Corner>, outward: &Vector3<f64>, limit: f64, side: u8) {
-    clipped.clear();
-    for (index, &corner) in polygon.iter().enumerate() {
-        let next = polygon[(index + 1) % polygon.len()];
-        let beyond = outward.dot(&corner.point) - limit;
-        let next_beyond = outward.dot(&next.point) - limit;
-        if beyond <= 0.0 {
-            clipped.push(corner);
-        }
-        if (beyond <= 0.0) != (next_beyond <= 0.0) {
-            let share = beyond / (beyond - next_beyond);
-            let point = corner.point + (next.point - corner.point) * share;
-            let (before, after) = if beyond <= 0.0 { (corner.after, side) } else { (side, corner.after) };
-            clipped.push(Corner { point, before, after });
-        }
-    }
-}
-
-/// Half-way between the closest points of two edges (Ericson 2005, 5.1.9).
-fn middle_of_closest(one: &PlacedEdge, other: &PlacedEdge) -> Vector3<f64> {
-    let [p, q] = [one.ends[0], other.ends[0]];
-    let [u, v] = [one.ends[1] - p, other.ends[1] - q];
-    let w = p - q;
-    let (uu, uv, vv, uw, vw) = (u.dot(&u), u.dot(&v), v.dot(&v), u.dot(&w), v.dot(&w));
-    // Not zero: the cross product of the edges is the normal.
-    let along = ((uv * vw - uw * vv) / (uu * vv - uv * uv)).clamp(0.0, 1.0);
-    let other_along = ((uv * along + vw) / vv).clamp(0.0, 1.0);
-    let along = ((uv * other_along - uw) / uu).clamp(0.0, 1.0);
-    (p + u * along + q + v * other_along) / 2.0
+fn incident_corner(point: Vector3<f64>, index: usize, corners: usize) -> Corner {
+    let before = if index == 0 { corners - 1 } else { index - 1 };
+    let side = |side: usize| side as u16 & !REFERENCE_SIDE;
+    Corner { point, before: side(before), after: side(index) }
 }
 
 /// Moves at most [`MAX_POINTS`] of the points found to `points`, in the order they were found.
-fn keep_spread(found: &mut Vec<ContactPoint>, normal: &Vector3<f64>, size: f64, points: &mut Vec<ContactPoint>) {
+pub(super) fn keep_spread(found: &[ContactPoint], normal: &Vector3<f64>, size: f64, points: &mut Vec<ContactPoint>) {
     if found.len() > MAX_POINTS {
         let kept = spread(found, normal, size);
         points.extend(found.iter().enumerate().filter(|(index, _)| kept.contains(index)).map(|(_, point)| point));
     } else {
-        points.append(found);
+        points.extend_from_slice(found);
     }
 }
 

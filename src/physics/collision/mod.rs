@@ -1,18 +1,33 @@
 //! Collision detection: which bodies may touch, where, along which normal and how deep.
 //!
 //! 1. [`sweep_and_sort`] finds the pairs whose bounding spheres overlap: [`CandidatePairs`].
-//! 2. [`narrow_phase`] takes each pair through the separating axis test ([`sat`], whose axes a
-//!    [`vector_set`] thins) and, where they touch, finds the points: by [`extreme_vertices`], as
-//!    the 2009 engine did, or by [`clipping`]. The result is [`Contacts`].
+//! 2. [`narrow_phase`] takes each pair to one of two ways to [`Contacts`]:
+//!    - [`contact_pair`], with a routine for each kind of pair: [`plane`], [`ball`], [`boxes`],
+//!      [`polyhedra`], [`cone_polyhedron`], [`cone_cone`], which share [`feature_sat`],
+//!      [`clipping`] and [`edge_contact`];
+//!    - the 2009 engine's: one separating axis test ([`sat`], whose axes a [`vector_set`] thins) of
+//!      [`placed`] shapes, and [`extreme_vertices`].
 //!
 //! Everything is `f64` and computed relative to body A of each pair, so that it does not depend
 //! on the distance from the origin. What contacts do to bodies is the constraints' business, and
 //! who is told of them that of the events. Outside a step, [`probe`] tells whether two overlap.
 
+mod ball;
+mod boxes;
 mod clipping;
+mod cone;
+mod cone_cone;
+mod cone_polyhedron;
+mod contact_pair;
+mod edge_contact;
+mod ellipse;
 mod extreme_vertices;
+mod feature_sat;
 mod narrow_phase;
 mod placed;
+mod plane;
+mod polyhedra;
+mod polyhedron;
 mod probe;
 mod sat;
 mod sweep_and_sort;
@@ -59,25 +74,41 @@ pub(crate) struct Pair {
 /// Identifies a contact point of a pair from one step to the next: which features of A and B
 /// (faces, edges, vertices) made it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) struct FeatureId(pub u32);
+pub(crate) struct FeatureId(pub u64);
 
 impl FeatureId {
     /// A vertex of A, or of B.
     fn of_vertex(of_b: bool, vertex: u32) -> Self {
-        Self(u32::from(of_b) << 29 | (vertex & 0x1fff_ffff))
+        Self(u64::from(of_b) << 32 | u64::from(vertex))
+    }
+
+    /// One end, 0 or 1, of a stretch along which two edges touch.
+    fn end(self, end: u64) -> Self {
+        Self(self.0 | end << 33)
     }
 
     /// The crossing of two edges.
     fn of_edges(edge_a: u32, edge_b: u32) -> Self {
-        Self(1 << 30 | (edge_a & 0x7fff) << 15 | (edge_b & 0x7fff))
+        Self(1 << 62 | u64::from(edge_a & 0x7fff_ffff) << 31 | u64::from(edge_b & 0x7fff_ffff))
     }
 
-    /// A corner of the incident face clipped to the reference face: the faces, seven bits each,
-    /// and the two sides that meet there.
-    fn of_clipping(reference_is_b: bool, reference: u32, incident: u32, before: u8, after: u8) -> Self {
-        let sides = u32::from(before) << 8 | u32::from(after);
-        Self((2 | u32::from(reference_is_b)) << 30 | (reference & 0x7f) << 23 | (incident & 0x7f) << 16 | sides)
+    /// A corner of the incident face clipped to the reference face: the faces, 15 bits each, and
+    /// the two sides that meet there.
+    fn of_clipping(reference_is_b: bool, reference: u32, incident: u32, before: u16, after: u16) -> Self {
+        let faces = u64::from(reference & 0x7fff) << 15 | u64::from(incident & 0x7fff);
+        let sides = u64::from(before) << 16 | u64::from(after);
+        Self((2 | u64::from(reference_is_b)) << 62 | faces << 32 | sides)
     }
+}
+
+/// How two shapes overlap.
+#[derive(Clone, Copy, Debug)]
+struct Overlap {
+    /// Unit, from A to B.
+    normal: Vector3<f64>,
+    /// How far B must move along the normal to be clear of A, m; negative only within the gap over
+    /// a plane (see [`speculative_gap`]).
+    depth: f64,
 }
 
 /// One point of a contact.

@@ -1,19 +1,22 @@
-//! Narrow phase: takes each candidate pair through the separating axis test and, if the two
-//! touch, finds the contact points by the chosen model.
+//! Narrow phase: takes each candidate pair through the routine that the contact model names.
 //!
 //! Pairs are split into blocks of a fixed number, each with buffers of its own, which are joined
-//! in order: the contacts do not depend on the number of threads.
+//! in order: the contacts do not depend on the number of threads. The axis that each pair's
+//! test ended with is kept for the next step's test to begin with; the contacts do not
+//! depend on it.
 
 use std::ops::Range;
 
+use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use super::clipping::{self, ClipBuffers};
+use super::contact_pair::{self, PairSearch};
 use super::extreme_vertices;
+use super::feature_sat::Feature;
 use super::placed::Placed;
-use super::sat::{self, AxisBuffers, AxisSearch, Overlap};
-use super::{CONTACT_TOLERANCE, CandidatePairs, ContactPoint, Contacts, Manifold, Pair, speculative_gap};
+use super::sat::{self, AxisBuffers, AxisSearch};
+use super::{CONTACT_TOLERANCE, CandidatePairs, ContactPoint, Contacts, Manifold, Overlap, Pair, speculative_gap};
 use crate::physics::bodies::{Bodies, Body};
 use crate::physics::collider::Geometry;
 use crate::physics::diagnostics::StepStats;
@@ -29,6 +32,7 @@ pub(super) struct Block {
     pairs: Range<usize>,
     manifolds: Vec<Manifold>,
     points: Vec<ContactPoint>,
+    last_axes: Vec<(Pair, Feature)>,
     buffers: Buffers,
 }
 
@@ -36,8 +40,13 @@ pub(super) struct Block {
 #[derive(Default)]
 pub(super) struct Buffers {
     axes: AxisBuffers,
-    clip: ClipBuffers,
+    pub search: PairSearch,
 }
+
+/// The axis that the test of each pair ended with. A pair that is no candidate any
+/// more leaves; one whose bodies were replaced may find the axis of another, which costs a look.
+#[derive(Default)]
+pub(super) struct LastAxes(HashMap<Pair, Feature>);
 
 /// Fills [`Contacts`] for the present poses.
 pub(super) fn find_contacts(
@@ -45,6 +54,7 @@ pub(super) fn find_contacts(
     candidates: Res<CandidatePairs>,
     settings: Res<SolverSettings>,
     mut blocks: Local<Vec<Block>>,
+    mut last_axes: Local<LastAxes>,
     mut contacts: ResMut<Contacts>,
     mut stats: ResMut<StepStats>,
 ) {
@@ -61,8 +71,12 @@ pub(super) fn find_contacts(
     for (index, block) in blocks.iter_mut().enumerate() {
         block.pairs = index * BLOCK..((index + 1) * BLOCK).min(pairs.len());
     }
-    for_each_block(settings.threads, blocks, |block| block.find(&bodies.list, pairs, &settings));
+    for_each_block(settings.threads, blocks, |block| block.find(&bodies.list, pairs, &settings, &last_axes));
+    last_axes.0.clear();
+    stats.axes_tested = 0;
     for block in blocks {
+        stats.axes_tested += u64::from(block.buffers.axes.axes) + u64::from(block.buffers.search.axes);
+        last_axes.0.extend(block.last_axes.iter().copied());
         let first = contacts.points.len() as u32;
         contacts.points.extend_from_slice(&block.points);
         contacts.manifolds.extend(
@@ -74,13 +88,25 @@ pub(super) fn find_contacts(
 }
 
 impl Block {
-    fn find(&mut self, bodies: &[Body], pairs: &[Pair], settings: &SolverSettings) {
+    fn find(&mut self, bodies: &[Body], pairs: &[Pair], settings: &SolverSettings, last_axes: &LastAxes) {
         self.manifolds.clear();
         self.points.clear();
+        self.last_axes.clear();
+        self.buffers.axes.axes = 0;
+        self.buffers.search.axes = 0;
         for &pair in &pairs[self.pairs.clone()] {
             let (a, b) = (&bodies[pair.a as usize], &bodies[pair.b as usize]);
+            if are_spheres_apart(a, b) {
+                continue;
+            }
             let first = self.points.len();
-            let Some(overlap) = touch(a, b, settings, &mut self.buffers, &mut self.points) else { continue };
+            let keeps_axis = settings.contacts == ContactModel::Clipping && are_searched(a, b);
+            self.buffers.search.last = if keeps_axis { last_axes.0.get(&pair).copied() } else { None };
+            let touching = touch(a, b, settings, &mut self.buffers, &mut self.points);
+            if keeps_axis {
+                self.last_axes.extend(self.buffers.search.last.map(|axis| (pair, axis)));
+            }
+            let Some(overlap) = touching else { continue };
             let material = a.material.pair(b.material);
             self.manifolds.push(Manifold {
                 pair,
@@ -100,6 +126,18 @@ fn are_spheres_apart(a: &Body, b: &Body) -> bool {
     (b.position - a.position).norm_squared() > reach * reach
 }
 
+/// Whether the pair's test goes from feature to feature, so that it is worth to remember where it
+/// ended. Half-spaces and balls have no such test, and two boxes are tested faster than that is
+/// found.
+fn are_searched(a: &Body, b: &Body) -> bool {
+    let [is_box_a, is_box_b] = [a, b].map(|body| match &body.geometry {
+        Some(Geometry::Cuboid { .. }) => Some(true),
+        Some(Geometry::Hull(_) | Geometry::Cone { .. }) => Some(false),
+        _ => None,
+    });
+    is_box_a.zip(is_box_b).is_some_and(|boxes| boxes != (true, true))
+}
+
 /// Adds the contact points of two bodies in world axes, if they touch.
 pub(super) fn touch(
     a: &Body,
@@ -108,30 +146,32 @@ pub(super) fn touch(
     buffers: &mut Buffers,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
-    if are_spheres_apart(a, b) {
-        return None;
+    match settings.contacts {
+        ContactModel::Clipping => {
+            let gap = match a.geometry {
+                Some(Geometry::HalfSpace) => speculative_gap(a, b, &(a.rotation * Vector3::y()), settings),
+                _ => 0.0,
+            };
+            contact_pair::touch(a, b, gap, &mut buffers.search, points)
+        }
+        ContactModel::ExtremeVertices => touch_at_extremes(a, b, settings, &mut buffers.axes, points),
     }
-    let clips = settings.contacts == ContactModel::Clipping;
-    let plane_gap = match a.geometry {
-        Some(Geometry::HalfSpace) => speculative_gap(a, b, &(a.rotation * Vector3::y()), settings),
-        _ => 0.0,
-    };
-    let search = AxisSearch {
-        epsilon: settings.axis_epsilon,
-        merge_opposites: settings.merge_opposite_axes,
-        steady_faces: clips,
-        touching_edges: clips,
-        plane_gap,
-    };
+}
+
+/// The 2009 engine's way.
+fn touch_at_extremes(
+    a: &Body,
+    b: &Body,
+    settings: &SolverSettings,
+    buffers: &mut AxisBuffers,
+    points: &mut Vec<ContactPoint>,
+) -> Option<Overlap> {
+    let search = AxisSearch { epsilon: settings.axis_epsilon, merge_opposites: settings.merge_opposite_axes };
     let origin = a.position;
     let (shape_a, shape_b) = (Placed::new(a, &origin)?, Placed::new(b, &origin)?);
-    let overlap = sat::overlap(&shape_a, &shape_b, &search, &mut buffers.axes)?;
+    let overlap = sat::overlap(&shape_a, &shape_b, &search, buffers)?;
     let first = points.len();
-    if clips {
-        clipping::contact_points(&shape_a, &shape_b, &overlap, plane_gap, &mut buffers.clip, points);
-    } else {
-        extreme_vertices::contact_points(&shape_a, &shape_b, &overlap, points);
-    }
+    extreme_vertices::contact_points(&shape_a, &shape_b, &overlap, points);
     for point in &mut points[first..] {
         point.point += origin;
     }

@@ -1,6 +1,7 @@
-//! A shape placed in the world, relative to body A of a pair, and the questions that the narrow
-//! phase asks of it: how far it reaches along an axis, which of its faces, edges or vertices is
-//! foremost, which of its points is nearest. Boxes and balls answer in closed form.
+//! A shape placed in the world, relative to body A of a pair, and the questions that the 2009
+//! engine's narrow phase asks of it: how far it reaches along an axis, which of its vertices are
+//! foremost, which of its points is nearest. Boxes and balls answer in closed form; a cone is the
+//! polygonal hull that stands for it.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -15,44 +16,6 @@ pub(super) struct Placed<'a> {
     pub rotation: Matrix3<f64>,
     /// Bounding sphere about the centre.
     pub radius: f64,
-}
-
-/// A face of a placed shape; its corners go to a buffer of the caller's.
-pub(super) struct PlacedFace {
-    pub index: u32,
-    /// Unit, outward.
-    pub normal: Vector3<f64>,
-}
-
-/// An edge of a placed shape.
-pub(super) struct PlacedEdge {
-    pub index: u32,
-    pub ends: [Vector3<f64>; 2],
-}
-
-/// An edge as the arc between the normals of its two faces on the unit sphere (the Gauss map):
-/// the directions in which it is foremost.
-pub(super) struct EdgeArc {
-    /// Unit, along the edge: across the plane of the arc.
-    pub direction: Vector3<f64>,
-    pub normals: [Vector3<f64>; 2],
-}
-
-impl EdgeArc {
-    /// Whether two arcs cross: then both edges are foremost in one direction, and bound the
-    /// Minkowski difference together (Gregorius, GDC 2013).
-    #[inline]
-    pub fn crosses(&self, other: &Self) -> bool {
-        let [a, b] = self.normals.map(|normal| normal.dot(&other.direction));
-        let [c, d] = other.normals.map(|normal| normal.dot(&self.direction));
-        if a * b >= 0.0 || c * d >= 0.0 {
-            return false;
-        }
-        // Where each arc meets the plane of the other: the same point, or opposite ones.
-        let point = self.normals[0] * b.abs() + self.normals[1] * a.abs();
-        let other_point = other.normals[0] * d.abs() + other.normals[1] * c.abs();
-        point.dot(&other_point) > 0.0
-    }
 }
 
 impl<'a> Placed<'a> {
@@ -94,7 +57,7 @@ impl<'a> Placed<'a> {
                 let reach = self.to_body(axis).abs().dot(half);
                 [middle - reach, middle + reach]
             }
-            Geometry::Hull(hull) => {
+            Geometry::Hull(hull) | Geometry::Cone { hull, .. } => {
                 let direction = self.to_body(axis);
                 let [low, high] =
                     hull.vertices.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], vertex| {
@@ -118,7 +81,9 @@ impl<'a> Placed<'a> {
             Geometry::HalfSpace => normals.push(self.plane_normal()),
             Geometry::Sphere { .. } => {}
             Geometry::Cuboid { .. } => normals.extend((0..3).map(|axis| self.axis(axis))),
-            Geometry::Hull(hull) => normals.extend(hull.faces.iter().map(|face| self.rotation * face.normal)),
+            Geometry::Hull(hull) | Geometry::Cone { hull, .. } => {
+                normals.extend(hull.faces.iter().map(|face| self.rotation * face.normal))
+            }
         }
     }
 
@@ -128,26 +93,10 @@ impl<'a> Placed<'a> {
         match self.geometry {
             Geometry::HalfSpace | Geometry::Sphere { .. } => {}
             Geometry::Cuboid { .. } => directions.extend((0..3).map(|axis| self.axis(axis))),
-            Geometry::Hull(hull) => {
+            Geometry::Hull(hull) | Geometry::Cone { hull, .. } => {
                 directions.extend(hull.edge_directions.iter().map(|direction| self.rotation * direction));
             }
         }
-    }
-
-    /// The edges of a hull, as arcs on the Gauss map of the shape or of its mirror image in the
-    /// origin. False for other shapes.
-    pub fn edge_arcs(&self, mirrored: bool, arcs: &mut Vec<EdgeArc>) -> bool {
-        arcs.clear();
-        let Geometry::Hull(hull) = self.geometry else { return false };
-        let sign = if mirrored { -1.0 } else { 1.0 };
-        arcs.extend(hull.edges.iter().map(|edge| {
-            let [from, to] = edge.ends.map(|vertex| hull.vertices[vertex as usize]);
-            EdgeArc {
-                direction: self.rotation * (to - from).normalize(),
-                normals: edge.faces.map(|face| self.rotation * hull.faces[face as usize].normal * sign),
-            }
-        }));
-        true
     }
 
     /// The point of the shape that is nearest to `point`, which is itself if it lies inside.
@@ -160,64 +109,7 @@ impl<'a> Placed<'a> {
                 if distance <= *radius { *point } else { self.to_world(&(local * (radius / distance))) }
             }
             Geometry::Cuboid { half } => self.to_world(&local.zip_map(half, |along, half| along.clamp(-half, half))),
-            Geometry::Hull(hull) => self.to_world(&nearest_on_hull(hull, &local)),
-        }
-    }
-
-    /// The face whose normal is nearest to `direction`. Its corners, counter-clockwise seen from
-    /// outside, replace those in `corners`. Of cuboids and hulls only.
-    pub fn face_toward(&self, direction: &Vector3<f64>, corners: &mut Vec<Vector3<f64>>) -> PlacedFace {
-        let local = self.to_body(direction);
-        corners.clear();
-        match self.geometry {
-            Geometry::Cuboid { half } => {
-                let axis = local.iamax();
-                let sign = local[axis].signum();
-                let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-                // Turns about +axis; on the opposite face `sign` mirrors v, and so the turn.
-                for [along_u, along_v] in [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]] {
-                    let mut corner = Vector3::zeros();
-                    corner[axis] = sign * half[axis];
-                    corner[u] = along_u * half[u];
-                    corner[v] = along_v * sign * half[v];
-                    corners.push(self.to_world(&corner));
-                }
-                let index = 2 * axis as u32 + u32::from(sign < 0.0);
-                PlacedFace { index, normal: self.axis(axis) * sign }
-            }
-            Geometry::Hull(hull) => {
-                let index = first_max(hull.faces.iter().map(|face| face.normal.dot(&local)));
-                let face = &hull.faces[index];
-                corners.extend(face.vertices.iter().map(|&vertex| self.to_world(&hull.vertices[vertex as usize])));
-                PlacedFace { index: index as u32, normal: self.rotation * face.normal }
-            }
-            Geometry::HalfSpace | Geometry::Sphere { .. } => unreachable!("has no polygonal face"),
-        }
-    }
-
-    /// The edge across `direction` that reaches farthest along it: the one whose middle does. Of
-    /// cuboids and hulls only.
-    pub fn edge_toward(&self, direction: &Vector3<f64>) -> PlacedEdge {
-        let local = self.to_body(direction);
-        match self.geometry {
-            Geometry::Cuboid { half } => {
-                // The middle of an edge along an axis gives up only that axis's share.
-                let along = local.component_mul(half).iamin();
-                let mut middle = half.zip_map(&local, f64::copysign);
-                let side = |axis: usize| u32::from(local[(along + axis) % 3] < 0.0);
-                let index = (along as u32) << 2 | side(1) << 1 | side(2);
-                middle[along] = half[along];
-                let from = self.to_world(&middle);
-                middle[along] = -half[along];
-                PlacedEdge { index, ends: [from, self.to_world(&middle)] }
-            }
-            Geometry::Hull(hull) => {
-                let height = |vertex: u32| hull.vertices[vertex as usize].dot(&local);
-                let index = first_max(hull.edges.iter().map(|edge| height(edge.ends[0]) + height(edge.ends[1])));
-                let ends = hull.edges[index].ends.map(|vertex| self.to_world(&hull.vertices[vertex as usize]));
-                PlacedEdge { index: index as u32, ends }
-            }
-            Geometry::HalfSpace | Geometry::Sphere { .. } => unreachable!("has no edges"),
+            Geometry::Hull(hull) | Geometry::Cone { hull, .. } => self.to_world(&nearest_on_hull(hull, &local)),
         }
     }
 
@@ -240,7 +132,7 @@ impl<'a> Placed<'a> {
     }
 
     /// Calls `visit` with the index and place of every vertex. Round shapes have none.
-    pub fn for_each_vertex(&self, mut visit: impl FnMut(u32, Vector3<f64>)) {
+    fn for_each_vertex(&self, mut visit: impl FnMut(u32, Vector3<f64>)) {
         match self.geometry {
             Geometry::HalfSpace | Geometry::Sphere { .. } => {}
             Geometry::Cuboid { half } => {
@@ -250,7 +142,7 @@ impl<'a> Placed<'a> {
                     visit(index, self.center + arms[0] * sign(1) + arms[1] * sign(2) + arms[2] * sign(4));
                 }
             }
-            Geometry::Hull(hull) => {
+            Geometry::Hull(hull) | Geometry::Cone { hull, .. } => {
                 for (index, vertex) in hull.vertices.iter().enumerate() {
                     visit(index as u32, self.to_world(vertex));
                 }
@@ -267,7 +159,7 @@ pub(super) fn first_max(values: impl Iterator<Item = f64>) -> usize {
 
 /// The point of a hull nearest to a point in body axes (Ericson 2005, 5.1): it lies on one of the
 /// faces that the point is in front of.
-fn nearest_on_hull(hull: &Hull, point: &Vector3<f64>) -> Vector3<f64> {
+pub(super) fn nearest_on_hull(hull: &Hull, point: &Vector3<f64>) -> Vector3<f64> {
     let mut nearest = (f64::INFINITY, *point);
     for face in &hull.faces {
         let height = face.normal.dot(point) - face.offset;

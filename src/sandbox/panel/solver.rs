@@ -192,10 +192,11 @@ const FIELDS: &[(&str, &[Field])] = &[
                 "",
                 0.0..=0.5,
                 0.0..=0.5,
-                "L1 distance within which two candidate axes of the separating axis test count as one.",
+                "Of extreme-vertex contacts: L1 distance within which two candidate axes of the separating axis test count \
+                 as one.",
             )
             .logarithmic(),
-            Field::choice("merge_opposite_axes", "merge ±axes", "Whether n and −n count as one candidate axis."),
+            Field::choice("merge_opposite_axes", "merge ±axes", "Of extreme-vertex contacts: whether n and −n count as one candidate axis."),
             Field::number(
                 "contact_lag",
                 "contact lag",

@@ -34,7 +34,7 @@ fn rounded_positions(points: &[[f64; 3]]) -> BTreeSet<[i64; 3]> {
     points.iter().map(|point| point.map(|along| (along * 1e4).round() as i64)).collect()
 }
 
-fn features(points: &[ContactPoint]) -> BTreeSet<u32> {
+fn features(points: &[ContactPoint]) -> BTreeSet<u64> {
     points.iter().map(|point| point.feature.0).collect()
 }
 
@@ -51,6 +51,10 @@ fn outside(body: &Body, point: &Vector3<f64>) -> f64 {
         Geometry::HalfSpace => local.y,
         Geometry::Sphere { radius } => local.norm() - radius,
         Geometry::Cuboid { half } => (local.abs() - half).max(),
+        Geometry::Cone { radius, height, .. } => {
+            let over_flank = (height * local.xz().norm() + radius * (local.y - 0.75 * height)) / radius.hypot(*height);
+            over_flank.max(-local.y - 0.25 * height)
+        }
         Geometry::Hull(hull) => {
             hull.faces.iter().map(|face| face.normal.dot(&local) - face.offset).fold(f64::NEG_INFINITY, f64::max)
         }
@@ -112,10 +116,10 @@ fn reduction_keeps_the_deepest_point() {
     let mut random = random(3);
     let mut reduced = 0;
     for _ in 0..2000 {
-        // A cone standing on its base, nearly upright, in the ground.
+        // A cone standing on its base, nearly upright, in a slab.
         let cone = Collider::cone(0.7, 1.0);
         let tilt = UnitQuaternion::from_scaled_axis(random_vector(&mut random, 0.1));
-        let ground = upright(&Collider::half_space(), [0.0; 3]);
+        let ground = upright(&Collider::cuboid(4.0, 2.0, 4.0), [0.0, -1.0, 0.0]);
         let cone = body(&cone, Vector3::new(0.0, 0.2, 0.0), tilt);
         let Some((overlap, points)) = touch(&ground, &cone, &exact(ContactModel::Clipping)) else { continue };
         assert!(points.len() <= 4);

@@ -1,6 +1,9 @@
 //! Tests of collision detection, one module a piece, and the random bodies they share.
 
 mod broad_phase;
+mod cones;
+mod feature_sat;
+mod hulls;
 mod manifolds;
 mod sat;
 mod systems;
@@ -11,9 +14,8 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::ContactPoint;
 use super::narrow_phase::{self, Buffers};
-use super::sat::Overlap;
+use super::{ContactPoint, Overlap};
 use crate::physics::bodies::Body;
 use crate::physics::body::RigidBody;
 use crate::physics::collider::Collider;

@@ -1,9 +1,11 @@
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::super::{CandidatePairs, Contacts, narrow_phase, sweep_and_sort};
-use super::{KINDS, body, random, random_rotation, random_vector, upright};
+use super::hulls::{hull_body, random_hull};
+use super::{KINDS, body, random, random_rotation, random_vector, touch, upright};
 use crate::physics::bodies::{Bodies, Body};
 use crate::physics::body::{RigidBody, SurfaceMaterial};
 use crate::physics::collider::Collider;
@@ -81,17 +83,96 @@ fn manifolds_are_in_pair_order_with_runs_of_points_and_the_material_of_the_pair(
     assert_eq!([stats.pairs, stats.manifolds, stats.contact_points].map(|count| count as usize), counts);
 }
 
-#[test]
-fn steps_after_the_first_allocate_nothing() {
-    let mut world = world(heap(), SolverSettings::classic());
+/// A schedule whose systems remember the step before.
+fn schedule() -> Schedule {
     let mut schedule = Schedule::default();
     schedule.add_systems((sweep_and_sort::find_candidate_pairs, narrow_phase::find_contacts).chain());
     schedule.set_executor(bevy::ecs::schedule::SingleThreadedExecutor::new());
-    for _ in 0..2 {
-        schedule.run(&mut world);
+    schedule
+}
+
+#[test]
+fn steps_after_the_first_allocate_nothing() {
+    for preset in [SolverSettings::classic(), SolverSettings::steady()] {
+        let mut world = world(heap(), preset);
+        let mut schedule = schedule();
+        for _ in 0..2 {
+            schedule.run(&mut world);
+        }
+        let used = allocation_counter::measure(|| schedule.run(&mut world));
+        assert_eq!(used.count_total, 0, "{used:?}");
     }
-    let used = allocation_counter::measure(|| schedule.run(&mut world));
-    assert_eq!(used.count_total, 0, "{used:?}");
+}
+
+/// A heap whose bodies all tumble, some through others.
+fn tumbling_heap() -> (Vec<Body>, Vec<Vector3<f64>>) {
+    let mut random = random(22);
+    let hulls = (0..300).map(|_| {
+        let at = random_vector(&mut random, 7.0);
+        let turn = random_rotation(&mut random);
+        hull_body(random_hull(&mut random), at, turn)
+    });
+    let bodies: Vec<_> = heap().into_iter().take(300).chain(hulls).collect();
+    let spins = bodies.iter().map(|_| random_vector(&mut random, 0.02)).collect();
+    (bodies, spins)
+}
+
+fn tumble(bodies: &mut [Body], spins: &[Vector3<f64>]) {
+    for (body, spin) in bodies.iter_mut().zip(spins) {
+        body.position += spin.yzx() * 0.3;
+        body.rotation = UnitQuaternion::from_scaled_axis(*spin) * body.rotation;
+    }
+}
+
+#[test]
+fn last_axes_change_no_bit_and_save_work() {
+    let (bodies, spins) = tumbling_heap();
+    let mut world = world(bodies, SolverSettings::steady());
+    let mut remembering = schedule();
+    let (mut with, mut without, mut changes) = (0, 0, 0);
+    for step in 0..40 {
+        remembering.run(&mut world);
+        let remembered = world.resource::<Contacts>().clone();
+        if step > 0 {
+            with += world.resource::<StepStats>().axes_tested;
+        }
+        // Systems run once know nothing of the step before.
+        let forgetful = find(&mut world);
+        if step > 0 {
+            without += world.resource::<StepStats>().axes_tested;
+        }
+        assert_eq!(remembered.manifolds, forgetful.manifolds, "step {step}");
+        assert_eq!(remembered.points, forgetful.points, "step {step}");
+        changes += forgetful.manifolds.len();
+        tumble(&mut world.resource_mut::<Bodies>().list, &spins);
+        // A body leaves now and then, and the others move up.
+        if step % 10 == 9 {
+            world.resource_mut::<Bodies>().list.remove(150);
+        }
+    }
+    assert!(changes > 1_000, "{changes} contacts are too few to prove it");
+    assert!(with < without, "{with} axes against {without}");
+}
+
+#[test]
+fn pairs_apart_by_last_steps_axis_cost_one() {
+    let at = |x: f64| {
+        let turn = UnitQuaternion::from_scaled_axis(Vector3::new(0.3, 0.2, 0.1));
+        hull_body(random_hull(&mut random(23)), Vector3::new(x, 0.0, 0.0), turn)
+    };
+    let (a, mut b) = (at(0.0), at(0.0));
+    // Near enough for the spheres to overlap, and apart.
+    b.position.x = (0..100)
+        .map(|share| a.radius * 2.0 * f64::from(share) / 100.0)
+        .find(|&x| touch(&a, &Body { position: Vector3::x() * x, ..b.clone() }, &SolverSettings::steady()).is_none())
+        .expect("a hull is not a ball");
+    let mut world = world(vec![a, b], SolverSettings::steady());
+    let mut schedule = schedule();
+    schedule.run(&mut world);
+    assert!(world.resource::<StepStats>().axes_tested >= 1);
+    schedule.run(&mut world);
+    assert_eq!((world.resource::<StepStats>().axes_tested, world.resource::<StepStats>().pairs), (1, 1));
+    assert!(world.resource::<Contacts>().manifolds.is_empty());
 }
 
 #[test]

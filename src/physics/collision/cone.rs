@@ -1,0 +1,137 @@
+//! The true circular cone, as clipped contacts see it: no polygon but where faces are clipped.
+//!
+//! In its body axes, apex up +y, centre of mass at the origin, it is the convex hull of its apex
+//! (0, ¾h, 0) and its base disc of radius r at y = −¼h. So its support function is exact and
+//! short:
+//!
+//!   h(u) = max(¾h u_y, −¼h u_y + r √(u_x² + u_z²)).
+//!
+//! On the Gauss map the base is one point, −y; the *flank* is the circle of normals
+//! (cos γ ρ, sin γ), ρ any unit vector across the axis and tan γ = r/h, each normal that of a
+//! generator line from the apex to the *rim*; the apex has the cap above that circle, and each
+//! point of the rim the meridian below it.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use nalgebra::Vector3;
+
+use super::polyhedron::Convex;
+
+/// Corners of the polygon that stands for the base where faces are clipped, all on the rim.
+const RIM_CORNERS: usize = 24;
+
+/// Sine of the tilt up to which a base faces a direction squarely: its corners then stay where
+/// they are on the body, so that a cone at rest keeps its contact points. From twice that on the
+/// first corner is the foremost point of the rim, which is exact for a cone that rolls on it.
+/// Between, the corners turn from one to the other. A corner at most is off by
+/// 2r (1 − cos 45°) sin(tilt)/2 in depth.
+const SQUARE_TILT: f64 = 1e-3;
+
+/// A solid circular cone.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cone {
+    pub radius: f64,
+    /// Height of the apex over the centre of mass.
+    pub apex: f64,
+    /// Height of the base, negative.
+    pub base: f64,
+    /// sin γ: height of the flank's normals.
+    pub sine: f64,
+    /// cos γ: their reach across the axis.
+    pub cosine: f64,
+}
+
+/// Which part of a cone faces a direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Facing {
+    Base = 0,
+    Flank = 1,
+}
+
+impl Cone {
+    pub fn new(radius: f64, height: f64) -> Self {
+        let slant = radius.hypot(height);
+        Self { radius, apex: 0.75 * height, base: -0.25 * height, sine: radius / slant, cosine: height / slant }
+    }
+
+    pub fn apex_point(&self) -> Vector3<f64> {
+        Vector3::new(0.0, self.apex, 0.0)
+    }
+
+    pub fn base_normal() -> Vector3<f64> {
+        -Vector3::y()
+    }
+
+    /// The rim's point in the direction of a unit vector (x, z) across the axis.
+    pub fn rim_point(&self, [x, z]: [f64; 2]) -> Vector3<f64> {
+        Vector3::new(self.radius * x, self.base, self.radius * z)
+    }
+
+    /// The flank's normal over that point.
+    pub fn flank_normal(&self, [x, z]: [f64; 2]) -> Vector3<f64> {
+        Vector3::new(self.cosine * x, self.sine, self.cosine * z)
+    }
+
+    /// Distance of the flank's tangent planes from the centre of mass.
+    pub fn flank_offset(&self) -> f64 {
+        self.sine * self.apex
+    }
+
+    /// The farthest point along a direction.
+    pub fn foremost(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        let across = direction.x.hypot(direction.z);
+        if self.apex * direction.y > self.base * direction.y + self.radius * across {
+            self.apex_point()
+        } else {
+            self.rim_point(unit_across(direction))
+        }
+    }
+
+    /// Puts the corners of the part that faces a unit direction most into `corners`: the rim's,
+    /// counter-clockwise seen from outside, or the ends of a generator line.
+    pub fn outline(&self, direction: &Vector3<f64>, corners: &mut Vec<Vector3<f64>>) -> Facing {
+        corners.clear();
+        let across = direction.x.hypot(direction.z);
+        if -direction.y < self.cosine * across + self.sine * direction.y {
+            corners.extend([self.apex_point(), self.rim_point(unit_across(direction))]);
+            return Facing::Flank;
+        }
+        self.rim_corners(direction, RIM_CORNERS, corners);
+        Facing::Base
+    }
+
+    /// Adds points of the rim, evenly spread, counter-clockwise seen from below. See
+    /// [`SQUARE_TILT`] for where the first one is. A multiple of four of them.
+    pub fn rim_corners(&self, direction: &Vector3<f64>, count: usize, corners: &mut Vec<Vector3<f64>>) {
+        let tilt = direction.x.hypot(direction.z);
+        let share = (tilt / SQUARE_TILT - 1.0).clamp(0.0, 1.0);
+        let first = if share > 0.0 {
+            let foremost = f64::atan2(direction.z, direction.x);
+            let quarter = (foremost / FRAC_PI_2).round() * FRAC_PI_2;
+            quarter + (foremost - quarter) * share
+        } else {
+            0.0
+        };
+        corners.extend((0..count).map(|corner| {
+            let (sin, cos) = (first + TAU * corner as f64 / count as f64).sin_cos();
+            self.rim_point([cos, sin])
+        }));
+    }
+}
+
+/// The part of a direction across the axis, as a unit vector (x, z); any if there is none.
+pub(super) fn unit_across(direction: &Vector3<f64>) -> [f64; 2] {
+    let across = direction.x.hypot(direction.z);
+    if across > 0.0 { [direction.x / across, direction.z / across] } else { [1.0, 0.0] }
+}
+
+impl Convex for Cone {
+    fn reach(&self, direction: &Vector3<f64>) -> f64 {
+        let across = direction.x.hypot(direction.z);
+        (self.apex * direction.y).max(self.base * direction.y + self.radius * across)
+    }
+
+    fn inner_radius(&self) -> f64 {
+        self.flank_offset().min(-self.base)
+    }
+}

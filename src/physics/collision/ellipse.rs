@@ -1,0 +1,126 @@
+//! The feet of a point on an ellipse: where the distance to it is least, seen from either side of
+//! the long axis.
+
+use std::f64::consts::FRAC_PI_2;
+
+/// Steps of the safeguarded Newton iteration; it takes about five.
+const STEPS: u32 = 60;
+
+/// For the ellipse (a cos t, b sin t), a ≥ b ≥ 0, and a point, the sine and cosine of t where the
+/// distance from the point has a minimum: the nearest foot, and the one beyond the long axis if
+/// there is one, which is so for points near the middle of it.
+///
+/// By symmetry the point is taken to x, y ≥ 0. Feet are the zeros of
+/// G(t) = (a² − b²) sin t cos t − a x sin t + b y cos t. In the first quadrant G/(sin t cos t)
+/// falls from +∞ to −∞: there is one, the nearest (Eberly, *Distance from a point to an ellipse*,
+/// 2013). In the fourth there are two if the point lies inside the evolute,
+/// (a x)^⅔ + (b y)^⅔ < (a² − b²)^⅔, a minimum and a maximum, on either side of
+/// tan³ t = −b y/(a x). Elsewhere there are only maxima.
+pub(super) fn feet([a, b]: [f64; 2], [x, y]: [f64; 2]) -> [Option<[f64; 2]>; 2] {
+    let (ax, by) = (a * x.abs(), b * y.abs());
+    let focal = a * a - b * b;
+    let foot = |low: f64, start: f64, by: f64| {
+        falling_zero([low, FRAC_PI_2], start, |sin, cos| {
+            (focal * sin * cos - ax * sin + by * cos, focal * (cos * cos - sin * sin) - ax * cos - by * sin)
+        })
+    };
+    let near = foot(0.0, f64::atan2(a * y.abs(), b * x.abs()), by);
+    let (cbrt_x, cbrt_y) = (ax.cbrt(), by.cbrt());
+    let is_inside_evolute = (cbrt_x * cbrt_x + cbrt_y * cbrt_y).powi(3) < focal * focal;
+    let far = is_inside_evolute.then(|| {
+        // Mirrored into the first quadrant: −y for y.
+        let turning = f64::atan2(cbrt_y, cbrt_x);
+        foot(turning, 0.5 * (turning + FRAC_PI_2), -by)
+    });
+    let signed = |[sin, cos]: [f64; 2], side: f64| [side * sin.copysign(y), cos.copysign(x)];
+    [Some(signed(near, 1.0)), far.map(|far| signed(far, -1.0))]
+}
+
+/// Sine and cosine of the angle where a function falls through zero. It comes with its slope, of
+/// sine and cosine.
+fn falling_zero([mut low, mut high]: [f64; 2], start: f64, function: impl Fn(f64, f64) -> (f64, f64)) -> [f64; 2] {
+    // At the ends the function may be zero without falling through it.
+    let margin = 1e-3 * (high - low);
+    let mut angle = start.clamp(low + margin, high - margin);
+    for _ in 0..STEPS {
+        let (sin, cos) = angle.sin_cos();
+        let (value, slope) = function(sin, cos);
+        if value > 0.0 {
+            low = angle;
+        } else {
+            high = angle;
+        }
+        let newton = angle - value / slope;
+        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        if value == 0.0 || (next - angle).abs() <= f64::EPSILON {
+            break;
+        }
+        angle = next;
+    }
+    let (sin, cos) = angle.sin_cos();
+    [sin, cos]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::feet;
+    use crate::physics::testing::Random;
+
+    /// Minima of the distance among many points of the ellipse, by the angle's sine and cosine.
+    fn minima_by_search([a, b]: [f64; 2], [x, y]: [f64; 2]) -> Vec<[f64; 2]> {
+        let count = 20_000;
+        let at = |step: usize| std::f64::consts::TAU * (step % count) as f64 / count as f64;
+        let square = |step: usize| {
+            let (sin, cos) = at(step).sin_cos();
+            (a * cos - x).powi(2) + (b * sin - y).powi(2)
+        };
+        (count..2 * count)
+            .filter(|&step| square(step) <= square(step - 1) && square(step) < square(step + 1))
+            .map(|step| at(step).sin_cos().into())
+            .collect()
+    }
+
+    #[test]
+    fn feet_are_all_the_nearest_points_on_either_side() {
+        let mut random = Random(5);
+        let (mut one, mut two) = (0, 0);
+        for _ in 0..300 {
+            let a = random.within(0.3, 2.0);
+            let b = a * random.within(0.0, 1.0);
+            let point = [random.within(-2.0, 2.0), random.within(-1.5, 1.5)];
+            let found: Vec<_> = feet([a, b], point).into_iter().flatten().collect();
+            let searched = minima_by_search([a, b], point);
+            assert_eq!(found.len(), searched.len(), "of ({a}, {b}) from {point:?}");
+            for minimum in searched {
+                let near = |foot: &&[f64; 2]| (foot[0] - minimum[0]).hypot(foot[1] - minimum[1]) < 1e-3;
+                assert!(found.iter().any(|foot| near(&foot)), "{minimum:?} is not in {found:?}");
+            }
+            one += u32::from(found.len() == 1);
+            two += u32::from(found.len() == 2);
+        }
+        assert!(one > 50 && two > 50, "{one} {two}");
+    }
+
+    #[test]
+    fn feet_of_points_on_the_axes() {
+        let close = |foot: Option<[f64; 2]>, [sin, cos]: [f64; 2]| {
+            let foot = foot.expect("a foot");
+            assert!((foot[0] - sin).abs() < 1e-9 && (foot[1] - cos).abs() < 1e-9, "{foot:?} is not ({sin}, {cos})");
+        };
+        // From the middle both ends of the short axis.
+        let [near, far] = feet([2.0, 1.0], [0.0, 0.0]);
+        close(near, [1.0, 0.0]);
+        close(far, [-1.0, 0.0]);
+        // From within the evolute on the long axis: cos t = a x/(a² − b²).
+        let [near, far] = feet([2.0, 1.0], [0.75, 0.0]);
+        close(near, [0.75_f64.sqrt(), 0.5]);
+        close(far, [-(0.75_f64.sqrt()), 0.5]);
+        // From outside the tip.
+        let [near, far] = feet([2.0, 1.0], [-5.0, 0.0]);
+        close(near, [0.0, -1.0]);
+        assert!(far.is_none());
+        // Of a circle, and of a segment.
+        close(feet([1.0, 1.0], [3.0, 4.0])[0], [0.8, 0.6]);
+        close(feet([1.0, 0.0], [0.6, 4.0])[0], [0.8, 0.6]);
+    }
+}

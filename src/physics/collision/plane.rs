@@ -1,0 +1,64 @@
+//! A half-space against any other shape: what lies below its plane, or so little above that it may
+//! get there within the step.
+
+use nalgebra::Vector3;
+
+use super::clipping::{ClipBuffers, keep_spread};
+use super::cone::Cone;
+use super::polyhedron::{Cuboid, Frame, Polyhedron};
+use super::{CONTACT_TOLERANCE, ContactPoint, FeatureId, Overlap};
+use crate::physics::collider::Geometry;
+
+/// Points of a cone's rim that may touch.
+const RIM_POINTS: usize = 4;
+
+/// Tests the half-space y ≤ 0 and a shape in its axes, and adds the points up to a gap above the
+/// plane, half-way to it: of a polyhedron its vertices, of a cone its apex and four points of the rim,
+/// the lowest among them.
+pub(super) fn touch(
+    shape: &Geometry,
+    radius: f64,
+    in_plane: &Frame,
+    gap: f64,
+    buffers: &mut ClipBuffers,
+    points: &mut Vec<ContactPoint>,
+) -> Option<Overlap> {
+    let ClipBuffers { incident: corners, found, .. } = buffers;
+    found.clear();
+    let mut add = |place: Vector3<f64>, feature| {
+        if let Some(depth) = depth_below(-place.y, gap, radius) {
+            let point = place + Vector3::y() * (depth / 2.0);
+            found.push(ContactPoint { point, depth, feature });
+        }
+    };
+    match shape {
+        Geometry::Sphere { radius } => add(in_plane.center - Vector3::y() * *radius, FeatureId::default()),
+        Geometry::Cuboid { half } => each_vertex(&Cuboid { half: *half }, in_plane, add),
+        Geometry::Hull(hull) => each_vertex(&**hull, in_plane, add),
+        Geometry::Cone { radius, height, .. } => {
+            let cone = Cone::new(*radius, *height);
+            corners.clear();
+            cone.rim_corners(&-in_plane.enter(&Vector3::y()), RIM_POINTS, corners);
+            corners.push(cone.apex_point());
+            for (corner, place) in (0..).zip(&*corners) {
+                add(in_plane.place(place), FeatureId::of_vertex(true, corner));
+            }
+        }
+        Geometry::HalfSpace => unreachable!("two half-spaces make no pair"),
+    }
+    let depth = found.iter().map(|point| point.depth).reduce(f64::max)?;
+    keep_spread(found, &Vector3::y(), radius, points);
+    Some(Overlap { normal: Vector3::y(), depth })
+}
+
+fn each_vertex(shape: &impl Polyhedron, in_plane: &Frame, mut add: impl FnMut(Vector3<f64>, FeatureId)) {
+    for index in 0..shape.vertex_count() {
+        add(in_plane.place(&shape.vertex(index)), FeatureId::of_vertex(true, index as u32));
+    }
+}
+
+/// The depth of a point below the plane, if it counts: what rounding could have made of zero is
+/// zero, a true gap stays negative.
+fn depth_below(depth: f64, gap: f64, radius: f64) -> Option<f64> {
+    if depth >= -CONTACT_TOLERANCE * radius { Some(depth.max(0.0)) } else { (depth >= -gap).then_some(depth) }
+}

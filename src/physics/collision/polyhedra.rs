@@ -1,0 +1,79 @@
+//! Two convex polyhedra of any kind: [`feature_sat`], then the faces clipped, or the point where
+//! two edges cross.
+
+use super::clipping::{Clip, ClipBuffers};
+use super::edge_contact::{Segment, middle_of_closest};
+use super::feature_sat::{self, EdgeBuffers, Feature, Least, Scale, Verdict};
+use super::polyhedron::{Frame, Polyhedron};
+use super::{ContactPoint, FeatureId, Overlap};
+
+/// Tests two polyhedra; what was the last step's axis is tried first and replaced. Contact points
+/// are left in the clip buffers, in A's axes.
+pub(super) fn touch(
+    a: &impl Polyhedron,
+    b: &impl Polyhedron,
+    b_in_a: &Frame,
+    scale: &Scale,
+    last: &mut Option<Feature>,
+    edges: &mut EdgeBuffers,
+    clip: &mut ClipBuffers,
+    axes: &mut u32,
+) -> Option<Overlap> {
+    let least = match feature_sat::test(a, b, b_in_a, scale, *last, edges, axes) {
+        Verdict::Apart(feature) => {
+            *last = Some(feature);
+            return None;
+        }
+        Verdict::Overlap(least) => least,
+    };
+    *last = Some(least.feature);
+    let Least { normal, depth, feature } = least;
+    match feature {
+        Feature::FaceOfA(face) => clip_faces(a, b, b_in_a, false, face, depth, scale, clip),
+        Feature::FaceOfB(face) => {
+            clip_faces(b, a, &b_in_a.inverse(), true, face, depth, scale, clip);
+            for found in &mut clip.found {
+                found.point = b_in_a.place(&found.point);
+            }
+        }
+        Feature::Edges(edge_a, edge_b) => {
+            let (on_a, on_b) = (a.edge(edge_a as usize), b.edge(edge_b as usize).placed(b_in_a, false));
+            let point = middle_of_closest(&Segment([on_a.start, on_a.end()]), &Segment([on_b.start, on_b.end()]));
+            clip.found.clear();
+            clip.found.push(ContactPoint { point, depth, feature: FeatureId::of_edges(edge_a, edge_b) });
+        }
+        Feature::Smooth(_) => unreachable!("of cones only"),
+    }
+    Some(Overlap { normal, depth })
+}
+
+/// Clips the face of `other` that is most against a face of `base`, in the axes of `base`.
+fn clip_faces(
+    base: &impl Polyhedron,
+    other: &impl Polyhedron,
+    other_in_base: &Frame,
+    base_is_b: bool,
+    face: u32,
+    depth: f64,
+    scale: &Scale,
+    buffers: &mut ClipBuffers,
+) {
+    let plane = base.face(face as usize);
+    base.corners(face as usize, &mut buffers.reference);
+    let incident = other.face_toward(&-other_in_base.enter(&plane.normal));
+    other.corners(incident, &mut buffers.incident);
+    for corner in &mut buffers.incident {
+        *corner = other_in_base.place(corner);
+    }
+    let clip = Clip {
+        reference_is_b: base_is_b,
+        reference_face: face,
+        incident_face: incident as u32,
+        normal: plane.normal,
+        level: plane.offset,
+        depth,
+        size: scale.size,
+        tolerance: scale.tolerance,
+    };
+    clip.clip(buffers);
+}

@@ -1,0 +1,269 @@
+//! What the narrow phase asks of a convex polyhedron, in its own body axes: planes of faces, edges
+//! with the faces beside them, corners, reach. Boxes answer in closed form.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::placed::first_max;
+use crate::physics::collider::Hull;
+
+/// A body's axes and centre in those of another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    /// Columns are the axes.
+    pub rotation: Matrix3<f64>,
+    pub center: Vector3<f64>,
+}
+
+impl Frame {
+    /// The other's axes and centre in those of this one.
+    pub fn inverse(&self) -> Self {
+        let rotation = self.rotation.transpose();
+        Self { rotation, center: -(rotation * self.center) }
+    }
+
+    /// A point of the framed body, in the axes of the other.
+    pub fn place(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation * point + self.center
+    }
+
+    /// A direction of the other's axes, in those of the framed body.
+    pub fn enter(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation.tr_mul(direction)
+    }
+}
+
+/// The plane of a face.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plane {
+    /// Unit, outward.
+    pub normal: Vector3<f64>,
+    /// Distance from the centre along the normal.
+    pub offset: f64,
+}
+
+/// An edge, and the normals of the faces beside it. On the unit sphere (the Gauss map) the arc
+/// between these are the directions in which the edge is foremost.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Edge {
+    pub index: u32,
+    pub start: Vector3<f64>,
+    /// Unit, along the edge.
+    pub direction: Vector3<f64>,
+    pub length: f64,
+    pub normals: [Vector3<f64>; 2],
+}
+
+impl Edge {
+    /// In the axes of another body, the shape mirrored in the origin or not: the normals turn, the
+    /// place does not.
+    pub fn placed(&self, frame: &Frame, mirrored: bool) -> Self {
+        let sign = if mirrored { -1.0 } else { 1.0 };
+        Self {
+            start: frame.place(&self.start),
+            direction: frame.rotation * self.direction,
+            normals: self.normals.map(|normal| frame.rotation * normal * sign),
+            ..*self
+        }
+    }
+
+    pub fn end(&self) -> Vector3<f64> {
+        self.start + self.direction * self.length
+    }
+
+    /// Whether the arcs of an edge and of a mirrored one cross: then both edges are foremost in
+    /// one direction, and bound the Minkowski difference together (Gregorius, GDC 2013).
+    #[inline]
+    pub fn crosses(&self, other: &Self) -> bool {
+        let [a, b] = self.normals.map(|normal| normal.dot(&other.direction));
+        if a * b >= 0.0 {
+            return false;
+        }
+        let [c, d] = other.normals.map(|normal| normal.dot(&self.direction));
+        if c * d >= 0.0 {
+            return false;
+        }
+        // Where each arc meets the plane of the other: the same point, or opposite ones.
+        let point = self.normals[0] * b.abs() + self.normals[1] * a.abs();
+        let other_point = other.normals[0] * d.abs() + other.normals[1] * c.abs();
+        point.dot(&other_point) > 0.0
+    }
+
+    /// Whether a unit direction across the edge lies in its arc, up to that much rounding.
+    #[inline]
+    pub fn arc_holds(&self, direction: &Vector3<f64>, rounding: f64) -> bool {
+        let [one, other] = self.normals.map(|normal| normal.dot(direction));
+        let cosine = self.normals[0].dot(&self.normals[1]);
+        one - cosine * other >= -rounding && other - cosine * one >= -rounding
+    }
+
+    /// How far a point lies beyond the edge at most, along any direction of its arc.
+    #[inline]
+    pub fn height_of(&self, point: &Vector3<f64>) -> f64 {
+        let arm = point - self.start;
+        let [one, other] = self.normals.map(|normal| normal.dot(&arm));
+        let cosine = self.normals[0].dot(&self.normals[1]);
+        if one > cosine * other && other > cosine * one {
+            // What of the arm lies across the edge points between the normals.
+            let along = arm.dot(&self.direction);
+            (arm.norm_squared() - along * along).max(0.0).sqrt()
+        } else {
+            one.max(other)
+        }
+    }
+}
+
+/// A convex shape about the origin of its axes.
+pub(super) trait Convex {
+    /// The support function: how far it reaches along a direction from the origin.
+    fn reach(&self, direction: &Vector3<f64>) -> f64;
+    /// Radius of the largest ball about the origin that it holds.
+    fn inner_radius(&self) -> f64;
+}
+
+/// A convex polyhedron.
+pub(super) trait Polyhedron: Convex {
+    fn face_count(&self) -> usize;
+    fn face(&self, index: usize) -> Plane;
+    /// The face whose normal is nearest to a direction.
+    fn face_toward(&self, direction: &Vector3<f64>) -> usize;
+    /// Replaces what is in `corners` by those of a face, counter-clockwise seen from outside.
+    fn corners(&self, face: usize, corners: &mut Vec<Vector3<f64>>);
+    fn edge_count(&self) -> usize;
+    fn edge(&self, index: usize) -> Edge;
+    fn vertex_count(&self) -> usize;
+    fn vertex(&self, index: usize) -> Vector3<f64>;
+}
+
+/// A box by its half extents. Faces are numbered +x, −x, +y, …; an edge by its axis and the signs
+/// of its place along the next two; a vertex by its signs along x, y, z. A set bit is a minus.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cuboid {
+    pub half: Vector3<f64>,
+}
+
+fn sign_of_bit(bits: usize, bit: usize) -> f64 {
+    if bits >> bit & 1 == 0 { 1.0 } else { -1.0 }
+}
+
+impl Polyhedron for Cuboid {
+    fn face_count(&self) -> usize {
+        6
+    }
+
+    fn face(&self, index: usize) -> Plane {
+        let mut normal = Vector3::zeros();
+        normal[index / 2] = sign_of_bit(index, 0);
+        Plane { normal, offset: self.half[index / 2] }
+    }
+
+    fn face_toward(&self, direction: &Vector3<f64>) -> usize {
+        let axis = direction.iamax();
+        2 * axis + usize::from(direction[axis] < 0.0)
+    }
+
+    fn corners(&self, face: usize, corners: &mut Vec<Vector3<f64>>) {
+        let (axis, sign) = (face / 2, sign_of_bit(face, 0));
+        let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+        corners.clear();
+        // Turns about +axis; on the opposite face `sign` mirrors v, and so the turn.
+        corners.extend([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].map(|[along_u, along_v]| {
+            let mut corner = Vector3::zeros();
+            corner[axis] = sign * self.half[axis];
+            corner[u] = along_u * self.half[u];
+            corner[v] = along_v * sign * self.half[v];
+            corner
+        }));
+    }
+
+    fn edge_count(&self) -> usize {
+        12
+    }
+
+    fn edge(&self, index: usize) -> Edge {
+        let axis = index / 4;
+        let sides = [((axis + 1) % 3, sign_of_bit(index, 1)), ((axis + 2) % 3, sign_of_bit(index, 0))];
+        let mut start = Vector3::zeros();
+        start[axis] = -self.half[axis];
+        let mut direction = Vector3::zeros();
+        direction[axis] = 1.0;
+        let normals = sides.map(|(side, sign)| {
+            start[side] = sign * self.half[side];
+            let mut normal = Vector3::zeros();
+            normal[side] = sign;
+            normal
+        });
+        Edge { index: index as u32, start, direction, length: 2.0 * self.half[axis], normals }
+    }
+
+    fn vertex_count(&self) -> usize {
+        8
+    }
+
+    fn vertex(&self, index: usize) -> Vector3<f64> {
+        Vector3::from_fn(|axis, _| sign_of_bit(index, axis) * self.half[axis])
+    }
+}
+
+impl Convex for Cuboid {
+    fn reach(&self, direction: &Vector3<f64>) -> f64 {
+        direction.abs().dot(&self.half)
+    }
+
+    fn inner_radius(&self) -> f64 {
+        self.half.min()
+    }
+}
+
+impl Polyhedron for Hull {
+    fn face_count(&self) -> usize {
+        self.faces.len()
+    }
+
+    fn face(&self, index: usize) -> Plane {
+        let face = &self.faces[index];
+        Plane { normal: face.normal, offset: face.offset }
+    }
+
+    fn face_toward(&self, direction: &Vector3<f64>) -> usize {
+        first_max(self.faces.iter().map(|face| face.normal.dot(direction)))
+    }
+
+    fn corners(&self, face: usize, corners: &mut Vec<Vector3<f64>>) {
+        corners.clear();
+        corners.extend(self.faces[face].vertices.iter().map(|&vertex| self.vertices[vertex as usize]));
+    }
+
+    fn edge_count(&self) -> usize {
+        self.edges.len()
+    }
+
+    fn edge(&self, index: usize) -> Edge {
+        let edge = &self.edges[index];
+        let [start, end] = edge.ends.map(|vertex| self.vertices[vertex as usize]);
+        Edge {
+            index: index as u32,
+            start,
+            direction: edge.direction,
+            length: edge.direction.dot(&(end - start)),
+            normals: edge.faces.map(|face| self.faces[face as usize].normal),
+        }
+    }
+
+    fn vertex_count(&self) -> usize {
+        self.vertices.len()
+    }
+
+    fn vertex(&self, index: usize) -> Vector3<f64> {
+        self.vertices[index]
+    }
+}
+
+impl Convex for Hull {
+    fn reach(&self, direction: &Vector3<f64>) -> f64 {
+        self.reach(direction)
+    }
+
+    fn inner_radius(&self) -> f64 {
+        self.inner_radius
+    }
+}
