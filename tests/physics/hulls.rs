@@ -15,6 +15,7 @@ fn box_corners(size: DVec3) -> Vec<DVec3> {
 #[test]
 fn a_hull_of_a_boxs_corners_tumbles_as_the_box() {
     let size = DVec3::new(1.0, 0.6, 0.2);
+    let torque = ExternalForce { torque: DVec3::new(3.0, 20.0, -8.0), ..default() };
     let spin = DVec3::new(0.01, 10.0, 0.3);
     let askew = DQuat::from_euler(bevy::math::EulerRot::XYZ, 0.3, 0.2, -0.4);
     // As the box lies, and as it would lie in the frame of some mesh.
@@ -30,6 +31,7 @@ fn a_hull_of_a_boxs_corners_tumbles_as_the_box() {
         world.entity_mut(hull).insert(Rotation(rotation));
         for entity in [cuboid, hull] {
             world.get_mut::<Velocity>(entity).unwrap().angular = spin;
+            world.entity_mut(entity).insert(torque);
         }
         run(&mut world, 3.0);
         let [cuboid, hull] = [cuboid, hull]
@@ -37,7 +39,7 @@ fn a_hull_of_a_boxs_corners_tumbles_as_the_box() {
         assert_near(hull.1, cuboid.1, 1e-7);
         let apart = (hull.0 * rotation.inverse()).angle_between(cuboid.0);
         assert!(apart < 1e-7, "turned {apart} rad from the cuboid");
-        assert!(cuboid.1.distance(spin) > 0.1, "it tumbles");
+        assert!(cuboid.1.distance(spin) > 0.1, "the torque turns it");
     }
 }
 
