@@ -192,7 +192,7 @@ fn add_loose_things(scene: &mut SceneSpec) {
 fn add_loose_meshes(scene: &mut SceneSpec) {
     let on_a_facet = DQuat::from_rotation_y(0.5) * DQuat::from_rotation_x(0.777);
     let things = [
-        ("rock", 0.3, 12.0, DVec3::new(-2.9, 0.0, 1.3), DQuat::from_rotation_y(0.4), palette::STEEL),
+        ("rock", 0.3, 12.0, DVec3::new(3.4, 0.0, 1.6), DQuat::from_rotation_y(0.4), palette::STEEL),
         ("bone", 0.3, 3.0, DVec3::new(0.3, 0.0, 2.6), DQuat::from_rotation_y(0.35), palette::SKIN),
         ("gem", 0.2, 4.0, DVec3::new(-0.9, 0.0, 2.4), on_a_facet, palette::TEAL),
         ("dodecahedron", 0.2, 6.0, DVec3::new(1.25, 0.0, 2.6), DQuat::from_rotation_y(0.8), palette::RED),
