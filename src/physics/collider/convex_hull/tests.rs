@@ -51,8 +51,15 @@ fn assert_is_polyhedron(points: &[DVec3], hull: &ConvexHull) {
     assert!(sides.iter().all(|&(from, to)| sides.contains(&(to, from))), "an edge has one face");
     assert_eq!(used.len(), count, "a vertex has no face");
     assert_eq!(count + hull.faces().len(), sides.len() / 2 + 2, "Euler: V + F = E + 2");
-    for (normal, offset) in planes(hull) {
+    let vertices: Vec<DVec3> = hull.vertices().collect();
+    for (corners, (normal, offset)) in hull.faces().zip(planes(hull)) {
         assert!(offset > 0.0, "a face looks inward");
+        for (&from, &to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+            let [from, to] = [from, to].map(|corner| vertices[corner as usize]);
+            let inward = normal.cross(to - from).normalize();
+            let beyond = corners.iter().map(|&corner| inward.dot(from - vertices[corner as usize])).fold(0.0, f64::max);
+            assert!(beyond <= BEND * size, "a face is not convex: a corner is {} beyond a side", beyond / size);
+        }
         let highest = hull.vertices().map(|vertex| normal.dot(vertex) - offset).fold(0.0, f64::max);
         assert!(highest <= BEND * size, "a vertex {} in front of a face", highest / size);
     }
@@ -203,6 +210,19 @@ fn clusters_of_near_and_equal_points_are_one_vertex_each() {
         let hull = hull_of(&points);
         assert_eq!(hull.vertices().len(), 8, "spread {spread}");
     }
+}
+
+#[test]
+fn vertices_nearer_than_the_reduction_are_one() {
+    let cut = |depth: f64| {
+        let corners = box_corners(DVec3::new(2.0, 1.5, 1.0)).into_iter();
+        let points: Vec<DVec3> =
+            corners.flat_map(|corner| DVec3::AXES.map(|axis| corner - depth * corner.signum() * axis)).collect();
+        hull_of(&points)
+    };
+    // Twice the depth is their L1 distance from each other; the reduction is by 0.01.
+    assert_eq!(cut(4e-3).vertices().len(), 8);
+    assert_eq!(counts(&cut(6e-3)), (24, 14));
 }
 
 #[test]
