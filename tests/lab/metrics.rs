@@ -156,8 +156,10 @@ fn converged_contacts_obey_their_laws() {
             ("is pushed and rolls", "force: (4000, 0, 0)"),
             ("is pushed and spins", "force: (20000, 0, 0)"),
         ] {
-            // Within a step, a contact point turns with the ball, off the ground.
-            let turns = substeps > 1 && !more.is_empty() && !more.contains(UPRIGHT);
+            // Within a step, the point that touched turns with the ball, off the ground: a second
+            // solve finds a gap there.
+            let solves = if integrator == Integrator::VelocityVerlet { 2 } else { substeps };
+            let turns = solves > 1 && !more.is_empty() && !more.contains(UPRIGHT);
             if !turns {
                 check(what, on_the_ground(&format!("{BALL}, {more}"), plain(substeps, integrator), 20));
             }

@@ -55,6 +55,8 @@ const STARTS: usize = 32;
 const FLANK_OF_A: u32 = 0;
 const FLANK_OF_B: u32 = 1;
 const RIMS: u32 = 2;
+/// The direction from centre to centre: never the least, but the cheapest that may separate.
+const CENTERS: u32 = 3;
 
 /// Tests two cones, B in A's axes; what was the last step's axis is tried first and replaced.
 /// Contact points are left in the clip buffers, in A's axes.
@@ -109,6 +111,10 @@ impl Cones<'_> {
 
     /// The overlap, or the feature along which there is none.
     fn search(&self, axes: &mut u32) -> Result<Found, Feature> {
+        let between = Feature::Smooth(CENTERS);
+        if self.least_of(between, axes).is_some_and(|least| self.separates(&least)) {
+            return Err(between);
+        }
         let mut found: Option<Found> = None;
         for kinds in [
             &[Feature::FaceOfA(0)][..],
@@ -155,6 +161,7 @@ impl Cones<'_> {
                 let depth = |normal| self.depth(&out_of_a(normal));
                 flank_normals(self.b, self.a, &self.a_in_b, depth, &mut |normal| take(out_of_a(normal)));
             }
+            Feature::Smooth(CENTERS) => _ = self.b_in_a.center.try_normalize(0.0).map(take),
             Feature::Smooth(RIMS) => starts().for_each(|start| take(self.descend(start))),
             Feature::Smooth(_) | Feature::Edges(..) => {}
         }
@@ -190,10 +197,10 @@ impl Cones<'_> {
             if length > LONGEST_STEP {
                 step *= LONGEST_STEP / length;
             }
-            let Some((next, measured)) = (0..8).find_map(|halvings| {
-                let part = step * 0.5_f64.powi(halvings);
-                let next = (n + frame[0] * part.x + frame[1] * part.y).normalize();
+            let Some((next, measured)) = (0..8).find_map(|_| {
+                let next = (n + frame[0] * step.x + frame[1] * step.y).normalize();
                 let measured = measure(&next);
+                step /= 2.0;
                 (measured.0 < depth).then_some((next, measured))
             }) else {
                 break;
