@@ -3,6 +3,7 @@
 use std::convert::Infallible;
 
 use bevy::math::DVec3;
+use plumb::lab::verdict::{Verdict, judge};
 use plumb::lab::{Metrics, Plan, Sample, measure};
 use plumb::physics::{FrictionModel, Integrator, Precision, SolverSettings};
 use plumb::scene::SceneSpec;
@@ -240,4 +241,21 @@ fn momentum_drifts_only_where_nothing_outside_takes_part() {
     assert!(momentum.angular_max_relative_drift.is_some(), "{momentum:?}");
     let on_ground = on_the_ground(CUBE, SolverSettings::default(), 2).momentum;
     assert_eq!((on_ground.linear_max_relative_drift, on_ground.angular_max_relative_drift), (None, None));
+}
+
+#[test]
+fn a_run_fails_where_the_scenes_own_condition_breaks() {
+    let judged = |scene: &str, parameters: &[(&str, f64)], settings: SolverSettings, seconds: f64| {
+        let parameters: Vec<_> = parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
+        let plan = Plan::new(scene, &parameters, settings, Some(seconds)).unwrap();
+        judge(&measure(&plan, |_| Ok::<(), Infallible>(())).unwrap())
+    };
+    // A step of 1.7 m takes the ball through 1 cm of wall, and nothing else is amiss.
+    let passes = judged("wall", &[("v", 100.0), ("t", 0.01)], SolverSettings::classic(), 0.5);
+    assert_eq!(passes.verdict, Verdict::Fails, "{passes:?}");
+    assert!(passes.reason.contains("beyond the wall's face") && passes.reason.contains(" m"), "{passes:?}");
+    let stops = judged("wall", &[("v", 0.5), ("t", 1.0)], SolverSettings::default(), 1.0);
+    assert!(stops.verdict <= Verdict::Degrades, "{stops:?}");
+    let near = judged("far", &[("d", 1024.0)], SolverSettings::default(), 0.1);
+    assert_ne!(near.verdict, Verdict::Fails, "{near:?}");
 }

@@ -37,8 +37,9 @@ const MOST_SECONDS: f64 = 1.0;
 /// Of the uncertainty over the difference of the two runs.
 const SAFETY: f64 = 2.0;
 
-/// Share of the smallest body's size beyond which an uncertain place is no answer.
-const USEFUL_SHARE: f64 = 0.01;
+/// Share of the smallest body's size beyond which an uncertain place is no answer: half of what
+/// fails a run that sinks.
+const USEFUL_SHARE: f64 = 0.05;
 
 /// Bodies and joints × steps of both runs: some seconds of work.
 const MOST_WORK: f64 = 2e6;
@@ -280,7 +281,7 @@ mod tests {
         assert!(refused(&scene("rods", &[("n", 1000.0)]), 1.0).contains("too large"));
         // A radian or two a step: no two rates agree.
         let fast = refused(&scene("top", &[("spin", 5e3)]), 1.0);
-        assert!(fast.contains("do not agree to 2.0e-3 m for 0.05 s"), "{fast}");
+        assert!(fast.contains("do not agree to 1.0e-2 m for 0.05 s"), "{fast}");
         // So thin and fast that the step sets it aside at any rate: it agrees with itself.
         let mut thin = scene("top", &[("spin", 1e4)]);
         thin.bodies[0].shape = Some(crate::scene::ShapeSpec::Cuboid { size: DVec3::new(1.0, 0.6, 1e-6) });
@@ -291,7 +292,7 @@ mod tests {
     fn the_answer_ends_where_the_runs_part() {
         // Balls fall half a metre, land after 0.32 s, and bounce into each other.
         let reference = work_out(&scene("spheres", &[("e", 0.5)]), 1.0).expect("an answer");
-        assert_eq!(reference.points.len(), 6);
+        assert!((6..10).contains(&reference.points.len()), "{}", reference.points.len());
         assert!(reference.uncertainty <= USEFUL_SHARE * 0.2);
     }
 }
