@@ -121,7 +121,12 @@ impl Display for Scene {
 fn parse(text: &str) -> Result<(String, Vec<(String, f64)>), ParseError> {
     let mut words = text.split_whitespace();
     let name = words.next().unwrap_or_default().to_owned();
-    let known = scene::find(&name).map_or(&[][..], |info| info.parameters);
+    let Some(info) = scene::find(&name) else {
+        // Says that there is none, and which is near.
+        scene::load(&name, &[])?;
+        return Ok((name, Vec::new()));
+    };
+    let known = info.parameters;
     let mut parameters = Vec::new();
     for (index, word) in words.enumerate() {
         let (parameter, value) = match word.split_once('=') {
@@ -199,6 +204,7 @@ mod tests {
         assert_eq!(parse("joint_grid 100 30").unwrap(), ("joint_grid".into(), grid));
         assert!(matches!(parse("top 1"), Err(ParseError::TooManyValues(_))));
         assert!(matches!(parse("stack ten"), Err(ParseError::NotANumber(..))));
+        assert!(matches!(parse("stak 10"), Err(ParseError::Scene(SceneError::UnknownScene { .. }))));
     }
 
     #[test]

@@ -26,11 +26,13 @@ const LONGEST_BLOCK: Duration = Duration::from_secs(2);
 /// Measures every scene of a plan.
 pub fn measure(plan: &Plan) -> Report {
     let mut report = Report::default();
-    let mut heading = vec!["ms a step".to_owned()];
-    heading.extend(plan.engines.iter().map(EngineKind::to_string));
-    let mut cells = vec![heading];
-    let mut ratios = cells.clone();
-    ratios[0][0] = "times plumb's".to_owned();
+    let heading = |what: &str| {
+        let engines = plan.engines.iter().map(EngineKind::to_string);
+        vec![[what.to_owned()].into_iter().chain(engines).collect::<Vec<_>>()]
+    };
+    let mut cost = heading("ms a step");
+    let mut times_plumb = heading("times plumb's");
+    let mut times_fastest = heading("times the fastest peer's");
     for scene in &plan.scenes {
         plan.progress(scene);
         let rows = measure_scene(scene, &plan.engines, &plan.settings, plan.rounds);
@@ -38,12 +40,14 @@ pub fn measure(plan: &Plan) -> Report {
             let cell = |row: &Row| show(row).map_or_else(|| "-".to_owned(), short);
             [scene.to_string()].into_iter().chain(rows.iter().map(cell)).collect()
         };
-        cells.push(line(|row| row.ms_per_step));
-        ratios.push(line(|row| row.times_plumb));
+        cost.push(line(|row| row.ms_per_step));
+        times_plumb.push(line(|row| row.times_plumb));
+        times_fastest.push(line(|row| row.times_fastest_peer));
         report.note_refusals(scene, &rows);
         report.rows.extend(rows);
     }
-    report.text = format!("{}\n{}", table(&cells), table(&ratios)) + &report.text;
+    let tables = [cost, times_plumb, times_fastest].map(|cells| table(&cells));
+    report.text = tables.join("\n") + &report.text;
     report
 }
 

@@ -125,6 +125,18 @@ fn what_is_not_translated_is_refused_by_peers_alone() {
     assert!(EngineKind::all()[0].start(&locked, &SETTINGS).is_ok());
 }
 
+/// A step of two static bodies on one joint, beside a body that can move.
+#[test]
+fn avian_says_that_it_cannot_join_static_bodies() {
+    let mut spec = scene("rods 2").spec;
+    spec.bodies[1].kind = RigidBody::Static;
+    let joined = Scene::of(spec);
+    for kind in EngineKind::all() {
+        let outcome = kind.start(&joined, &SETTINGS).and_then(|mut run| run.step());
+        assert_eq!(matches!(outcome, Err(Unable::Panicked(_))), kind == EngineKind::Avian, "{kind}");
+    }
+}
+
 #[test]
 fn a_panic_ends_the_run_with_its_message() {
     struct Fragile;

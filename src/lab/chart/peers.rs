@@ -6,13 +6,14 @@ use serde::Deserialize;
 
 use super::Subject;
 use super::picture::Dot;
+use crate::scene::{Parameter, find};
 
 /// One row of a file of the `peers` crate; other columns are not read.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct PeerRecord {
     /// The scene.
     pub scene: String,
-    /// Its parameters as `n=5 tilt=30`.
+    /// Its parameters as `n=5 tilt=30`; those left out are at their default.
     #[serde(default)]
     pub parameters: String,
     /// The engine's name.
@@ -63,10 +64,16 @@ pub fn read_peers(folder: &Path) -> Result<Vec<PeerRecord>, PeersError> {
 }
 
 impl PeerRecord {
-    /// Whether it ran a chart's scene with its parameters.
+    /// Whether it ran a chart's scene with its parameters; what either leaves out is at its default.
     pub(super) fn is_of(&self, subject: &Subject) -> bool {
-        let parameters: Vec<_> = subject.parameters.iter().map(|(name, value)| format!("{name}={value}")).collect();
-        self.scene == subject.scene && self.parameters == parameters.join(" ")
+        let assignments = self.parameters.split_whitespace().filter_map(|assignment| assignment.split_once('='));
+        let own: Vec<(&str, f64)> = assignments.filter_map(|(name, value)| Some((name, value.parse().ok()?))).collect();
+        let asked = |name: &str| subject.parameters.iter().rev().find(|(known, _)| known == name).map(|pair| pair.1);
+        let ran = |name: &str| own.iter().find(|(known, _)| *known == name).map(|pair| pair.1);
+        let parameters = find(&subject.scene).map_or(&[][..], |info| info.parameters);
+        let same =
+            |known: &Parameter| asked(known.name).unwrap_or(known.default) == ran(known.name).unwrap_or(known.default);
+        self.scene == subject.scene && parameters.iter().all(same)
     }
 
     pub(super) fn dot(&self) -> Option<Dot> {
@@ -83,4 +90,34 @@ pub(super) fn engines(records: &[&PeerRecord]) -> Vec<String> {
         }
     }
     engines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_peer_ran_the_scene_if_all_parameters_agree_defaults_included() {
+        let ran = |scene: &str, parameters: &str| PeerRecord {
+            scene: scene.into(),
+            parameters: parameters.into(),
+            engine: "rapier".into(),
+            hz: 60.0,
+            error: Some(0.1),
+            ms_per_step: Some(1.0),
+        };
+        let subject = |scene: &str, parameters: &[(&str, f64)]| Subject {
+            scene: scene.into(),
+            parameters: parameters.iter().map(|&(name, value)| (name.into(), value)).collect(),
+        };
+        // 5 rods are the default.
+        for parameters in ["", "n=5"] {
+            assert!(ran("rods", parameters).is_of(&subject("rods", &[])));
+            assert!(ran("rods", parameters).is_of(&subject("rods", &[("n", 5.0)])));
+            assert!(!ran("rods", parameters).is_of(&subject("rods", &[("n", 2.0)])));
+        }
+        assert!(!ran("rods", "n=2").is_of(&subject("rods", &[])));
+        assert!(!ran("chain", "").is_of(&subject("rods", &[])));
+        assert!(ran("joint_grid", "n=100 tilt=0").is_of(&subject("joint_grid", &[("n", 100.0)])));
+    }
 }
