@@ -10,6 +10,7 @@ mod scene_errors;
 mod scene_format;
 mod scene_meshes;
 mod scene_overlap;
+mod stability;
 mod standing;
 mod sweeps;
 mod truth;

@@ -7,7 +7,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::pareto::front;
-use crate::lab::picture::{FAINT, MARKS, PaintResult, Picture, TEXT, draw_mark, text};
+use crate::lab::picture::{FAINT, PaintResult, Picture, TEXT, draw_mark, mark, text};
 
 /// Everything on one chart.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,7 +105,7 @@ impl Chart {
         axes: &Axes,
         curve: &Curve,
     ) -> PaintResult<DB> {
-        let mark = MARKS[curve.mark % MARKS.len()];
+        let mark = mark(curve.mark);
         let place = |dot: &Dot| (dot.cost, dot.error.max(self.floor));
         let held: Vec<(f64, f64)> = curve.dots.iter().filter(|dot| dot.holds).map(place).collect();
         let line: Vec<(i32, i32)> = front(&held).into_iter().map(|index| axes.at(held[index])).collect();
@@ -119,7 +119,7 @@ impl Chart {
         let style = text(14.0, &TEXT, HPos::Left, VPos::Center);
         let mut y = TOP + 14;
         for curve in &self.curves {
-            draw_mark(area, (x, y), MARKS[curve.mark % MARKS.len()], false)?;
+            draw_mark(area, (x, y), mark(curve.mark), false)?;
             area.draw_text(&curve.name, &style, (x + 14, y))?;
             y += 22;
         }
@@ -128,8 +128,8 @@ impl Chart {
         area.draw_text("front: nothing is cheaper", &style, (x + 14, y))?;
         area.draw_text("and nearer to the answer", &style, (x + 14, y + 18))?;
         y += 46;
-        let (_, mark) = MARKS[0];
-        draw_mark(area, (x, y), (TEXT, mark), true)?;
+        let (_, shape) = mark(0);
+        draw_mark(area, (x, y), (TEXT, shape), true)?;
         area.draw_text("faint: the run fails", &style, (x + 14, y))
     }
 }

@@ -135,7 +135,7 @@ pub const ATLAS: [MapInfo; 10] = [
         y: Axis {
             label: "height of the drop, m",
             quantity: Quantity::Parameter("height"),
-            values: &[0.5, 1.0, 5.0, 20.0, 100.0, 500.0],
+            values: &[0.5, 1.0, 3.0, 10.0, 30.0, 100.0],
         },
         about: "balls that bounce for ever: the faster they land, the deeper a step takes them into the ground",
         series: 4,

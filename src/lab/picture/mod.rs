@@ -8,7 +8,7 @@ use std::path::Path;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-pub(super) use style::{FAINT, MARKS, TEXT, draw_mark, text};
+pub(super) use style::{FAINT, TEXT, draw_mark, mark, text};
 
 use style::register_font;
 

@@ -11,7 +11,7 @@ use super::PaintResult;
 
 /// Colours that the colour-blind tell apart (Okabe and Ito 2008), each with a mark of its own, so
 /// that a picture in grey can be read too.
-pub const MARKS: [(RGBColor, Mark); 8] = [
+const MARKS: [(RGBColor, Mark); 8] = [
     (RGBColor(0, 114, 178), Mark::Disc),
     (RGBColor(213, 94, 0), Mark::Triangle),
     (RGBColor(0, 158, 115), Mark::Square),
@@ -21,6 +21,16 @@ pub const MARKS: [(RGBColor, Mark); 8] = [
     (RGBColor(120, 100, 20), Mark::Plus),
     (RGBColor(90, 90, 90), Mark::Bar),
 ];
+
+/// How far the shapes are shifted against the colours each time the colours have been used up.
+const SHIFT: usize = 3;
+
+/// Colour and shape of the curve of that number: no two of the first 64 share both.
+pub fn mark(index: usize) -> (RGBColor, Mark) {
+    let (color, _) = MARKS[index % MARKS.len()];
+    let (_, shape) = MARKS[(index + SHIFT * (index / MARKS.len())) % MARKS.len()];
+    (color, shape)
+}
 
 /// Of text and axes.
 pub const TEXT: RGBColor = RGBColor(40, 40, 40);
@@ -96,5 +106,17 @@ pub fn draw_mark<DB: DrawingBackend>(
             area.draw(&path([(0, -5), (0, 5)]))
         }
         Mark::Bar => area.draw(&polygon(&[(-5, -2), (5, -2), (5, 2), (-5, 2)])),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::mark;
+
+    #[test]
+    fn no_two_curves_look_the_same() {
+        for one in 0..64 {
+            assert!((0..one).all(|other| mark(other) != mark(one)), "{one}");
+        }
     }
 }

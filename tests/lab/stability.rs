@@ -1,0 +1,90 @@
+//! Stability fails where it is charted to fail and holds where it is charted to hold: the borders
+//! of `plumb map`, on both sides with a margin.
+//!
+//! A method that gets better makes its test fail, so that the border is moved on purpose, and the
+//! maps in `docs/accuracy.md` with it.
+
+use std::convert::Infallible;
+
+use plumb::lab::verdict::{Verdict, judge};
+use plumb::lab::{Plan, measure};
+use plumb::physics::SolverSettings;
+
+/// A border along one parameter of a scene, the rest at its default.
+struct Border {
+    settings: SolverSettings,
+    scene: &'static str,
+    parameter: &'static str,
+    seconds: f64,
+    /// Does not fail here …
+    holds: f64,
+    /// … and fails here.
+    fails: f64,
+}
+
+fn border(
+    settings: SolverSettings,
+    scene: &'static str,
+    parameter: &'static str,
+    seconds: f64,
+    [holds, fails]: [f64; 2],
+) -> Border {
+    Border { settings, scene, parameter, seconds, holds, fails }
+}
+
+impl Border {
+    fn verdict(&self, value: f64) -> (Verdict, String) {
+        let parameters = [(self.parameter.to_owned(), value)];
+        let plan = Plan::new(self.scene, &parameters, self.settings, Some(self.seconds)).unwrap();
+        let metrics = measure(&plan, |_| Ok::<(), Infallible>(())).unwrap();
+        let judgement = judge(&metrics);
+        (judgement.verdict, judgement.reason)
+    }
+
+    fn check(&self) {
+        let Self { scene, parameter, holds, fails, .. } = self;
+        let (verdict, reason) = self.verdict(*holds);
+        assert!(matches!(verdict, Verdict::Holds | Verdict::Degrades), "{scene} {parameter}={holds}: {reason}");
+        let (verdict, reason) = self.verdict(*fails);
+        assert_eq!(verdict, Verdict::Fails, "{scene} {parameter}={fails}: {reason}");
+    }
+}
+
+#[test]
+fn classic_holds_light_loads_only() {
+    let classic = SolverSettings::classic();
+    border(classic, "chain", "r", 4.0, [1.0, 10.0]).check();
+    border(classic, "chain", "r", 4.0, [1.0, 1000.0]).check();
+    border(classic, "sandwich", "r", 4.0, [1.0, 10.0]).check();
+}
+
+#[test]
+fn classic_holds_low_walls_and_no_columns() {
+    let classic = SolverSettings::classic();
+    border(classic, "pyramid", "n", 5.0, [2.0, 6.0]).check();
+    // With four substeps two cubes stand, …
+    let patient = SolverSettings { substeps: 4, ..classic };
+    border(patient, "stack", "n", 5.0, [2.0, 10.0]).check();
+    // … with its own one not even those.
+    let (verdict, _) = border(classic, "stack", "n", 5.0, [2.0; 2]).verdict(2.0);
+    assert_eq!(verdict, Verdict::Fails);
+    let (verdict, _) = border(classic, "stack", "n", 5.0, [10.0; 2]).verdict(10.0);
+    assert_eq!(verdict, Verdict::Fails);
+}
+
+#[test]
+fn the_default_holds_what_its_maps_claim() {
+    let default = SolverSettings::default();
+    border(default, "chain", "r", 4.0, [30.0, 1000.0]).check();
+    border(default, "sandwich", "r", 4.0, [30.0, 1000.0]).check();
+    border(default, "stack", "n", 5.0, [10.0, 30.0]).check();
+    border(default, "pyramid", "n", 5.0, [10.0, 20.0]).check();
+}
+
+#[test]
+fn nothing_yet_turns_tops_or_stops_fast_balls() {
+    for settings in [SolverSettings::classic(), SolverSettings::default()] {
+        border(settings, "top", "spin", 3.0, [1.0, 10.0]).check();
+        border(settings, "wall", "v", 1.0, [1.0, 10.0]).check();
+    }
+}
