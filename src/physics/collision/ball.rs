@@ -6,9 +6,10 @@
 use nalgebra::Vector3;
 
 use super::cone::{Cone, unit_across};
+use super::feature_sat::Scale;
 use super::placed::{first_max, nearest_on_hull};
 use super::polyhedron::Frame;
-use super::{CONTACT_TOLERANCE, ContactPoint, FeatureId, Overlap};
+use super::{ContactPoint, FeatureId, Overlap};
 use crate::physics::collider::{Geometry, Hull};
 
 /// Centre to nearest point closer than this share of the radius: the direction would be noise.
@@ -32,12 +33,14 @@ impl Place {
 }
 
 /// Tests a shape and a ball whose centre is given in the shape's axes, and adds the point where
-/// they touch, in these axes.
+/// they touch, or are nearest if they are apart by no more than the gap, in these axes. Normal and
+/// distance are the true ones.
 pub(super) fn touch(
     shape: &Geometry,
     shape_radius: f64,
     radius: f64,
     ball_in_shape: &Frame,
+    gap: f64,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
     let center = ball_in_shape.center;
@@ -45,14 +48,15 @@ pub(super) fn touch(
         Geometry::Sphere { radius: other } => place_at_ball(*other, &center),
         Geometry::Cuboid { half } => place_at_cuboid(half, &center, radius),
         Geometry::Cone { radius: base, height, .. } => place_at_cone(&Cone::new(*base, *height), &center, radius),
-        Geometry::Hull(hull) => place_at_hull(hull, &center, radius),
+        Geometry::Hull(hull) => place_at_hull(hull, &center, radius, gap),
         Geometry::HalfSpace => unreachable!("the plane comes first"),
     };
+    let scale = Scale::new(shape_radius, radius, gap);
     let depth = radius - height;
-    if depth < -CONTACT_TOLERANCE * (radius + shape_radius) {
+    if scale.separates(depth) {
         return None;
     }
-    let depth = depth.max(0.0);
+    let depth = scale.rounded(depth);
     let point = center - normal * (radius - depth / 2.0);
     points.push(ContactPoint { point, depth, feature: FeatureId::default() });
     Some(Overlap { normal, depth })
@@ -75,11 +79,11 @@ fn place_at_cuboid(half: &Vector3<f64>, point: &Vector3<f64>, radius: f64) -> Pl
     })
 }
 
-fn place_at_hull(hull: &Hull, point: &Vector3<f64>, radius: f64) -> Place {
+fn place_at_hull(hull: &Hull, point: &Vector3<f64>, radius: f64, gap: f64) -> Place {
     let height = |face: usize| hull.faces[face].normal.dot(point) - hull.faces[face].offset;
     let highest = first_max((0..hull.faces.len()).map(height));
     let over_face = Place { normal: hull.faces[highest].normal, height: height(highest) };
-    if over_face.height <= 0.0 || over_face.height > 2.0 * radius {
+    if over_face.height <= 0.0 || over_face.height > 2.0 * radius + gap {
         // Inside, or certainly apart.
         return over_face;
     }

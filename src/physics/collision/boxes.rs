@@ -8,10 +8,10 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::clipping::{Clip, ClipBuffers};
-use super::edge_contact::{Segment, middle_of_closest};
+use super::edge_contact::{Segment, closest, middle};
 use super::feature_sat::Scale;
 use super::polyhedron::{Cuboid, Frame, Polyhedron};
-use super::{ContactPoint, FeatureId, Overlap};
+use super::{ContactPoint, FeatureId, Overlap, apart};
 
 /// Squared sine of the angle under which two edges count as parallel.
 const PARALLEL: f64 = 1e-12;
@@ -52,41 +52,50 @@ pub(super) fn touch(
         center_in_b: b_in_a.enter(&b_in_a.center),
     };
     let (depth, axis) = boxes.least_overlap(scale, axes)?;
-    let depth = depth.max(0.0);
+    let depth = scale.rounded(depth);
     let normal = boxes.normal(axis);
+    let overlap = Overlap { normal, depth };
+    let (a, b) = (&boxes.a, &boxes.b);
     match axis {
-        Axis::OfA(axis) => clip(&boxes.a, &boxes.b, b_in_a, false, axis, &normal, depth, scale, buffers),
+        Axis::OfA(axis) => {
+            let is_any = clip(a, b, b_in_a, false, axis, &normal, depth, scale, buffers);
+            if !is_any && depth < 0.0 {
+                a.corners(face_of(axis, &normal), &mut buffers.reference);
+                return apart::beside(a, b, b_in_a, false, &overlap, scale, buffers);
+            }
+        }
         Axis::OfB(axis) => {
             let a_in_b = b_in_a.inverse();
             let out_of_b = -b_in_a.enter(&normal);
-            clip(&boxes.b, &boxes.a, &a_in_b, true, axis, &out_of_b, depth, scale, buffers);
+            let is_any = clip(b, a, &a_in_b, true, axis, &out_of_b, depth, scale, buffers);
             for found in &mut buffers.found {
                 found.point = b_in_a.place(&found.point);
             }
+            if !is_any && depth < 0.0 {
+                b.corners(face_of(axis, &out_of_b), &mut buffers.reference);
+                return apart::beside(a, b, b_in_a, true, &overlap, scale, buffers);
+            }
         }
-        Axis::Edges(along_a, along_b) => {
-            let point = boxes.edge_point(along_a, along_b, &normal, depth);
-            buffers.found.clear();
-            buffers.found.push(point);
-        }
+        Axis::Edges(along_a, along_b) => return boxes.cross_edges(along_a, along_b, &overlap, scale, buffers),
     }
-    Some(Overlap { normal, depth })
+    Some(overlap)
 }
 
 impl Boxes<'_> {
-    /// The least depth, faces of A before those of B before edges; none if an axis separates.
+    /// The least depth, faces of A before those of B before edges; none if an axis separates by
+    /// more than the gap.
     fn least_overlap(&self, scale: &Scale, axes: &mut u32) -> Option<(f64, Axis)> {
         let (a, b) = (&self.a.half, &self.b.half);
         let of_a = a + self.magnitudes * b - self.b_in_a.center.abs();
         let face_a = of_a.imin();
         *axes += 3;
-        if of_a[face_a] < -scale.tolerance {
+        if scale.separates(of_a[face_a]) {
             return None;
         }
         let of_b = b + self.magnitudes.tr_mul(a) - self.center_in_b.abs();
         let face_b = of_b.imin();
         *axes += 3;
-        if of_b[face_b] < -scale.tolerance {
+        if scale.separates(of_b[face_b]) {
             return None;
         }
         let mut least = (of_a[face_a], Axis::OfA(face_a));
@@ -108,7 +117,7 @@ impl Boxes<'_> {
                     continue;
                 }
                 let depth = depth / squared_sine.sqrt();
-                if depth < -scale.tolerance {
+                if scale.separates(depth) {
                     return None;
                 }
                 if depth < limit {
@@ -145,12 +154,24 @@ impl Boxes<'_> {
         }
     }
 
-    /// Half-way between the foremost edges along the normal.
-    fn edge_point(&self, along_a: usize, along_b: usize, normal: &Vector3<f64>, depth: f64) -> ContactPoint {
+    /// Leaves the point half-way between the foremost edges along the normal.
+    fn cross_edges(
+        &self,
+        along_a: usize,
+        along_b: usize,
+        overlap: &Overlap,
+        scale: &Scale,
+        buffers: &mut ClipBuffers,
+    ) -> Option<Overlap> {
+        let normal = &overlap.normal;
         let on_a = self.a.edge(foremost_edge(along_a, normal));
         let on_b = self.b.edge(foremost_edge(along_b, &-self.b_in_a.enter(normal))).placed(self.b_in_a, false);
-        let point = middle_of_closest(&Segment([on_a.start, on_a.end()]), &Segment([on_b.start, on_b.end()]));
-        ContactPoint { point, depth, feature: FeatureId::of_edges(on_a.index, on_b.index) }
+        let ends = closest(&Segment([on_a.start, on_a.end()]), &Segment([on_b.start, on_b.end()]));
+        let overlap = apart::along(&self.a, &self.b, self.b_in_a, ends, overlap, scale)?;
+        let feature = FeatureId::of_edges(on_a.index, on_b.index);
+        buffers.found.clear();
+        buffers.found.push(ContactPoint { point: middle(ends), depth: overlap.depth, feature });
+        Some(overlap)
     }
 }
 
@@ -164,8 +185,13 @@ fn foremost_edge(along: usize, direction: &Vector3<f64>) -> usize {
     along << 2 | u << 1 | v
 }
 
+/// The face across an axis that looks along a normal.
+fn face_of(axis: usize, normal: &Vector3<f64>) -> usize {
+    2 * axis + usize::from(normal[axis] < 0.0)
+}
+
 /// Clips the face of `other` that is most against the face of `base` across `axis`, which looks
-/// along `normal`. All in the axes of `base`.
+/// along `normal`. All in the axes of `base`. False if nothing is over that.
 fn clip(
     base: &Cuboid,
     other: &Cuboid,
@@ -176,7 +202,7 @@ fn clip(
     depth: f64,
     scale: &Scale,
     buffers: &mut ClipBuffers,
-) {
+) -> bool {
     let incident = other.face_toward(&-other_in_base.enter(normal));
     other.corners(incident, &mut buffers.incident);
     for corner in &mut buffers.incident {
@@ -184,13 +210,12 @@ fn clip(
     }
     let clip = Clip {
         reference_is_b: base_is_b,
-        reference_face: 2 * axis as u32 + u32::from(normal[axis] < 0.0),
+        reference_face: face_of(axis, normal) as u32,
         incident_face: incident as u32,
         normal: *normal,
         level: base.half[axis],
         depth,
-        size: scale.size,
-        tolerance: scale.tolerance,
+        scale,
     };
-    clip.clip_to_rectangle(axis, &base.half, buffers);
+    clip.clip_to_rectangle(axis, &base.half, buffers)
 }

@@ -2,12 +2,17 @@
 //!
 //! The face that gave the normal is the *reference*, the face of the other shape most against it
 //! the *incident* one. The incident face is cut by the sides of the reference face, and what is
-//! left below the reference plane are the contact points, each with its own depth, half-way
-//! between the two surfaces. Of more than [`MAX_POINTS`] the deepest and those that span the most
-//! area are kept ([`keep_spread`]).
+//! left below the reference plane, or above it by no more than the gap asked for, are the contact
+//! points, each with its own depth, negative above, half-way between the two surfaces. Of more than
+//! [`MAX_POINTS`] the deepest and those that span the most area are kept ([`keep_spread`]), touching
+//! ones before others ([`keep_touching_spread`]).
+//!
+//! The face of an irregular hull that is most against the reference need not hold the vertex that
+//! is foremost. Then even the deepest point may be less deep, or farther, than the shapes are.
 
 use nalgebra::Vector3;
 
+use super::feature_sat::Scale;
 use super::placed::first_max;
 use super::{ContactPoint, FeatureId};
 
@@ -53,10 +58,10 @@ const SOUND_SHARE: f64 = 0.9;
 const SOUND_MARGIN: f64 = 1e-4;
 
 /// Names the side of a reference face; sides of the incident face have names below this.
-const REFERENCE_SIDE: u16 = 0x8000;
+pub(super) const REFERENCE_SIDE: u16 = 0x8000;
 
 /// Which faces are clipped, and how deep they overlap.
-pub(super) struct Clip {
+pub(super) struct Clip<'t> {
     pub reference_is_b: bool,
     pub reference_face: u32,
     pub incident_face: u32,
@@ -66,15 +71,14 @@ pub(super) struct Clip {
     pub level: f64,
     /// Of the overlap.
     pub depth: f64,
-    /// The smaller bounding radius.
-    pub size: f64,
-    /// Corners up to this height above the reference plane count as on it.
-    pub tolerance: f64,
+    /// Tells which corners above the reference plane count as on it, or are within the gap.
+    pub scale: &'t Scale,
 }
 
-impl Clip {
+impl Clip<'_> {
     /// Cuts the incident face by the sides of the reference face, all in the axes of the
-    /// reference shape, and collects what is below the reference plane. Whether anything was.
+    /// reference shape, and collects what is below the reference plane or within the gap above.
+    /// Whether anything was that touches, or if the shapes are apart, anything at all.
     pub fn clip(&self, buffers: &mut ClipBuffers) -> bool {
         let ClipBuffers { reference, incident, polygon, .. } = buffers;
         fill(polygon, incident);
@@ -83,7 +87,7 @@ impl Clip {
             let to = &reference[if side + 1 < reference.len() { side + 1 } else { 0 }];
             // Not normalised: a side of no length cuts nothing.
             let outward = (to - from).cross(&self.normal);
-            let limit = outward.dot(from) + SIDE_MARGIN * self.size * outward.norm();
+            let limit = outward.dot(from) + SIDE_MARGIN * self.scale.size * outward.norm();
             buffers.cut(side, |point| outward.dot(point) - limit);
         }
         buffers.reference = reference;
@@ -95,7 +99,7 @@ impl Clip {
         let ClipBuffers { incident, polygon, .. } = buffers;
         fill(polygon, incident);
         let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-        let [far_u, far_v] = [u, v].map(|side| half[side] + SIDE_MARGIN * self.size);
+        let [far_u, far_v] = [u, v].map(|side| half[side] + SIDE_MARGIN * self.scale.size);
         buffers.cut(0, |point| point[v] - far_v);
         buffers.cut(1, |point| -point[u] - far_u);
         buffers.cut(2, |point| -point[v] - far_v);
@@ -112,23 +116,21 @@ impl Clip {
         };
         for corner in &*polygon {
             let depth = self.level - corner.point.dot(&self.normal);
-            if depth >= -self.tolerance {
-                let depth = depth.max(0.0);
+            if !self.scale.separates(depth) {
+                let depth = self.scale.rounded(depth);
                 let point = corner.point + self.normal * (depth / 2.0);
                 found.push(ContactPoint { point, depth, feature: name(corner) });
             }
         }
-        let is_any = !found.is_empty();
+        let is_any = if self.depth < 0.0 { !found.is_empty() } else { found.iter().any(|point| point.depth >= 0.0) };
         if !is_any {
             // The sides cut off all that is below the plane, as may be where the reference was
             // preferred to a rival of less depth: the deepest corner stands for the face.
             let deepest = first_max(incident.iter().map(|corner| -corner.dot(&self.normal)));
             let point = incident[deepest] + self.normal * (self.depth / 2.0);
-            found.push(ContactPoint {
-                point,
-                depth: self.depth,
-                feature: name(&incident_corner(point, deepest, incident.len())),
-            });
+            let feature = name(&incident_corner(point, deepest, incident.len()));
+            found.retain(|found| found.feature != feature);
+            found.push(ContactPoint { point, depth: self.depth, feature });
         }
         is_any
     }
@@ -138,8 +140,9 @@ impl ClipBuffers {
     /// Whether the deepest of the points found is about as deep as the overlap. If not, or if the
     /// reference face was left with nothing, it was preferred to what truly touches.
     pub fn stand_for(&self, depth: f64, size: f64) -> bool {
-        let deepest = self.found.iter().map(|point| point.depth).fold(0.0, f64::max);
-        deepest >= SOUND_SHARE * depth - SOUND_MARGIN * size
+        let deepest = self.found.iter().map(|point| point.depth).fold(f64::NEG_INFINITY, f64::max);
+        let share = if depth < 0.0 { depth / SOUND_SHARE } else { SOUND_SHARE * depth };
+        deepest >= share - SOUND_MARGIN * size
     }
 
     /// Keeps what of the polygon lies at or below `height` zero. A segment is not closed.
@@ -190,6 +193,36 @@ pub(super) fn keep_spread(found: &[ContactPoint], normal: &Vector3<f64>, size: f
     } else {
         points.extend_from_slice(found);
     }
+}
+
+/// Likewise, but of more than [`MAX_POINTS`] those that touch go before those within the gap: where
+/// there are enough of them the others are left out, else these fill up. What hovers by less than
+/// [`NEARLY_DEEPEST`] counts as touching. Where no point is above the other's surface the points
+/// are those of [`keep_spread`].
+pub(super) fn keep_touching_spread(
+    found: &mut Vec<ContactPoint>,
+    normal: &Vector3<f64>,
+    size: f64,
+    points: &mut Vec<ContactPoint>,
+) {
+    let touches = |point: &ContactPoint| point.depth >= -NEARLY_DEEPEST * size;
+    let touching = found.iter().filter(|point| touches(point)).count();
+    if found.len() > MAX_POINTS && (1..MAX_POINTS).contains(&touching) {
+        let first = (0..found.len()).filter(|&index| touches(&found[index]));
+        let (mut kept, mut count) = ([usize::MAX; MAX_POINTS], 0);
+        for index in first.chain(spread(found, normal, size)) {
+            if count < MAX_POINTS && !kept.contains(&index) {
+                kept[count] = index;
+                count += 1;
+            }
+        }
+        points.extend(found.iter().enumerate().filter(|(index, _)| kept.contains(index)).map(|(_, point)| point));
+        return;
+    }
+    if touching >= MAX_POINTS {
+        found.retain(touches);
+    }
+    keep_spread(found, normal, size, points);
 }
 
 /// The deepest, the farthest from it, the farthest from the line of those two, and the one that

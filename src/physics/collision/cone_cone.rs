@@ -30,7 +30,7 @@ use super::cone::{Cone, Facing, unit_across};
 use super::edge_contact::{self, Segment};
 use super::feature_sat::{Feature, Found, Least, Scale};
 use super::polyhedron::{Convex, Frame};
-use super::{ContactPoint, FeatureId, Overlap};
+use super::{ContactPoint, FeatureId, Overlap, apart};
 
 /// Samples of the depth around a flank's circle of normals.
 const CIRCLE_SAMPLES: usize = 24;
@@ -81,13 +81,18 @@ pub(super) fn touch(
             None
         }
         Ok(Found { least, preferred }) => {
-            let is_any = cones.find_points(&preferred, clip);
+            let mut is_any = cones.find_points(&preferred, clip);
             let taken = if is_any && clip.stand_for(preferred.depth, scale.size) { preferred } else { least };
             if taken.feature != preferred.feature {
-                cones.find_points(&taken, clip);
+                is_any = cones.find_points(&taken, clip);
             }
             *last = Some(taken.feature);
-            Some(Overlap { normal: taken.normal, depth: taken.depth })
+            let overlap = Overlap { normal: taken.normal, depth: taken.depth };
+            if !is_any && overlap.depth < 0.0 {
+                let base_is_b = matches!(taken.feature, Feature::FaceOfB(_));
+                return apart::beside(a, b, b_in_a, base_is_b, &overlap, scale, clip);
+            }
+            Some(overlap)
         }
     }
 }
@@ -106,10 +111,10 @@ impl Cones<'_> {
     }
 
     fn separates(&self, least: &Least) -> bool {
-        least.depth < -self.scale.tolerance
+        self.scale.separates(least.depth)
     }
 
-    /// The overlap, or the feature along which there is none.
+    /// The overlap or separation, or the feature along which that is beyond the gap.
     fn search(&self, axes: &mut u32) -> Result<Found, Feature> {
         let between = Feature::Smooth(CENTERS);
         if self.least_of(between, axes).is_some_and(|least| self.separates(&least)) {
@@ -128,7 +133,7 @@ impl Cones<'_> {
                     return Err(kind);
                 }
                 if rival.is_none_or(|rival| of_kind.depth < rival.depth) {
-                    rival = Some(of_kind.touching());
+                    rival = Some(of_kind.rounded(self.scale));
                 }
             }
             let Some(rival) = rival else { continue };
@@ -243,7 +248,7 @@ impl Cones<'_> {
             let on_a = Segment([self.a.apex_point(), self.a.rim_point(unit_across(&normal))]);
             let on_b = [self.b.apex_point(), self.b.rim_point(unit_across(&toward_a))];
             let on_b = Segment(on_b.map(|end| self.b_in_a.place(&end)));
-            edge_contact::touch(&on_a, &on_b, &normal, depth, feature, &mut buffers.found);
+            edge_contact::touch(&on_a, &on_b, &normal, depth, feature, self.scale, &mut buffers.found);
             return;
         }
         let point = if line_a {
@@ -365,8 +370,7 @@ fn clip_to_base(
         normal,
         level: -cone.base,
         depth,
-        size: scale.size,
-        tolerance: scale.tolerance,
+        scale,
     };
     clip.clip(buffers)
 }

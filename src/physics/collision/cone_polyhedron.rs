@@ -29,7 +29,7 @@ use super::edge_contact::{self, Segment};
 use super::ellipse;
 use super::feature_sat::{Best, Feature, Found, Least, Scale, face_depth, facing_edges, least_face};
 use super::polyhedron::{Convex, Edge, Frame, Polyhedron};
-use super::{ContactPoint, FeatureId, Overlap};
+use super::{ContactPoint, FeatureId, Overlap, apart};
 
 /// Normals that each edge may have: two across the flank, two across the rim.
 const PER_EDGE: u32 = 4;
@@ -59,13 +59,18 @@ pub(super) fn touch(
             None
         }
         Ok(Found { least, preferred }) => {
-            let is_any = test.find_points(&preferred, clip);
+            let mut is_any = test.find_points(&preferred, clip);
             let taken = if is_any && clip.stand_for(preferred.depth, scale.size) { preferred } else { least };
             if taken.feature != preferred.feature {
-                test.find_points(&taken, clip);
+                is_any = test.find_points(&taken, clip);
             }
             *last = Some(taken.feature);
-            Some(Overlap { normal: taken.normal, depth: taken.depth })
+            let overlap = Overlap { normal: taken.normal, depth: taken.depth };
+            if !is_any && overlap.depth < 0.0 {
+                let base_is_b = matches!(taken.feature, Feature::FaceOfB(_));
+                return apart::beside(cone, other, other_in_cone, base_is_b, &overlap, scale, clip);
+            }
+            Some(overlap)
         }
     }
 }
@@ -80,23 +85,25 @@ struct Test<'t, P> {
 }
 
 impl<P: Polyhedron> Test<'_, P> {
-    /// The overlap, or the feature along which there is none.
+    /// The overlap or separation, or the feature along which that is beyond the gap.
     fn run(&mut self, last: Option<Feature>, edges: &mut Vec<Edge>) -> Result<Found, Feature> {
         self.try_last(last)?;
         let of_face = least_face(self.other, self.cone, self.cone_in_other, self.scale, f64::INFINITY, None, self.axes);
         let of_face = of_face.map_err(Feature::FaceOfB)?.expect("some face is the best");
         let normal = -(self.other_in_cone.rotation * self.other.face(of_face.index as usize).normal);
-        let of_face = Least { normal, depth: of_face.depth, feature: Feature::FaceOfB(of_face.index) }.touching();
+        let of_face =
+            Least { normal, depth: of_face.depth, feature: Feature::FaceOfB(of_face.index) }.rounded(self.scale);
         let of_base = self.base_depth();
         *self.axes += 1;
-        if of_base < -self.scale.tolerance {
+        if self.scale.separates(of_base) {
             return Err(Feature::FaceOfA(0));
         }
-        let of_base = Least { normal: Cone::base_normal(), depth: of_base, feature: Feature::FaceOfA(0) }.touching();
+        let of_base =
+            Least { normal: Cone::base_normal(), depth: of_base, feature: Feature::FaceOfA(0) }.rounded(self.scale);
         let mut preferred = if of_base.depth < self.scale.limit(of_face.depth) { of_base } else { of_face };
         let mut least = if of_base.depth < of_face.depth { of_base } else { of_face };
         if let Some(smooth) = self.least_smooth(least.depth, edges)? {
-            least = smooth.touching();
+            least = smooth.rounded(self.scale);
             if least.depth < self.scale.limit(preferred.depth) {
                 preferred = least;
             }
@@ -121,7 +128,7 @@ impl<P: Polyhedron> Test<'_, P> {
         };
         *self.axes += u32::from(depth.is_some());
         match last.zip(depth) {
-            Some((last, depth)) if depth < -self.scale.tolerance => Err(last),
+            Some((last, depth)) if self.scale.separates(depth) => Err(last),
             _ => Ok(()),
         }
     }
@@ -132,10 +139,10 @@ impl<P: Polyhedron> Test<'_, P> {
         let bound = self.scale.bound(limit);
         let mut best = Best::under(limit);
         let mut normal = Vector3::zeros();
-        let (axes, tolerance) = (&mut *self.axes, self.scale.tolerance);
+        let (axes, scale) = (&mut *self.axes, self.scale);
         let mut take = |number: u32, (depth, along): (f64, Vector3<f64>)| {
             *axes += 1;
-            if depth < -tolerance {
+            if scale.separates(depth) {
                 return Err(Feature::Smooth(number));
             }
             if depth < limit && best.take(depth, number) {
@@ -203,8 +210,7 @@ impl<P: Polyhedron> Test<'_, P> {
             normal: plane.normal,
             level: plane.offset,
             depth,
-            size: self.scale.size,
-            tolerance: self.scale.tolerance,
+            scale: self.scale,
         };
         let is_any = clip.clip(buffers);
         for found in &mut buffers.found {
@@ -229,8 +235,7 @@ impl<P: Polyhedron> Test<'_, P> {
             normal,
             level: -self.cone.base,
             depth,
-            size: self.scale.size,
-            tolerance: self.scale.tolerance,
+            scale: self.scale,
         };
         clip.clip(buffers)
     }
@@ -251,7 +256,7 @@ impl<P: Polyhedron> Test<'_, P> {
         if number % PER_EDGE < 2 {
             let line = Segment([self.cone.apex_point(), self.cone.rim_point(unit_across(&normal))]);
             let edge = Segment([edge.start, edge.end()]);
-            edge_contact::touch(&line, &edge, &normal, depth, feature, &mut buffers.found);
+            edge_contact::touch(&line, &edge, &normal, depth, feature, self.scale, &mut buffers.found);
         } else {
             let point = self.cone.rim_point(unit_across(&normal)) - normal * (depth / 2.0);
             buffers.found.push(ContactPoint { point, depth, feature });

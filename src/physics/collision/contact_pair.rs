@@ -9,10 +9,16 @@
 //! | [`polyhedra`] | boxes and hulls |
 //! | [`cone_polyhedron`] | a cone and a box or hull |
 //! | [`cone_cone`] | two cones |
+//!
+//! All take a *gap*: shapes apart by no more than that get points as well, and shapes that touch
+//! get those of their facing features that stand off by no more, with negative depths
+//! ([speculative contacts](super::ContactPoint::depth)). The separation of the manifold is at most the
+//! distance of the shapes, and equal to it wherever a face, a ball or a crossing of edges is
+//! nearest; where corners and edges pass beside each other see [`apart`](super::apart).
 
 use nalgebra::Vector3;
 
-use super::clipping::{ClipBuffers, keep_spread};
+use super::clipping::{ClipBuffers, keep_touching_spread};
 use super::cone::Cone;
 use super::feature_sat::{EdgeBuffers, Feature, Scale};
 use super::polyhedron::{Cuboid, Frame};
@@ -31,8 +37,8 @@ pub(super) struct PairSearch {
     pub axes: u32,
 }
 
-/// Adds the contact points of two bodies in world axes, if they touch. Over a half-space they do
-/// up to a gap, m.
+/// Adds the contact points of two bodies in world axes, if they touch or are apart by no more than
+/// the gap, m. With a gap of zero no depth is negative.
 pub(super) fn touch(
     a: &Body,
     b: &Body,
@@ -69,9 +75,9 @@ fn touch_ranked(
     let PairSearch { edges, clip, last, axes } = search;
     let overlap = match (shape_a, shape_b) {
         (Geometry::HalfSpace, _) => plane::touch(shape_b, b.radius, &b_in_a, gap, clip, points)?,
-        (_, Geometry::Sphere { radius }) => ball::touch(shape_a, a.radius, *radius, &b_in_a, points)?,
+        (_, Geometry::Sphere { radius }) => ball::touch(shape_a, a.radius, *radius, &b_in_a, gap, points)?,
         _ => {
-            let scale = &Scale::new(a.radius, b.radius);
+            let scale = &Scale::new(a.radius, b.radius, gap);
             let overlap = match (shape_a, shape_b) {
                 (Geometry::Cone { radius, height, .. }, Geometry::Cone { radius: radius_b, height: height_b, .. }) => {
                     let (cone, other) = (Cone::new(*radius, *height), Cone::new(*radius_b, *height_b));
@@ -99,7 +105,7 @@ fn touch_ranked(
                 }
                 _ => unreachable!("ranked"),
             };
-            keep_spread(&clip.found, &overlap.normal, scale.size, points);
+            keep_touching_spread(&mut clip.found, &overlap.normal, scale.size, points);
             overlap
         }
     };

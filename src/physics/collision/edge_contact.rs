@@ -2,12 +2,14 @@
 
 use nalgebra::Vector3;
 
+use super::feature_sat::Scale;
 use super::{ContactPoint, FeatureId};
 
 /// Squared sine of the angle under which two edges touch along a stretch, not in a point.
 const NEARLY_PARALLEL: f64 = 1e-5;
 
 /// The ends of an edge.
+#[derive(Clone, Copy)]
 pub(super) struct Segment(pub [Vector3<f64>; 2]);
 
 impl Segment {
@@ -19,6 +21,12 @@ impl Segment {
         self.0[0] + self.along() * share
     }
 
+    /// Of the angle between two.
+    pub fn squared_sine(&self, other: &Self) -> f64 {
+        let (u, v) = (self.along(), other.along());
+        u.cross(&v).norm_squared() / (u.norm_squared() * v.norm_squared())
+    }
+
     /// Share of the way at which a point is nearest, beyond the ends too.
     fn share_of(&self, point: &Vector3<f64>) -> f64 {
         let along = self.along();
@@ -26,37 +34,54 @@ impl Segment {
     }
 }
 
-/// Half-way between the closest points of two edges that are not parallel (Ericson 2005, 5.1.9).
-pub(super) fn middle_of_closest(one: &Segment, other: &Segment) -> Vector3<f64> {
+/// The closest points of two edges (Ericson 2005, 5.1.9); of parallel ones any two of them.
+pub(super) fn closest(one: &Segment, other: &Segment) -> [Vector3<f64>; 2] {
     let (u, v, w) = (one.along(), other.along(), one.0[0] - other.0[0]);
     let (uu, uv, vv, uw, vw) = (u.dot(&u), u.dot(&v), v.dot(&v), u.dot(&w), v.dot(&w));
     let along = ((uv * vw - uw * vv) / (uu * vv - uv * uv)).clamp(0.0, 1.0);
+    // Zero by zero, between parallel edges.
+    let along = if along.is_nan() { 0.0 } else { along };
     let other_along = ((uv * along + vw) / vv).clamp(0.0, 1.0);
     let along = ((uv * other_along - uw) / uu).clamp(0.0, 1.0);
-    (one.at(along) + other.at(other_along)) / 2.0
+    [one.at(along), other.at(other_along)]
+}
+
+/// Half-way between two points.
+pub(super) fn middle([one, other]: [Vector3<f64>; 2]) -> Vector3<f64> {
+    (one + other) / 2.0
 }
 
 /// Adds the point where an edge of A crosses one of B, whose overlap along `normal` is `depth`; or
-/// the ends of the stretch that they share, if they are nearly parallel, each with its own depth.
+/// the ends of the stretch that they share, if they are nearly parallel, each with its own depth,
+/// and of these what is within the gap.
 pub(super) fn touch(
     one: &Segment,
     other: &Segment,
     normal: &Vector3<f64>,
     depth: f64,
     feature: FeatureId,
+    scale: &Scale,
     found: &mut Vec<ContactPoint>,
 ) {
     let (u, v) = (one.along(), other.along());
     if u.cross(&v).norm_squared() > NEARLY_PARALLEL * u.norm_squared() * v.norm_squared() {
-        found.push(ContactPoint { point: middle_of_closest(one, other), depth, feature });
+        found.push(ContactPoint { point: middle(closest(one, other)), depth, feature });
         return;
     }
+    let before = found.len();
     let [from, to] = [0, 1].map(|end| one.share_of(&other.0[end]));
     let shares = [from.min(to).clamp(0.0, 1.0), from.max(to).clamp(0.0, 1.0)];
     for (end, share) in (0..).zip(shares) {
         let on_one = one.at(share);
         let on_other = other.at(other.share_of(&on_one).clamp(0.0, 1.0));
-        let depth = normal.dot(&(on_one - on_other)).clamp(0.0, depth);
+        let at_end = normal.dot(&(on_one - on_other));
+        let depth = if scale.is_speculative() { scale.rounded(at_end.min(depth)) } else { at_end.clamp(0.0, depth) };
+        if scale.separates(depth) {
+            continue;
+        }
         found.push(ContactPoint { point: (on_one + on_other) / 2.0, depth, feature: feature.end(end) });
+    }
+    if found.len() == before {
+        found.push(ContactPoint { point: middle(closest(one, other)), depth, feature });
     }
 }

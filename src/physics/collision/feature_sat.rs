@@ -20,6 +20,12 @@
 //! it does not, its depth is the bound to beat. It never changes the result: bounds leave out
 //! only what is worse by more than rounding, and of equal depths the lowest number wins.
 //!
+//! **Apart.** Where the least depth is negative, down to the gap asked for, its axis is that of
+//! greatest separation s = −depth, at most the distance of the shapes: equal to it where their
+//! nearest features are a face and what is over it or two edges that cross, less where they are
+//! a vertex or edge beside another (cubes corner to corner are √3 s apart). No test but that of
+//! what separates changes for it: the bounds hold for negative depths too.
+//!
 //! Depths along faces of A, faces of B and edges are compared with a preference for the earlier
 //! kind ([`RIVAL_SHARE`]), so that manifolds do not flicker between nearly equal axes.
 
@@ -32,7 +38,8 @@ use super::polyhedron::{Convex, Edge, Frame, Polyhedron};
 /// depth along the best face (of A) …
 const RIVAL_SHARE: f64 = 0.95;
 
-/// … and below it by this share of the smaller bounding radius as well, for depths near zero.
+/// … (apart: where it is farther apart than the face by the inverse of that share) and below it by
+/// this share of the smaller bounding radius as well, for depths near zero.
 const RIVAL_MARGIN: f64 = 1e-4;
 
 /// Sine of the angle under which two edges count as parallel: their cross product would be off by
@@ -58,15 +65,15 @@ pub(super) enum Feature {
 pub(super) struct Least {
     /// Unit, from A to B, in A's axes.
     pub normal: Vector3<f64>,
-    /// m, at least 0.
+    /// m; negative where they are apart, by no more than the gap.
     pub depth: f64,
     pub feature: Feature,
 }
 
 impl Least {
     /// What rounding made of a depth of zero is zero.
-    pub fn touching(self) -> Self {
-        Self { depth: self.depth.max(0.0), ..self }
+    pub fn rounded(self, scale: &Scale) -> Self {
+        Self { depth: scale.rounded(self.depth), ..self }
     }
 }
 
@@ -81,37 +88,59 @@ pub(super) struct Found {
 /// How a test went.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Verdict {
-    /// Apart along that feature's axis.
+    /// Apart by more than the gap along that feature's axis.
     Apart(Feature),
-    Overlap(Least),
+    /// Overlapping, or within the gap.
+    Near(Least),
 }
 
-/// Lengths that a pair's sizes set.
+/// Lengths that a pair's sizes and its gap set.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
-    /// Gap up to which two shapes count as touching.
+    /// Distance up to which two shapes count as touching.
     pub tolerance: f64,
+    /// Distance up to which two shapes, and single points of them, get contact points: the gap
+    /// asked for, but at least the tolerance.
+    pub gap: f64,
     /// The smaller bounding radius.
     pub size: f64,
     slack: f64,
 }
 
 impl Scale {
-    /// Of the bounding radii of two shapes.
-    pub fn new(radius_a: f64, radius_b: f64) -> Self {
+    /// Of the bounding radii of two shapes, and the gap asked for.
+    pub fn new(radius_a: f64, radius_b: f64, gap: f64) -> Self {
         let sum = radius_a + radius_b;
-        Self { tolerance: CONTACT_TOLERANCE * sum, size: radius_a.min(radius_b), slack: BOUND_SLACK * sum }
+        let tolerance = CONTACT_TOLERANCE * sum;
+        Self { tolerance, gap: gap.max(tolerance), size: radius_a.min(radius_b), slack: BOUND_SLACK * sum }
+    }
+
+    /// Whether points that only may touch are asked for.
+    pub fn is_speculative(&self) -> bool {
+        self.gap > self.tolerance
+    }
+
+    /// Whether a depth along some axis tells that two shapes are farther apart than the gap.
+    pub fn separates(&self, depth: f64) -> bool {
+        depth < -self.gap
+    }
+
+    /// The depth; zero if rounding could have made it of that.
+    pub fn rounded(&self, depth: f64) -> f64 {
+        if depth >= -self.tolerance { depth.max(0.0) } else { depth }
     }
 
     /// The depth under which a rival axis is preferred to one of that depth.
     pub fn limit(&self, depth: f64) -> f64 {
-        RIVAL_SHARE * depth.max(0.0) - RIVAL_MARGIN * self.size
+        let depth = self.rounded(depth);
+        let share = if depth < 0.0 { depth / RIVAL_SHARE } else { RIVAL_SHARE * depth };
+        share - RIVAL_MARGIN * self.size
     }
 
     /// What is certain to be deeper than this can be left out: it neither is below `limit` nor
     /// separates.
     pub fn bound(&self, limit: f64) -> f64 {
-        limit.max(-self.tolerance) + self.slack
+        limit.max(-self.gap) + self.slack
     }
 }
 
@@ -160,7 +189,7 @@ pub(super) fn test(
 ) -> Verdict {
     let mut test = Test { a, b, b_in_a, a_in_b: &b_in_a.inverse(), scale, axes };
     match test.run(last, buffers) {
-        Ok(least) => Verdict::Overlap(least.touching()),
+        Ok(least) => Verdict::Near(least.rounded(scale)),
         Err(feature) => Verdict::Apart(feature),
     }
 }
@@ -175,7 +204,7 @@ struct Test<'t, A, B> {
 }
 
 impl<A: Polyhedron, B: Polyhedron> Test<'_, A, B> {
-    /// The least overlap, or the feature along which there is none.
+    /// The least overlap or greatest separation, or the feature along which that is beyond the gap.
     fn run(&mut self, last: Option<Feature>, buffers: &mut EdgeBuffers) -> Result<Least, Feature> {
         let last = last.filter(|last| self.exists(*last));
         let (mut face_a, mut face_b, mut edges) = (None, None, None);
@@ -226,7 +255,7 @@ impl<A: Polyhedron, B: Polyhedron> Test<'_, A, B> {
             return Ok(());
         };
         *self.axes += 1;
-        if depth < -self.scale.tolerance { Err(last) } else { Ok(()) }
+        if self.scale.separates(depth) { Err(last) } else { Ok(()) }
     }
 
     fn edge_depth(&self, a: u32, b: u32) -> Option<(f64, Vector3<f64>)> {
@@ -260,7 +289,7 @@ impl<A: Polyhedron, B: Polyhedron> Test<'_, A, B> {
             for b in &buffers.b {
                 let Some((depth, _)) = edge_depth(a, b) else { continue };
                 *self.axes += 1;
-                if depth < -self.scale.tolerance {
+                if self.scale.separates(depth) {
                     return Err(Feature::Edges(a.index, b.index));
                 }
                 if depth < limit {
@@ -305,7 +334,7 @@ pub(super) fn least_face(
     let mut measure = |face: usize, best: &mut Best<u32>| {
         *axes += 1;
         let depth = face_depth(one, other, other_in_one, face);
-        if depth < -scale.tolerance {
+        if scale.separates(depth) {
             return Err(face as u32);
         }
         if depth < limit {

@@ -4,7 +4,7 @@
 //! 2. [`narrow_phase`] takes each pair to one of two ways to [`Contacts`]:
 //!    - [`contact_pair`], with a routine for each kind of pair: [`plane`], [`ball`], [`boxes`],
 //!      [`polyhedra`], [`cone_polyhedron`], [`cone_cone`], which share [`feature_sat`],
-//!      [`clipping`] and [`edge_contact`];
+//!      [`clipping`], [`edge_contact`] and [`apart`];
 //!    - the 2009 engine's: one separating axis test ([`sat`], whose axes a [`vector_set`] thins) of
 //!      [`placed`] shapes, and [`extreme_vertices`].
 //!
@@ -12,6 +12,7 @@
 //! on the distance from the origin. What contacts do to bodies is the constraints' business, and
 //! who is told of them that of the events. Outside a step, [`probe`] tells whether two overlap.
 
+mod apart;
 mod ball;
 mod boxes;
 mod clipping;
@@ -87,6 +88,11 @@ impl FeatureId {
         Self(self.0 | end << 33)
     }
 
+    /// Of the faces of a clipped corner, other sides.
+    fn with_sides(self, before: u16, after: u16) -> Self {
+        Self(self.0 & !0xffff_ffff | u64::from(before) << 16 | u64::from(after))
+    }
+
     /// The crossing of two edges.
     fn of_edges(edge_a: u32, edge_b: u32) -> Self {
         Self(1 << 62 | u64::from(edge_a & 0x7fff_ffff) << 31 | u64::from(edge_b & 0x7fff_ffff))
@@ -106,8 +112,8 @@ impl FeatureId {
 struct Overlap {
     /// Unit, from A to B.
     normal: Vector3<f64>,
-    /// How far B must move along the normal to be clear of A, m; negative only within the gap over
-    /// a plane (see [`speculative_gap`]).
+    /// How far B must move along the normal to be clear of A, m; negative only where they are apart
+    /// by less than the gap that was asked for.
     depth: f64,
 }
 
@@ -116,8 +122,8 @@ struct Overlap {
 pub(crate) struct ContactPoint {
     /// World position. Clipped points lie half-way between the two surfaces.
     pub point: Vector3<f64>,
-    /// Overlap along the manifold's normal, m; negative for a point that only may touch within
-    /// the step (see [`speculative_gap`]).
+    /// Overlap along the manifold's normal, m; negative for a speculative point, that only may touch
+    /// within the step: down to the gap that was asked for (see [`speculative_gap`]).
     pub depth: f64,
     pub feature: FeatureId,
 }

@@ -96,7 +96,7 @@ impl Block {
         self.buffers.search.axes = 0;
         for &pair in &pairs[self.pairs.clone()] {
             let (a, b) = (&bodies[pair.a as usize], &bodies[pair.b as usize]);
-            if are_spheres_apart(a, b) {
+            if are_spheres_apart(a, b, gap_of(a, b, settings)) {
                 continue;
             }
             let first = self.points.len();
@@ -120,9 +120,18 @@ impl Block {
     }
 }
 
-/// Most candidate pairs end here.
-fn are_spheres_apart(a: &Body, b: &Body) -> bool {
-    let reach = (a.radius + b.radius) * (1.0 + CONTACT_TOLERANCE);
+/// The gap up to which a pair gets contact points, m.
+fn gap_of(a: &Body, b: &Body, settings: &SolverSettings) -> f64 {
+    match a.geometry {
+        Some(Geometry::HalfSpace) => speculative_gap(a, b, &(a.rotation * Vector3::y()), settings),
+        _ => 0.0,
+    }
+}
+
+/// Whether two bodies are farther apart than the gap, by their bounding spheres. Most candidate
+/// pairs end here.
+fn are_spheres_apart(a: &Body, b: &Body, gap: f64) -> bool {
+    let reach = (a.radius + b.radius) * (1.0 + CONTACT_TOLERANCE) + gap;
     (b.position - a.position).norm_squared() > reach * reach
 }
 
@@ -147,13 +156,7 @@ pub(super) fn touch(
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
     match settings.contacts {
-        ContactModel::Clipping => {
-            let gap = match a.geometry {
-                Some(Geometry::HalfSpace) => speculative_gap(a, b, &(a.rotation * Vector3::y()), settings),
-                _ => 0.0,
-            };
-            contact_pair::touch(a, b, gap, &mut buffers.search, points)
-        }
+        ContactModel::Clipping => contact_pair::touch(a, b, gap_of(a, b, settings), &mut buffers.search, points),
         ContactModel::ExtremeVertices => touch_at_extremes(a, b, settings, &mut buffers.axes, points),
     }
 }

@@ -2,10 +2,10 @@
 //! two edges cross.
 
 use super::clipping::{Clip, ClipBuffers};
-use super::edge_contact::{Segment, middle_of_closest};
+use super::edge_contact::{Segment, closest, middle};
 use super::feature_sat::{self, EdgeBuffers, Feature, Least, Scale, Verdict};
 use super::polyhedron::{Frame, Polyhedron};
-use super::{ContactPoint, FeatureId, Overlap};
+use super::{ContactPoint, FeatureId, Overlap, apart};
 
 /// Tests two polyhedra; what was the last step's axis is tried first and replaced. Contact points
 /// are left in the clip buffers, in A's axes.
@@ -24,30 +24,43 @@ pub(super) fn touch(
             *last = Some(feature);
             return None;
         }
-        Verdict::Overlap(least) => least,
+        Verdict::Near(least) => least,
     };
     *last = Some(least.feature);
     let Least { normal, depth, feature } = least;
+    let overlap = Overlap { normal, depth };
     match feature {
-        Feature::FaceOfA(face) => clip_faces(a, b, b_in_a, false, face, depth, scale, clip),
+        Feature::FaceOfA(face) => {
+            let is_any = clip_faces(a, b, b_in_a, false, face, depth, scale, clip);
+            if !is_any && depth < 0.0 {
+                return apart::beside(a, b, b_in_a, false, &overlap, scale, clip);
+            }
+        }
         Feature::FaceOfB(face) => {
-            clip_faces(b, a, &b_in_a.inverse(), true, face, depth, scale, clip);
+            let is_any = clip_faces(b, a, &b_in_a.inverse(), true, face, depth, scale, clip);
             for found in &mut clip.found {
                 found.point = b_in_a.place(&found.point);
+            }
+            if !is_any && depth < 0.0 {
+                return apart::beside(a, b, b_in_a, true, &overlap, scale, clip);
             }
         }
         Feature::Edges(edge_a, edge_b) => {
             let (on_a, on_b) = (a.edge(edge_a as usize), b.edge(edge_b as usize).placed(b_in_a, false));
-            let point = middle_of_closest(&Segment([on_a.start, on_a.end()]), &Segment([on_b.start, on_b.end()]));
+            let ends = closest(&Segment([on_a.start, on_a.end()]), &Segment([on_b.start, on_b.end()]));
+            let overlap = apart::along(a, b, b_in_a, ends, &overlap, scale)?;
+            let feature = FeatureId::of_edges(edge_a, edge_b);
             clip.found.clear();
-            clip.found.push(ContactPoint { point, depth, feature: FeatureId::of_edges(edge_a, edge_b) });
+            clip.found.push(ContactPoint { point: middle(ends), depth: overlap.depth, feature });
+            return Some(overlap);
         }
         Feature::Smooth(_) => unreachable!("of cones only"),
     }
-    Some(Overlap { normal, depth })
+    Some(overlap)
 }
 
-/// Clips the face of `other` that is most against a face of `base`, in the axes of `base`.
+/// Clips the face of `other` that is most against a face of `base`, in the axes of `base`. False
+/// if nothing is over that.
 fn clip_faces(
     base: &impl Polyhedron,
     other: &impl Polyhedron,
@@ -57,7 +70,7 @@ fn clip_faces(
     depth: f64,
     scale: &Scale,
     buffers: &mut ClipBuffers,
-) {
+) -> bool {
     let plane = base.face(face as usize);
     base.corners(face as usize, &mut buffers.reference);
     let incident = other.face_toward(&-other_in_base.enter(&plane.normal));
@@ -72,8 +85,7 @@ fn clip_faces(
         normal: plane.normal,
         level: plane.offset,
         depth,
-        size: scale.size,
-        tolerance: scale.tolerance,
+        scale,
     };
-    clip.clip(buffers);
+    clip.clip(buffers)
 }

@@ -28,7 +28,7 @@ fn cone_size(body: &Body) -> Option<(f64, f64)> {
 }
 
 /// How far a shape reaches along a world direction from its centre.
-fn reach(body: &Body, direction: &Vector3<f64>) -> f64 {
+pub fn reach(body: &Body, direction: &Vector3<f64>) -> f64 {
     if let Some((radius, height)) = cone_size(body) {
         let local = body.rotation.inverse() * direction;
         return f64::max(0.75 * height * local.y, -0.25 * height * local.y + radius * local.xz().norm());
@@ -67,7 +67,7 @@ fn least_by_search(a: &Body, b: &Body, random: &mut Pcg64Mcg) -> f64 {
     tried[..16].iter().map(descend).fold(f64::INFINITY, f64::min)
 }
 
-fn random_cone(random: &mut Pcg64Mcg) -> Body {
+pub fn random_cone(random: &mut Pcg64Mcg) -> Body {
     // Needles and coins too.
     let stretch = 3_f64.powf(random.random_range(-1.0..1.0));
     let cone = Collider::cone(random_size(random) / stretch, random_size(random) * stretch);
@@ -138,7 +138,7 @@ fn depth_is_the_least_over_all_directions() {
 }
 
 /// How far a point lies outside of a body; negative inside.
-fn outside(body: &Body, point: &Vector3<f64>) -> f64 {
+pub fn outside(body: &Body, point: &Vector3<f64>) -> f64 {
     let arm = point - body.position;
     if let Some((radius, height)) = cone_size(body) {
         let local = body.rotation.inverse() * arm;

@@ -3,6 +3,7 @@
 mod broad_phase;
 mod cones;
 mod feature_sat;
+mod gaps;
 mod hulls;
 mod manifolds;
 mod sat;
