@@ -23,14 +23,14 @@ pub struct Watched(pub bool);
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Watched>()
         .init_resource::<History>()
-        .add_systems(PreUpdate, (clear_on_load, switch_diagnostics))
+        .add_systems(PreUpdate, (begin_with_scene, switch_diagnostics))
         .add_systems(PhysicsSchedule, record.after(PhysicsSystems::Diagnose).after(ghost::follow));
 }
 
 /// What is plotted of one step, or of several that came close together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Sample {
-    /// Simulation time, s.
+    /// Simulation time since the scene started, s.
     time: f64,
     /// J.
     kinetic: f64,
@@ -66,10 +66,18 @@ pub(super) struct History {
     samples: VecDeque<Sample>,
     /// Potential energy of the first sample since the scene was loaded: where its plot has 0.
     potential_at_start: Option<f64>,
+    /// When the scene started, s, by the world's clock, which runs on when a scene is replaced.
+    start: f64,
 }
 
 impl History {
+    /// Takes in a sample timed by the world's clock.
     fn push(&mut self, sample: Sample) {
+        if sample.time < self.start {
+            // That clock itself was put back.
+            self.begin(0.0);
+        }
+        let sample = Sample { time: sample.time - self.start, ..sample };
         if self.samples.back().is_some_and(|last| sample.time < last.time) {
             self.clear();
         }
@@ -89,7 +97,12 @@ impl History {
     }
 
     fn clear(&mut self) {
-        *self = Self::default();
+        self.begin(self.start);
+    }
+
+    /// Forgets all, and counts time from this one on.
+    fn begin(&mut self, start: f64) {
+        *self = Self { start, ..default() };
     }
 
     /// Largest magnitude of a plotted value.
@@ -118,9 +131,10 @@ fn record(
     }
 }
 
-fn clear_on_load(scene: Option<Res<CurrentScene>>, mut history: ResMut<History>) {
+/// At a new scene or a reset.
+fn begin_with_scene(scene: Option<Res<CurrentScene>>, stats: Res<StepStats>, mut history: ResMut<History>) {
     if scene.is_some_and(|scene| scene.is_changed()) {
-        history.clear();
+        history.begin(stats.time);
     }
 }
 
@@ -318,6 +332,23 @@ mod tests {
         history.push(Sample { potential: 2.0, ..at(1.0) });
         assert_eq!(history.samples.len(), 1);
         assert_eq!(history.potential_at_start, Some(2.0));
+    }
+
+    #[test]
+    fn time_counts_from_the_start_of_the_scene() {
+        let times = |history: &History| history.samples.iter().map(|sample| sample.time).collect::<Vec<_>>();
+        let mut history = History::default();
+        history.push(at(7.0));
+        history.begin(7.0);
+        assert!(history.samples.is_empty());
+        history.push(at(7.25));
+        assert_eq!(times(&history), [0.25]);
+        // Looking away and back is no new start.
+        history.clear();
+        history.push(at(8.0));
+        assert_eq!(times(&history), [1.0]);
+        history.push(at(0.5));
+        assert_eq!(times(&history), [0.5]);
     }
 
     #[test]

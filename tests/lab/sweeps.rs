@@ -61,6 +61,14 @@ fn chart_draws_every_point_and_measures_none_twice() {
 
     succeeds(&["chart", SCENE, "--quick"], folder);
     assert_eq!(rows(folder), first, "a second chart measured anew");
+
+    succeeds(&["chart", SCENE, "--quick", "--again"], folder);
+    let both = rows(folder);
+    assert_eq!(both.len(), 2 * planned());
+    assert_eq!(both[..planned()], first);
+    assert_eq!(keys(folder).len(), planned());
+    succeeds(&["chart", SCENE, "--quick"], folder);
+    assert_eq!(rows(folder), both, "a chart measured twice was measured a third time");
 }
 
 #[test]

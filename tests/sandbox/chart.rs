@@ -25,6 +25,14 @@ fn the_scenes_chart_is_measured_while_the_scene_goes_on() {
         std::thread::sleep(Duration::from_millis(20));
     }
     assert!(read_records(&file, &program).iter().all(|record| record.scene == "slide_roll"));
+
+    // Once that process has ended, the same action measures every point again.
+    let started = Instant::now();
+    while read_records(&file, &program).len() < 64 {
+        assert!(started.elapsed() < Duration::from_secs(120), "{:?}", read_records(&file, &program).len());
+        stage.act(SandboxAction::MeasureChart);
+        std::thread::sleep(Duration::from_millis(20));
+    }
 }
 
 #[test]

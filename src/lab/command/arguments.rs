@@ -83,6 +83,9 @@ pub(super) struct ChartArguments {
     /// Few points and short runs: all scenes within minutes
     #[arg(long)]
     pub quick: bool,
+    /// Measure points that are in points.csv once more; the later measurement counts
+    #[arg(long)]
+    pub again: bool,
     #[command(flatten)]
     pub sweep: SweepArguments,
     /// Draw what other engines did, from the folder that the peers crate wrote

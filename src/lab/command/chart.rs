@@ -25,6 +25,11 @@ pub(super) fn chart(arguments: &ChartArguments) -> Result<Outcome, CommandError>
     tell_ignored(&store);
     let bar = SweepBar::new();
     let points: Vec<Point> = plans.iter().flat_map(|(_, points)| points).cloned().collect();
+    if arguments.again {
+        let is_mine = |key: &String| arguments.sweep.shard.has(key);
+        let keys: Vec<String> = points.iter().map(Point::key).filter(is_mine).collect();
+        store.set_aside(&keys);
+    }
     let records =
         run::<ChartError>(&points, arguments.sweep.shard, budget(extent), &mut store, |p, point| bar.show(&p, point))?;
     bar.finish();

@@ -59,10 +59,20 @@ impl Store {
         Ok(store)
     }
 
+    /// Of two records of a point, the later counts.
     fn take_in(&mut self, record: Record) {
         if self.keys.insert(record.key.clone()) {
             self.records.push(record);
+        } else if let Some(known) = self.records.iter_mut().find(|known| known.key == record.key) {
+            *known = record;
         }
+    }
+
+    /// Forgets the records of those points, so that they are run again. In the file they stay until then.
+    pub fn set_aside(&mut self, keys: &[String]) {
+        let keys: HashSet<&String> = keys.iter().collect();
+        self.keys.retain(|key| !keys.contains(key));
+        self.records.retain(|record| !keys.contains(&record.key));
     }
 
     /// Whether a point has been run.
@@ -143,7 +153,8 @@ const HEADER: [&str; 31] = [
     "reason",
 ];
 
-/// The records in the file at `path` that the program at `program` measured; none without a file.
+/// The records in the file at `path` that the program at `program` measured, in the order of the file, all those of a
+/// point that was measured again; none without a file.
 pub fn read_records(path: &Path, program: &Path) -> Vec<Record> {
     let program = fingerprint(program);
     let text = std::fs::read(path).unwrap_or_default();
@@ -173,4 +184,45 @@ fn fingerprint(program: &Path) -> String {
         }
     }
     format!("{:016x}", hasher.finish())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lab::sweep::Point;
+    use crate::lab::verdict::{Judgement, Verdict};
+    use crate::physics::SolverSettings;
+
+    fn record(program: &str, scene: &str, reason: &str) -> Record {
+        let point = Point {
+            scene: scene.to_owned(),
+            parameters: Vec::new(),
+            settings: SolverSettings::default(),
+            seconds: 2.0,
+            series: "a".to_owned(),
+        };
+        Record::failed(&point, program, Judgement { verdict: Verdict::Unknown, reason: reason.to_owned() })
+    }
+
+    #[test]
+    fn the_later_record_of_a_point_counts() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("points.csv");
+        let reasons = |store: &Store| store.records().iter().map(|record| record.reason.clone()).collect::<Vec<_>>();
+        let mut store = Store::open(&path).unwrap();
+        let program = store.program().to_owned();
+        store.add(record(&program, "one", "first")).unwrap();
+        store.add(record(&program, "other", "other")).unwrap();
+        let keys: Vec<String> = store.records().iter().map(|record| record.key.clone()).collect();
+
+        store.set_aside(&keys[..1]);
+        assert!(!store.has(&keys[0]) && store.has(&keys[1]));
+        assert_eq!(reasons(&store), ["other"]);
+        // An interrupt here loses nothing.
+        assert_eq!(reasons(&Store::open(&path).unwrap()), ["first", "other"]);
+
+        store.add(record(&program, "one", "second")).unwrap();
+        assert_eq!(reasons(&store), ["other", "second"]);
+        assert_eq!(reasons(&Store::open(&path).unwrap()), ["second", "other"]);
+    }
 }

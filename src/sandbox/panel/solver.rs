@@ -218,9 +218,9 @@ const FIELDS: &[(&str, &[Field])] = &[
     ),
 ];
 
-pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut settings: ResMut<SolverSettings>, mut base: Local<usize>) {
+pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut settings: ResMut<SolverSettings>) {
     let mut edited = *settings;
-    presets(ui, &mut edited, &mut base);
+    presets(ui, &mut edited);
     for (group, fields) in FIELDS {
         ui.add_space(4.0);
         ui.weak(*group);
@@ -236,19 +236,35 @@ pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut settings: ResMut<SolverSettin
     settings.set_if_neq(edited);
 }
 
-/// One button per preset, and how the settings differ from the one that was chosen last.
-fn presets(ui: &mut egui::Ui, settings: &mut SolverSettings, base: &mut usize) {
-    if let Some(exact) = SolverSettings::PRESETS.iter().position(|(_, preset)| preset() == *settings) {
-        *base = exact;
-    }
-    let (name, preset) = SolverSettings::PRESETS[*base];
+/// Number of fields in which two settings differ.
+fn differences(one: &SolverSettings, other: &SolverSettings) -> usize {
+    let fields = FIELDS.iter().flat_map(|(_, fields)| fields.iter());
+    let differs = |field: &&Field| match (one.field(field.name), other.field(field.name)) {
+        (Some(one), Some(other)) => one.reflect_partial_eq(other) != Some(true),
+        _ => false,
+    };
+    fields.filter(differs).count()
+}
+
+/// The preset, by index, that the settings differ from in the fewest fields; of several the first.
+fn nearest_preset(settings: &SolverSettings) -> usize {
+    let from_preset = |&index: &usize| {
+        let (_, preset) = SolverSettings::PRESETS[index];
+        differences(&preset(), settings)
+    };
+    (0..SolverSettings::PRESETS.len()).min_by_key(from_preset).unwrap_or_default()
+}
+
+/// One button per preset, and whether the settings differ from the nearest.
+fn presets(ui: &mut egui::Ui, settings: &mut SolverSettings) {
+    let base = nearest_preset(settings);
+    let (name, preset) = SolverSettings::PRESETS[base];
     let modified = preset() != *settings;
     ui.horizontal(|ui| {
         ui.label("preset");
         for (index, (name, preset)) in SolverSettings::PRESETS.into_iter().enumerate() {
-            if ui.selectable_label(index == *base && !modified, name).clicked() {
+            if ui.selectable_label(index == base && !modified, name).clicked() {
                 *settings = preset();
-                *base = index;
             }
         }
         if modified {
@@ -396,6 +412,25 @@ mod tests {
                 }
             });
             assert_eq!(settings, preset());
+        }
+    }
+
+    #[test]
+    fn modified_settings_go_by_the_nearest_preset() {
+        let name = |settings: SolverSettings| SolverSettings::PRESETS[nearest_preset(&settings)].0;
+        let vary = |settings: SolverSettings| SolverSettings {
+            hz: 240.0,
+            substeps: 7,
+            iterations: 20,
+            threads: 3,
+            drag: 0.5,
+            ..settings
+        };
+        for (preset, settings) in SolverSettings::PRESETS {
+            assert_eq!(differences(&settings(), &settings()), 0);
+            assert_eq!(differences(&vary(settings()), &settings()), 5);
+            assert_eq!(name(settings()), preset);
+            assert_eq!(name(vary(settings())), preset);
         }
     }
 
