@@ -460,7 +460,11 @@ mod tests {
     #[test]
     fn the_present_cost_is_that_of_steps_with_the_present_settings() {
         let settings = SolverSettings { hz: 100.0, ..default() };
-        let stats = |steps, step_seconds| StepStats { steps, step_seconds, ..default() };
+        let stats = |steps, step_seconds| {
+            let mut stats = StepStats::default();
+            (stats.steps, stats.step_seconds) = (steps, step_seconds);
+            stats
+        };
         let mut cost = PresentCost::default();
         // That step was made with other settings.
         assert_eq!(cost.follow(&settings, &stats(7, 1.0)), None);
