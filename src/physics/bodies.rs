@@ -1,50 +1,59 @@
 //! The solver's packed copy of the bodies, gathered from the ECS at the start of each step and
-//! written back at its end. A private cache: never the only copy of anything.
+//! written back at its end. A private cache: never the only copy of anything. A body that nobody
+//! else writes to is gathered once and stays as the steps leave it.
 
+use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 use super::body::{CollisionLayers, RigidBody, SurfaceMaterial};
 use super::collider::Geometry;
 
 /// One body as the step sees it. World axes and SI unless stated.
+///
+/// In the order in which a step needs it: the first two cache lines are what every step reads and
+/// writes of a body, the next two what the solver reads, the rest is looked at when something
+/// changes.
 #[derive(Clone, Debug)]
+#[repr(C, align(64))]
 pub(crate) struct Body {
-    pub entity: Entity,
-    /// A quarantined body counts as static.
-    pub kind: RigidBody,
     pub position: Vector3<f64>,
     pub rotation: UnitQuaternion<f64>,
     pub linear: Vector3<f64>,
     pub angular: Vector3<f64>,
+    pub entity: Entity,
+    /// Bounding sphere about the centre of mass, m; infinite for a half-space, 0 without geometry.
+    pub radius: f64,
+    /// A quarantined body counts as static.
+    pub kind: RigidBody,
+    /// Wants [`super::Collision`] messages.
+    pub reports: bool,
+    /// Collider, density or mass changed since they were computed.
+    pub mass_is_stale: bool,
+    /// 0 for what the solver does not move.
+    pub mass: f64,
     /// Force and torque of this step, gravity included.
     pub force: Vector3<f64>,
     pub torque: Vector3<f64>,
-    /// 0 for what the solver does not move.
-    pub mass: f64,
     /// Per world axis; zero for static and kinematic bodies and along locked axes.
     pub inverse_mass: Vector3<f64>,
     /// Principal, body axes; zero like `inverse_mass`.
     pub inverse_inertia_body: Vector3<f64>,
-    /// World axes, locked axes zeroed, for the present rotation.
-    pub inverse_inertia: Matrix3<f64>,
     /// 0 about a locked world axis, 1 else.
     pub rotation_freedom: Vector3<f64>,
     /// Drag, 1/s, linear and angular, the settings' included.
     pub drag: (f64, f64),
-    /// None: the body touches nothing.
-    pub geometry: Option<Geometry>,
-    /// Bounding sphere about the centre of mass, m; infinite for a half-space, 0 without geometry.
-    pub radius: f64,
+    /// Counts new shapes and jumps: whatever was known of its contacts is void.
+    pub changes: u32,
     pub material: SurfaceMaterial,
     pub layers: CollisionLayers,
-    /// Wants [`super::Collision`] messages.
-    pub reports: bool,
+    /// None: the body touches nothing.
+    pub geometry: Option<Geometry>,
+    /// Whether a step has moved it since it became a body.
+    pub has_stepped: bool,
     /// Mass and inertia that Plumb computed itself, to be computed again when the shape changes.
     pub computed_mass: Option<f64>,
     pub computed_inertia: Option<Vector3<f64>>,
-    /// Collider, density or mass changed since they were computed.
-    pub mass_is_stale: bool,
 }
 
 impl Body {
@@ -62,14 +71,15 @@ impl Body {
             mass: 0.0,
             inverse_mass: Vector3::zeros(),
             inverse_inertia_body: Vector3::zeros(),
-            inverse_inertia: Matrix3::zeros(),
             rotation_freedom: Vector3::repeat(1.0),
             drag: (0.0, 0.0),
             geometry: None,
             radius: 0.0,
+            changes: 0,
             material: SurfaceMaterial::default(),
             layers: CollisionLayers::ALL,
             reports: false,
+            has_stepped: false,
             computed_mass: None,
             computed_inertia: None,
             mass_is_stale: false,
@@ -81,16 +91,32 @@ impl Body {
         self.kind == RigidBody::Dynamic
     }
 
-    /// Brings `inverse_inertia` up to date with the rotation.
-    pub fn update_inverse_inertia(&mut self) {
-        self.inverse_inertia =
-            world_inverse_inertia(&self.inverse_inertia_body, &self.rotation, &self.rotation_freedom);
+    /// Moves and turns it, by a rotation vector.
+    pub fn advance(&mut self, moved: &Vector3<f64>, turned: &Vector3<f64>) {
+        self.position += moved;
+        if *turned != Vector3::zeros() {
+            self.rotation = rotation_by(turned) * self.rotation;
+            self.rotation.renormalize_fast();
+        }
     }
 
     /// Velocity of the material point at `arm` from the centre of mass.
     pub fn point_velocity(&self, arm: &Vector3<f64>) -> Vector3<f64> {
         self.linear + self.angular.cross(arm)
     }
+}
+
+/// The rotation by a vector, rad. Small ones by the series of sine and cosine to the sixth order, which is exact to
+/// rounding.
+pub(crate) fn rotation_by(turned: &Vector3<f64>) -> UnitQuaternion<f64> {
+    let squared = turned.norm_squared();
+    if squared > 1e-4 {
+        return UnitQuaternion::new(*turned);
+    }
+    let half = squared * 0.25;
+    let vector = turned * (0.5 * (1.0 - half / 6.0 * (1.0 - half / 20.0)));
+    let scalar = 1.0 - half * 0.5 * (1.0 - half / 12.0 * (1.0 - half / 30.0));
+    UnitQuaternion::new_unchecked(Quaternion::from_parts(scalar, vector))
 }
 
 /// R I⁻¹ Rᵀ with the locked world axes zeroed; isotropic bodies skip the rotation.
@@ -118,6 +144,12 @@ pub(crate) fn world_inverse_inertia(
 #[derive(Resource, Default)]
 pub(crate) struct Bodies {
     pub list: Vec<Body>,
+    /// Counts every time a body came, went or changed its kind.
+    pub version: u64,
+    /// Those that in this step are new, jumped, or changed their shape, layers or kind.
+    pub renewed: Vec<u32>,
+    /// When the last step wrote bodies back: what was written then is known here already.
+    pub written_back: Option<Tick>,
 }
 
 /// One joint as the step sees it.
@@ -139,4 +171,6 @@ pub(crate) struct Joint {
 #[derive(Resource, Default)]
 pub(crate) struct Joints {
     pub list: Vec<Joint>,
+    /// Counts every time they were packed anew, which is also when a body came, went or changed its kind.
+    pub version: u64,
 }

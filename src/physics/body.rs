@@ -34,7 +34,7 @@ pub enum RigidBody {
 fn enter_world(mut world: DeferredWorld, context: HookContext) {
     let born = world.get_resource_mut::<BirthCounter>().map_or(0, |mut counter| counter.next());
     if let Some(mut slot) = world.get_mut::<BodySlot>(context.entity) {
-        *slot = BodySlot { index: u32::MAX, born };
+        *slot = BodySlot { born, ..default() };
     }
     let body = world.entity(context.entity);
     let transform = body.get::<Transform>().copied().unwrap_or_default();
@@ -240,13 +240,20 @@ pub enum QuarantineReason {
 pub(crate) struct BodySlot {
     /// Index; `u32::MAX` until the body's first step.
     pub index: u32,
+    /// The optional components that it was last gathered with.
+    pub gathered_with: u32,
     /// Bodies are packed in this order, which no change of components disturbs.
     pub born: u64,
 }
 
+impl BodySlot {
+    /// As `gathered_with`, of a body that must be gathered whatever was or was not written to it.
+    pub const TO_GATHER: u32 = u32::MAX;
+}
+
 impl Default for BodySlot {
     fn default() -> Self {
-        Self { index: u32::MAX, born: 0 }
+        Self { index: u32::MAX, gathered_with: Self::TO_GATHER, born: 0 }
     }
 }
 

@@ -4,8 +4,9 @@ use bevy::prelude::*;
 
 use super::bodies::Bodies;
 use super::body::ObserveContacts;
-use super::collision::{Contacts, Manifold};
+use super::collision::{ContactGraph, Contacts, Manifold};
 use super::messages::{Collision, ContactEnded, ContactStarted};
+use super::settings::SolverSettings;
 use super::{PhysicsSchedule, PhysicsSystems};
 
 pub(super) fn plugin(app: &mut App) {
@@ -15,7 +16,11 @@ pub(super) fn plugin(app: &mut App) {
             // Before the solve, while velocities are those at which the contacts were found.
             report_collisions.after(PhysicsSystems::NarrowPhase).before(PhysicsSystems::Islands),
         )
-        .add_systems(PhysicsSchedule, report_changes.in_set(PhysicsSystems::Events));
+        .add_systems(
+            PhysicsSchedule,
+            (report_changes.run_if(not(contacts_last)), report_presses.run_if(contacts_last))
+                .in_set(PhysicsSystems::Events),
+        );
 }
 
 /// The pairs that touched in the last step, sorted, the lower entity first.
@@ -23,6 +28,54 @@ pub(super) fn plugin(app: &mut App) {
 struct Touching {
     pairs: Vec<(Entity, Entity)>,
     present: Vec<(Entity, Entity)>,
+}
+
+fn contacts_last(settings: Res<SolverSettings>) -> bool {
+    settings.method.keeps_contacts()
+}
+
+/// Contacts that last touch when they push.
+fn report_presses(
+    mut graph: ResMut<ContactGraph>,
+    mut started: MessageWriter<ContactStarted>,
+    mut ended: MessageWriter<ContactEnded>,
+    observers: Query<(), With<ObserveContacts>>,
+    mut commands: Commands,
+) {
+    let mut end = |a, b, commands: &mut Commands| {
+        ended.write(ContactEnded { a, b });
+        for (a, b) in [(a, b), (b, a)] {
+            if observers.contains(a) {
+                commands.trigger(ContactEnded { a, b });
+            }
+        }
+    };
+    let ordered = |(a, b): (Entity, Entity)| (a.min(b), a.max(b));
+    let graph = graph.bypass_change_detection();
+    for (a, b) in graph.parted.drain(..).map(ordered) {
+        end(a, b, &mut commands);
+    }
+    if !std::mem::take(&mut graph.presses_changed) {
+        return;
+    }
+    for (slot, state) in graph.slots.iter_mut().zip(&graph.states) {
+        let pushes = slot.touching && state.pushes();
+        if pushes == slot.is_pressed {
+            continue;
+        }
+        slot.is_pressed = pushes;
+        let (a, b) = ordered(slot.entities);
+        if !pushes {
+            end(a, b, &mut commands);
+            continue;
+        }
+        started.write(ContactStarted { a, b });
+        for (a, b) in [(a, b), (b, a)] {
+            if observers.contains(a) {
+                commands.trigger(ContactStarted { a, b });
+            }
+        }
+    }
 }
 
 fn report_changes(

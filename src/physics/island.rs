@@ -11,14 +11,14 @@ use bevy::prelude::*;
 
 use super::bodies::{Bodies, Joints};
 use super::body::RigidBody;
-use super::collision::Contacts;
+use super::collision::{ContactGraph, Contacts};
 use super::diagnostics::StepStats;
 use super::settings::SolverSettings;
 use super::solver::LaggedContacts;
 use super::{PhysicsSchedule, PhysicsSystems};
 
 /// Islands are packed until a group has this many bodies.
-const BODIES_PER_GROUP: u32 = 64;
+const BODIES_PER_GROUP: u32 = 128;
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Islands>().add_systems(PhysicsSchedule, find_islands.in_set(PhysicsSystems::Islands));
@@ -38,6 +38,10 @@ pub(crate) struct Islands {
     size: Vec<u32>,
     constrained: Vec<bool>,
     scratch: Vec<u32>,
+    /// Counts every time they were found anew.
+    version: u64,
+    /// What they were found for: versions of contacts that last, and of joints.
+    found_for: Option<(u64, u64)>,
 }
 
 /// Items sorted by group, stable.
@@ -78,6 +82,11 @@ impl Grouped {
 
 impl Islands {
     const NONE: u32 = u32::MAX;
+
+    /// Changes whenever they were found anew.
+    pub fn version(&self) -> u64 {
+        self.version
+    }
 
     /// Groups to solve.
     pub fn count(&self) -> usize {
@@ -166,44 +175,72 @@ fn find_islands(
     bodies: Res<Bodies>,
     joints: Res<Joints>,
     contacts: Res<Contacts>,
+    graph: Option<Res<ContactGraph>>,
     lagged: Res<LaggedContacts>,
     settings: Res<SolverSettings>,
     mut islands: ResMut<Islands>,
     mut stats: ResMut<StepStats>,
 ) {
-    let contacts = lagged.active(&settings, &contacts);
     let islands = &mut *islands;
-    islands.parent.clear();
-    islands.parent.extend(0..bodies.list.len() as u32);
-    islands.constrained.clear();
-    islands.constrained.resize(bodies.list.len(), false);
-    let dynamic = |body: u32| bodies.list[body as usize].is_dynamic();
-    let contact_pairs = contacts.manifolds.iter().map(|manifold| (manifold.pair.a, manifold.pair.b));
-    let joint_pairs = joints.list.iter().map(|joint| (joint.a, joint.b));
-    for (a, b) in contact_pairs.clone().chain(joint_pairs.clone()) {
-        if dynamic(a) && dynamic(b) {
-            islands.union(a, b);
+    if settings.method.keeps_contacts()
+        && let Some(graph) = graph
+    {
+        let found_for = Some((graph.version, joints.version));
+        if islands.found_for == found_for {
+            return;
         }
+        islands.found_for = found_for;
+        let pairs = graph.slots.iter().map(|slot| slot.touching.then_some((slot.pair.a, slot.pair.b)));
+        stats.islands = islands.find(&bodies, &joints, pairs);
+    } else {
+        islands.found_for = None;
+        let contacts = lagged.active(&settings, &contacts);
+        let pairs = contacts.manifolds.iter().map(|manifold| Some((manifold.pair.a, manifold.pair.b)));
+        stats.islands = islands.find(&bodies, &joints, pairs);
     }
-    for (a, b) in contact_pairs.clone().chain(joint_pairs.clone()) {
-        if dynamic(a) || dynamic(b) {
-            let root = islands.root(if dynamic(a) { a } else { b });
-            islands.constrained[root as usize] = true;
-        }
-    }
-    stats.islands = islands.pack(&bodies);
+}
 
-    let groups = islands.count() as u32;
-    let group_of_pair = |islands: &Islands, (a, b): (u32, u32)| {
-        let moved = [a, b].into_iter().find(|&body| dynamic(body));
-        moved.map_or(Islands::NONE, |body| islands.group_of[body as usize])
-    };
-    let mut scratch = std::mem::take(&mut islands.scratch);
-    scratch.clear();
-    scratch.extend(contact_pairs.map(|pair| group_of_pair(islands, pair)));
-    islands.manifolds.rebuild(groups, &scratch);
-    scratch.clear();
-    scratch.extend(joint_pairs.map(|pair| group_of_pair(islands, pair)));
-    islands.joints.rebuild(groups, &scratch);
-    islands.scratch = scratch;
+impl Islands {
+    /// Finds and packs the islands that contacts (none: a slot without one) and joints make.
+    /// Returns how many have a constraint.
+    fn find(
+        &mut self,
+        bodies: &Bodies,
+        joints: &Joints,
+        contacts: impl Iterator<Item = Option<(u32, u32)>> + Clone,
+    ) -> u32 {
+        self.version += 1;
+        self.parent.clear();
+        self.parent.extend(0..bodies.list.len() as u32);
+        self.constrained.clear();
+        self.constrained.resize(bodies.list.len(), false);
+        let dynamic = |body: u32| bodies.list[body as usize].is_dynamic();
+        let joint_pairs = joints.list.iter().map(|joint| (joint.a, joint.b));
+        for (a, b) in contacts.clone().flatten().chain(joint_pairs.clone()) {
+            if dynamic(a) && dynamic(b) {
+                self.union(a, b);
+            }
+        }
+        for (a, b) in contacts.clone().flatten().chain(joint_pairs.clone()) {
+            if dynamic(a) || dynamic(b) {
+                let root = self.root(if dynamic(a) { a } else { b });
+                self.constrained[root as usize] = true;
+            }
+        }
+        let constrained = self.pack(bodies);
+        let groups = self.count() as u32;
+        let group_of_pair = |islands: &Self, (a, b): (u32, u32)| {
+            let moved = [a, b].into_iter().find(|&body| dynamic(body));
+            moved.map_or(Self::NONE, |body| islands.group_of[body as usize])
+        };
+        let mut scratch = std::mem::take(&mut self.scratch);
+        scratch.clear();
+        scratch.extend(contacts.map(|pair| pair.map_or(Self::NONE, |pair| group_of_pair(self, pair))));
+        self.manifolds.rebuild(groups, &scratch);
+        scratch.clear();
+        scratch.extend(joint_pairs.map(|pair| group_of_pair(self, pair)));
+        self.joints.rebuild(groups, &scratch);
+        self.scratch = scratch;
+        constrained
+    }
 }

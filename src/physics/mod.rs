@@ -17,12 +17,14 @@ mod bodies;
 mod body;
 pub mod collider;
 mod collision;
+mod columns;
 mod constraint;
 pub mod diagnostics;
 mod events;
 mod integrator;
 mod island;
 pub mod joint;
+mod lanes;
 mod messages;
 mod prepare;
 mod settings;
@@ -171,7 +173,7 @@ fn run_step(world: &mut World) {
     }
     let start = Instant::now();
     world.run_schedule(PhysicsSchedule);
-    let measuring = world.resource::<MeasuringTime>().spent;
+    let measuring = std::mem::take(&mut world.resource_mut::<MeasuringTime>().spent);
     world.resource_mut::<StepStats>().step_seconds = start.elapsed().saturating_sub(measuring).as_secs_f64();
 }
 

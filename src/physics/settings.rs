@@ -22,6 +22,18 @@ pub enum Method {
     #[default]
     #[serde(rename = "pgs")]
     ProjectedGaussSeidel,
+    /// Substeps with soft constraints: impulses solved with springs, then relaxed without
+    /// (Catto 2024).
+    #[serde(rename = "soft_step")]
+    SoftStep,
+}
+
+impl Method {
+    /// Whether contacts last from step to step, with their impulses, instead of being found and
+    /// forgotten.
+    pub(crate) fn keeps_contacts(self) -> bool {
+        self != Self::ProjectedGaussSeidel
+    }
 }
 
 /// How velocities become poses.
@@ -73,7 +85,7 @@ pub enum Precision {
     F64,
 }
 
-/// Every setting of the step. [`SolverSettings::default`] is [`SolverSettings::steady`].
+/// Every setting of the step. [`SolverSettings::default`] is [`SolverSettings::game`].
 #[derive(Resource, Reflect, Serialize, Deserialize, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Debug, Default, PartialEq)]
 #[serde(default, deny_unknown_fields)]
@@ -82,7 +94,7 @@ pub struct SolverSettings {
     pub hz: f64,
     /// How rows are solved.
     pub method: Method,
-    /// How velocities become poses.
+    /// How velocities become poses. Of `pgs` only: the soft step has its own way.
     pub integrator: Integrator,
     /// Equal parts a step is cut into, at least 1. Collision is found once a step; contact
     /// depths, joints and rows are brought up to date each substep.
@@ -90,12 +102,12 @@ pub struct SolverSettings {
     /// Sweeps over all rows in each (sub)step, at least 1.
     pub iterations: u32,
     /// Whether contact rows start from the forces of the (sub)step before, points found again by
-    /// feature, instead of from zero.
+    /// feature, instead of from zero. Of `pgs` only: the soft step always does.
     pub warm_starting: bool,
     /// Scalar of rows and solver.
     pub precision: Precision,
     /// Share of a position error that one (sub)step aims to remove, 0 to 1 (Baumgarte's β·h,
-    /// or ODE's error reduction parameter).
+    /// or ODE's error reduction parameter). Of `pgs` only: the soft step has springs.
     pub baumgarte: f64,
     /// Depth that contacts leave alone, m, ≥ 0.
     pub slop: f64,
@@ -115,10 +127,10 @@ pub struct SolverSettings {
     pub axis_epsilon: f64,
     /// Whether n and −n count as one candidate axis. Of extreme-vertex contacts only.
     pub merge_opposite_axes: bool,
-    /// Whether the broad phase also prunes on y.
+    /// Whether the broad phase also prunes on y. Of `pgs` only.
     pub prune_y: bool,
     /// Steps by which the solver's contacts lag behind the poses: 0, or 1 as in the 2009
-    /// engine's threaded loop.
+    /// engine's threaded loop. Of `pgs` only.
     pub contact_lag: u32,
     /// Most threads a step uses, the calling one included; results do not depend on it.
     /// At least 1.
@@ -127,7 +139,7 @@ pub struct SolverSettings {
 
 impl Default for SolverSettings {
     fn default() -> Self {
-        Self::steady()
+        Self::game()
     }
 }
 
@@ -158,7 +170,7 @@ impl SolverSettings {
         }
     }
 
-    /// The default: the parts that hold up best under a person's hands. Clipped manifolds,
+    /// The best of force-level sweeps: clipped manifolds,
     /// friction bounded by the contact's own normal force, restitution, warm starting, and
     /// substeps, which do more for joints than sweeps of the same cost.
     pub fn steady() -> Self {
@@ -178,8 +190,14 @@ impl SolverSettings {
         }
     }
 
+    /// The fastest that holds up: the soft step.
+    pub fn game() -> Self {
+        Self { method: Method::SoftStep, iterations: 1, slop: 0.0, ..Self::steady() }
+    }
+
     /// The presets by name, the default first.
-    pub const PRESETS: [(&'static str, fn() -> Self); 2] = [("steady", Self::steady), ("classic", Self::classic)];
+    pub const PRESETS: [(&'static str, fn() -> Self); 3] =
+        [("game", Self::game), ("steady", Self::steady), ("classic", Self::classic)];
 
     /// The preset of that name.
     pub fn preset(name: &str) -> Option<Self> {

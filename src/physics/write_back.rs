@@ -3,74 +3,135 @@
 //! A body whose state is no longer finite goes back to the state it had before the step, frozen
 //! and reported.
 
-use bevy::math::{DQuat, DVec3};
+use bevy::ecs::query::QueryData;
+use bevy::ecs::system::SystemChangeTick;
+use bevy::math::DVec3;
 use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::bodies::{Bodies, Body, Joints};
 use super::body::{BodySlot, Position, QuarantineReason, Quarantined, RigidBody, Rotation, Velocity};
+use super::columns::{self, Numbers, set_if_other};
 use super::diagnostics::StepStats;
-use super::joint::JointLoad;
+use super::joint::{JointLoad, JointSlot};
 use super::messages::BodyQuarantined;
 use super::settings::SolverSettings;
 use super::transform::PoseHistory;
 use super::{PhysicsSchedule, PhysicsSystems};
 
 pub(super) fn plugin(app: &mut App) {
-    app.add_systems(PhysicsSchedule, (write_bodies, write_joint_loads, count_step).in_set(PhysicsSystems::WriteBack));
+    app.add_systems(
+        PhysicsSchedule,
+        // In this order: a system may share its tick with commands applied right before it, and the
+        // tick of `write_bodies` must be its own. See `Bodies::written_back`.
+        (write_joint_loads, write_bodies).chain().in_set(PhysicsSystems::WriteBack),
+    );
+}
+
+/// What a step writes of each body.
+#[derive(QueryData)]
+#[query_data(mutable, contiguous(mutable))]
+pub(super) struct StateQuery {
+    entity: Entity,
+    slot: &'static mut BodySlot,
+    position: &'static mut Position,
+    rotation: &'static mut Rotation,
+    velocity: &'static mut Velocity,
+    history: &'static mut PoseHistory,
+}
+
+type StateTable<'w, 's> = StateQueryContiguousItem<'w, 's>;
+
+impl Numbers<3> for Position {
+    fn numbers(self) -> [f64; 3] {
+        self.0.to_array()
+    }
+}
+
+impl Numbers<4> for Rotation {
+    fn numbers(self) -> [f64; 4] {
+        self.0.to_array()
+    }
+}
+
+impl Numbers<6> for Velocity {
+    fn numbers(self) -> [f64; 6] {
+        let ([x, y, z], [u, v, w]) = (self.linear.to_array(), self.angular.to_array());
+        [x, y, z, u, v, w]
+    }
 }
 
 fn is_finite(body: &Body) -> bool {
-    let rotation = body.rotation.coords;
-    let all = [body.position, body.linear, body.angular].iter().all(|v| v.iter().all(|x| x.is_finite()));
-    all && rotation.iter().all(|x| x.is_finite())
+    // Without a branch for each number.
+    let finite = |numbers: &[f64]| numbers.iter().fold(true, |all, number| all & number.is_finite());
+    finite(body.position.as_slice())
+        & finite(body.rotation.coords.as_slice())
+        & finite(body.linear.as_slice())
+        & finite(body.angular.as_slice())
 }
 
-fn write_bodies(
-    mut query: Query<(&BodySlot, &mut Position, &mut Rotation, &mut Velocity, &mut PoseHistory), With<RigidBody>>,
+pub(super) fn write_bodies(
+    mut query: Query<StateQuery, With<RigidBody>>,
     mut bodies: ResMut<Bodies>,
+    settings: Res<SolverSettings>,
     mut stats: ResMut<StepStats>,
     mut quarantine: MessageWriter<BodyQuarantined>,
     mut commands: Commands,
+    ticks: SystemChangeTick,
 ) {
-    for (slot, mut position, mut rotation, mut velocity, mut history) in &mut query {
-        let body = &mut bodies.list[slot.index as usize];
-        history.previous = Some((position.0, rotation.0));
-        if body.kind == RigidBody::Static {
-            continue;
-        }
-        if !is_finite(body) {
-            body.position = position.0.into();
-            body.rotation = UnitQuaternion::new_normalize(rotation.0.into());
-            body.linear = Vector3::zeros();
-            body.angular = Vector3::zeros();
-            *velocity = Velocity::default();
+    stats.count_step(&settings);
+    bodies.written_back = Some(ticks.this_run());
+    let list = &mut bodies.list;
+    for mut table in query.contiguous_iter_mut().expect("gathered from tables") {
+        for row in 0..table.entity.len() {
+            let entity = table.entity[row];
+            let slot = table.slot.as_ref()[row];
+            // Whoever became a body since the step began waits for the next.
+            let Some(body) = list.get_mut(slot.index as usize).filter(|body| body.entity == entity) else { continue };
+            if body.kind == RigidBody::Static {
+                continue;
+            }
+            if is_finite(body) {
+                write_state(&mut table, row, body);
+                continue;
+            }
+            restore_state(&mut table, row, body);
             stats.quarantined += 1;
-            let (entity, reason) = (body.entity, QuarantineReason::NotFinite);
+            let reason = QuarantineReason::NotFinite;
             commands.entity(entity).insert(Quarantined { reason });
             commands.trigger(BodyQuarantined { entity, reason });
             quarantine.write(BodyQuarantined { entity, reason });
-            continue;
         }
-        position.0 = DVec3::from(body.position);
-        rotation.0 = DQuat::from(body.rotation);
-        velocity.linear = body.linear.into();
-        velocity.angular = body.angular.into();
     }
 }
 
-fn write_joint_loads(joints: Res<Joints>, mut loads: Query<&mut JointLoad>) {
-    if loads.is_empty() {
-        return;
-    }
-    for joint in &joints.list {
-        if let Ok(mut load) = loads.get_mut(joint.entity) {
+/// What did not change in any bit is not marked as changed.
+fn write_state(table: &mut StateTable, row: usize, body: &Body) {
+    let previous = (table.position.as_ref()[row].0, table.rotation.as_ref()[row].0);
+    table.history.bypass_change_detection()[row].previous = Some(previous);
+    set_if_other(&mut table.position, row, Position(body.position.into()));
+    set_if_other(&mut table.rotation, row, Rotation(body.rotation.into()));
+    let velocity = Velocity { linear: body.linear.into(), angular: body.angular.into() };
+    set_if_other(&mut table.velocity, row, velocity);
+}
+
+/// Back to the pose before the step, at rest; to be gathered again whatever becomes of it.
+fn restore_state(table: &mut StateTable, row: usize, body: &mut Body) {
+    let (position, rotation) = (table.position.as_ref()[row].0, table.rotation.as_ref()[row].0);
+    table.history.bypass_change_detection()[row].previous = Some((position, rotation));
+    table.slot.bypass_change_detection()[row].gathered_with = BodySlot::TO_GATHER;
+    body.position = position.into();
+    body.rotation = UnitQuaternion::new_normalize(rotation.into());
+    body.linear = Vector3::zeros();
+    body.angular = Vector3::zeros();
+    columns::set(&mut table.velocity, row, Velocity::default());
+}
+
+pub(super) fn write_joint_loads(joints: Res<Joints>, mut loads: Query<(&JointSlot, &mut JointLoad)>) {
+    for (slot, mut load) in &mut loads {
+        if let Some(joint) = joints.list.get(slot.index as usize) {
             let force = DVec3::from(joint.force);
             *load = JointLoad { force, torque: DVec3::ZERO, lambda: force.length() };
         }
     }
-}
-
-fn count_step(settings: Res<SolverSettings>, mut stats: ResMut<StepStats>) {
-    stats.count_step(&settings);
 }

@@ -73,18 +73,44 @@ fn classic_holds_low_walls_and_no_columns() {
 }
 
 #[test]
-fn the_default_holds_what_its_maps_claim() {
-    let default = SolverSettings::default();
-    border(default, "chain", "r", 4.0, [30.0, 1000.0]).check();
-    border(default, "sandwich", "r", 4.0, [30.0, 1000.0]).check();
-    border(default, "stack", "n", 5.0, [10.0, 30.0]).check();
-    border(default, "pyramid", "n", 5.0, [10.0, 20.0]).check();
+fn steady_holds_what_its_maps_claim() {
+    let steady = SolverSettings::steady();
+    border(steady, "chain", "r", 4.0, [30.0, 1000.0]).check();
+    border(steady, "sandwich", "r", 4.0, [30.0, 1000.0]).check();
+    border(steady, "stack", "n", 5.0, [10.0, 30.0]).check();
+    border(steady, "pyramid", "n", 5.0, [10.0, 20.0]).check();
 }
 
 #[test]
-fn nothing_yet_turns_tops_or_stops_fast_balls() {
-    for settings in [SolverSettings::classic(), SolverSettings::default()] {
+fn force_level_sweeps_turn_no_top_and_stop_no_fast_ball() {
+    for settings in [SolverSettings::classic(), SolverSettings::steady()] {
         border(settings, "top", "spin", 3.0, [1.0, 10.0]).check();
         border(settings, "wall", "v", 1.0, [1.0, 10.0]).check();
+    }
+}
+
+/// Joints that form a tree are solved exactly: there is no border.
+#[test]
+fn the_default_holds_any_load_on_a_chain() {
+    for r in [1.0, 1000.0, 1e6] {
+        let (verdict, reason) = border(SolverSettings::default(), "chain", "r", 4.0, [r; 2]).verdict(r);
+        assert_ne!(verdict, Verdict::Fails, "{r}: {reason}");
+    }
+}
+
+#[test]
+fn the_default_holds_what_its_maps_claim() {
+    let default = SolverSettings::default();
+    border(default, "sandwich", "r", 4.0, [300.0, 1e4]).check();
+    border(default, "stack", "n", 5.0, [20.0, 60.0]).check();
+    border(default, "top", "spin", 3.0, [10.0, 1000.0]).check();
+}
+
+/// Contacts are found as far ahead as a body comes in the step.
+#[test]
+fn the_default_stops_balls_of_any_speed() {
+    for v in [10.0, 1e3, 1e4] {
+        let (verdict, reason) = border(SolverSettings::default(), "wall", "v", 1.0, [v; 2]).verdict(v);
+        assert_ne!(verdict, Verdict::Fails, "{v}: {reason}");
     }
 }

@@ -28,9 +28,9 @@ fn ghosts(stage: &mut Stage) -> Vec<Vec3> {
 fn a_ghost_of_the_same_method_stays_with_its_body() {
     let mut stage = open("chain");
     assert_eq!(distance(&mut stage), None);
-    // The second of the series is the default preset.
-    assert_eq!((plumb::lab::chart::SERIES[1].base)(), SolverSettings::default());
-    stage.world().insert_resource(GhostChoice::Method(1));
+    // The first of the series is the default preset.
+    assert_eq!((plumb::lab::chart::SERIES[0].base)(), SolverSettings::default());
+    stage.world().insert_resource(GhostChoice::Method(0));
     stage.frames(60);
     assert_eq!(distance(&mut stage), Some(0.0));
     assert_eq!(ghosts(&mut stage).len(), 11);
@@ -43,7 +43,7 @@ fn a_ghost_of_the_same_method_stays_with_its_body() {
 #[test]
 fn a_ghost_of_another_method_goes_its_own_way() {
     let mut stage = open("chain");
-    stage.world().insert_resource(GhostChoice::Method(0));
+    stage.world().insert_resource(GhostChoice::Method(1));
     stage.frames(60);
     let apart = distance(&mut stage).unwrap();
     assert!(apart > 1e-3 && apart < 5.0, "{apart} m apart");
@@ -53,7 +53,7 @@ fn a_ghost_of_another_method_goes_its_own_way() {
 fn a_ghost_at_another_rate_keeps_the_time() {
     let mut stage = open("pendulum");
     stage.world().resource_mut::<SolverSettings>().hz = 240.0;
-    stage.world().insert_resource(GhostChoice::Method(1));
+    stage.world().insert_resource(GhostChoice::Method(0));
     stage.frames(60);
     // At most a step of 1/60 s behind or before, at no more than 5.4 m/s of the tip's half-way point.
     let apart = distance(&mut stage).unwrap();
@@ -112,7 +112,7 @@ fn reference_poses_move_as_the_scene_starts() {
 #[test]
 fn deleting_a_body_leaves_its_ghost_harmless() {
     let mut stage = open("pendulum");
-    stage.world().insert_resource(GhostChoice::Method(1));
+    stage.world().insert_resource(GhostChoice::Method(0));
     stage.frames(5);
     let rod = stage.world().resource::<CurrentScene>().entities.bodies.clone();
     for body in rod {

@@ -150,13 +150,13 @@ pub(super) struct ParameterArguments {
 /// A preset or a file, and single settings on top of it.
 #[derive(Args)]
 pub(super) struct SettingsArguments {
-    /// Start from these settings: steady (the default) or classic (the 2009 engine)
+    /// Start from these settings: game (the default), steady (force-level sweeps) or classic (the 2009 engine)
     #[arg(long, value_name = "NAME", value_parser = preset, conflicts_with = "settings")]
     preset: Option<SolverSettings>,
     /// Start from the settings in this RON file
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
-    /// How rows are solved: pgs
+    /// How constraints are solved: soft_step or pgs
     #[arg(long, value_name = "METHOD", value_parser = named::<Method>)]
     method: Option<Method>,
     /// Steps per second

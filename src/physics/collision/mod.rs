@@ -14,17 +14,23 @@
 
 mod apart;
 mod ball;
+mod bounding_tree;
 mod boxes;
 mod clipping;
 mod cone;
 mod cone_cone;
 mod cone_polyhedron;
+mod contact_graph;
 mod contact_pair;
 mod edge_contact;
 mod ellipse;
 mod extreme_vertices;
+mod fat_box;
 mod feature_sat;
 mod narrow_phase;
+mod near_pairs;
+mod pair_slots;
+mod persistent_pairs;
 mod placed;
 mod plane;
 mod polyhedra;
@@ -37,6 +43,8 @@ pub(crate) mod vector_set;
 #[cfg(all(test, feature = "lab"))]
 mod tests;
 
+pub(crate) use contact_graph::{ContactGeometry, ContactGraph, ContactState, GEOMETRY, POINTS, Slot};
+pub(crate) use near_pairs::NearPairs;
 pub use probe::PlacedCollider;
 
 use bevy::prelude::*;
@@ -44,6 +52,8 @@ use nalgebra::Vector3;
 
 use super::PhysicsSystems;
 use super::bodies::Body;
+use super::body::ReportCollisions;
+use super::diagnostics::{ContactForces, Diagnostics};
 use super::settings::{ContactModel, SolverSettings};
 
 /// Gaps up to this share of the bounding radii count as touching: rounding could have made them
@@ -66,7 +76,7 @@ fn speculative_gap(plane: &Body, body: &Body, normal: &Vector3<f64>, settings: &
 /// Two bodies that may touch, as indices into [`super::bodies::Bodies`]. A is the half-space if
 /// one is, else the one of lower index: the same from step to step, as normals and feature ids
 /// are told from A.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) struct Pair {
     pub a: u32,
     pub b: u32,
@@ -167,11 +177,35 @@ pub(crate) struct CandidatePairs {
 }
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<CandidatePairs>().init_resource::<Contacts>().add_systems(
-        super::PhysicsSchedule,
-        (
-            sweep_and_sort::find_candidate_pairs.in_set(PhysicsSystems::BroadPhase),
-            narrow_phase::find_contacts.in_set(PhysicsSystems::NarrowPhase),
-        ),
-    );
+    app.init_resource::<CandidatePairs>()
+        .init_resource::<Contacts>()
+        .init_resource::<ContactGraph>()
+        .init_resource::<NearPairs>()
+        .add_systems(
+            super::PhysicsSchedule,
+            (
+                sweep_and_sort::find_candidate_pairs.in_set(PhysicsSystems::BroadPhase).run_if(not(contacts_last)),
+                near_pairs::update_pairs.in_set(PhysicsSystems::BroadPhase).run_if(contacts_last),
+                narrow_phase::find_contacts.in_set(PhysicsSystems::NarrowPhase).run_if(not(contacts_last)),
+                contact_graph::update_graph.in_set(PhysicsSystems::NarrowPhase).run_if(contacts_last),
+                contact_graph::export_contacts
+                    .after(PhysicsSystems::NarrowPhase)
+                    .before(PhysicsSystems::Islands)
+                    .run_if(contacts_are_read),
+            ),
+        );
+}
+
+fn contacts_last(settings: Res<SolverSettings>) -> bool {
+    settings.method.keeps_contacts()
+}
+
+/// Whether somebody reads [`Contacts`] of contacts that last.
+fn contacts_are_read(
+    settings: Res<SolverSettings>,
+    diagnostics: Option<Res<Diagnostics>>,
+    forces: Option<Res<ContactForces>>,
+    reporters: Query<(), With<ReportCollisions>>,
+) -> bool {
+    settings.method.keeps_contacts() && (diagnostics.is_some() || forces.is_some() || !reporters.is_empty())
 }

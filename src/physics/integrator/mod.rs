@@ -4,6 +4,7 @@
 //! torque, as in the 2009 engine.
 
 pub(crate) mod euler;
+pub(crate) mod gyroscopic;
 pub(crate) mod verlet;
 
 #[cfg(test)]

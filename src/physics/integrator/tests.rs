@@ -20,7 +20,6 @@ impl Oscillator {
         body.mass = 2.0;
         body.inverse_mass = Vector3::repeat(0.5);
         body.inverse_inertia_body = Vector3::repeat(4.0);
-        body.update_inverse_inertia();
         Self { body: LocalBody::new(0, &body), stiffness, pull: Twist::zero(), solves: 0 }
     }
 

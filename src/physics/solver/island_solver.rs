@@ -12,11 +12,10 @@ use crate::physics::constraint::row::{BodyTerms, Row, Twist};
 use crate::physics::integrator;
 use crate::physics::island::Islands;
 use crate::physics::joint::Softness;
-use crate::physics::settings::{FrictionModel, Integrator, Method, Precision, SolverSettings};
+use crate::physics::settings::{FrictionModel, Integrator, Precision, SolverSettings};
 
 /// The settings as the substep loop reads them.
 pub(crate) struct StepTerms {
-    pub method: Method,
     pub integrator: Integrator,
     pub precision: Precision,
     pub substeps: u32,
@@ -43,7 +42,6 @@ impl StepTerms {
     pub fn new(settings: &SolverSettings, gravity: f64, record_forces: bool) -> Self {
         let h = settings.step() / f64::from(settings.substeps);
         Self {
-            method: settings.method,
             integrator: settings.integrator,
             precision: settings.precision,
             substeps: settings.substeps,
@@ -94,6 +92,7 @@ pub(crate) struct LocalBody {
 
 impl LocalBody {
     pub fn new(global: u32, body: &Body) -> Self {
+        let inverse_inertia = world_inverse_inertia(&body.inverse_inertia_body, &body.rotation, &body.rotation_freedom);
         Self {
             global,
             position: body.position,
@@ -105,7 +104,7 @@ impl LocalBody {
             mass: body.mass,
             inverse_mass: body.inverse_mass,
             inverse_inertia_body: body.inverse_inertia_body,
-            inverse_inertia: body.inverse_inertia,
+            inverse_inertia,
             rotation_freedom: body.rotation_freedom,
             drag: body.drag,
         }
@@ -356,9 +355,7 @@ impl IslandSolver {
         if terms.warm_starting {
             self.warm_start(&mut work.rows[..joints_from], &mut work.accelerations);
         }
-        match terms.method {
-            Method::ProjectedGaussSeidel => pgs::solve(&mut work.rows, &mut work.accelerations, terms.iterations),
-        }
+        pgs::solve(&mut work.rows, &mut work.accelerations, terms.iterations);
         self.row_count = work.rows.len() as u32;
         self.row_updates += u64::from(self.row_count) * u64::from(terms.iterations);
         self.keep_forces(&work.rows, joints_from, h, terms);
@@ -433,7 +430,6 @@ impl IslandSolver {
             body.rotation = local.rotation;
             body.linear = local.linear;
             body.angular = local.angular;
-            body.inverse_inertia = local.inverse_inertia;
         }
         for joint in &self.joints {
             joints[joint.global as usize].force = joint.impulse / self.h_total;

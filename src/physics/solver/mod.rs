@@ -4,10 +4,13 @@
 //! (one file each: [`pgs`]) → integration (`super::integrator`). Islands share no body that moves,
 //! so threads take whole islands and the result does not depend on their number.
 
+mod impulse;
 mod island_solver;
+mod joint_tree;
 mod lag;
 mod pgs;
 mod rows;
+mod soft_step;
 mod warm_start;
 
 #[cfg(test)]
@@ -15,6 +18,7 @@ mod tests;
 
 pub(crate) use island_solver::{IslandSolver, LocalBody, StepTerms};
 pub(crate) use lag::LaggedContacts;
+pub(crate) use rows::Scalar;
 pub(crate) use warm_start::ContactCache;
 
 use bevy::prelude::*;
@@ -34,7 +38,13 @@ pub(super) fn plugin(app: &mut App) {
             PhysicsSchedule,
             lag::swap_contacts.after(PhysicsSystems::NarrowPhase).before(PhysicsSystems::Islands),
         )
-        .add_systems(PhysicsSchedule, solve_islands.in_set(PhysicsSystems::Solve));
+        .add_plugins(impulse::plugin)
+        .add_systems(
+            PhysicsSchedule,
+            solve_islands
+                .in_set(PhysicsSystems::Solve)
+                .run_if(|settings: Res<SolverSettings>| !settings.method.keeps_contacts()),
+        );
 }
 
 /// One solver per island, kept with its buffers from step to step.

@@ -101,8 +101,9 @@ const FIELDS: &[(&str, &[Field])] = &[
             Field::choice(
                 "method",
                 "method",
-                "How contact and joint rows are solved.\n\nProjected Gauss Seidel: on force-level rows with λ from \
-                 zero (Catto 2005).",
+                "How contacts and joints are solved.\n\nSoft Step: impulses with soft constraints, then without, in \
+                 each substep (Catto 2024); trees of joints exactly.\nProjected Gauss Seidel: on force-level rows \
+                 (Catto 2005).",
             ),
             Field::number(
                 "iterations",

@@ -1,11 +1,14 @@
 //! Tests of collision detection, one module a piece, and the random bodies they share.
 
+mod bounding_tree;
 mod broad_phase;
 mod cones;
 mod feature_sat;
 mod gaps;
 mod hulls;
 mod manifolds;
+mod persistent_pairs;
+mod room;
 mod sat;
 mod systems;
 mod vector_set;
@@ -102,4 +105,26 @@ fn assert_close(a: Vector3<f64>, b: Vector3<f64>, tolerance: f64) {
 
 fn deepest(points: &[ContactPoint]) -> f64 {
     points.iter().map(|point| point.depth).fold(0.0, f64::max)
+}
+
+/// A small seeded generator (Marsaglia's xorshift64).
+struct Xorshift(u64);
+
+impl Xorshift {
+    /// In [0, 1).
+    fn unit(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// In [−1, 1)³.
+    fn vector(&mut self) -> Vector3<f64> {
+        Vector3::from_fn(|_, _| 2.0 * self.unit() - 1.0)
+    }
+
+    fn index(&mut self, count: usize) -> usize {
+        ((self.unit() * count as f64) as usize).min(count - 1)
+    }
 }

@@ -15,7 +15,7 @@ use crate::physics::settings::SolverSettings;
 
 fn world(list: Vec<Body>, settings: SolverSettings) -> World {
     let mut world = World::new();
-    world.insert_resource(Bodies { list });
+    world.insert_resource(Bodies { list, ..Bodies::default() });
     world.insert_resource(settings);
     world.init_resource::<JoinedPairs>();
     world.init_resource::<CandidatePairs>();

@@ -1,5 +1,11 @@
 //! Work split over Bevy's compute pool, at most one scope a phase.
 
+mod shared;
+mod stages;
+
+pub(crate) use shared::Shared;
+pub(crate) use stages::walk_stages;
+
 use std::sync::Mutex;
 
 use bevy::tasks::ComputeTaskPool;

@@ -1,0 +1,516 @@
+//! Contacts that last: one slot for each pair of bodies that are near each other, kept for as long
+//! as they are.
+//!
+//! A slot's manifold is found again only when the two bodies have moved against each other by more
+//! than [`RECYCLED`] of the smaller one's size since it was found; until then its points, fixed to
+//! either body, move along with them, which is exact to first order. Impulses stay with the slot
+//! and are matched by feature when the manifold is found again.
+
+use bevy::prelude::*;
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::contact_pair::{self, PairSearch};
+use super::near_pairs::NearPairs;
+use super::pair_slots::PairSlot;
+use super::{ContactPoint, Contacts, FeatureId, Manifold, Pair};
+use crate::physics::bodies::{Bodies, Body};
+use crate::physics::body::RigidBody;
+use crate::physics::constraint::contact::tangents;
+use crate::physics::diagnostics::{ContactForces, StepStats};
+use crate::physics::lanes::{Record, WIDTH};
+use crate::physics::settings::{FrictionModel, SolverSettings};
+use crate::physics::threads::for_each_block;
+
+/// Share of the smaller bounding radius by which a pair may move before its manifold is found anew.
+const RECYCLED: f64 = 1e-3;
+
+/// Share of the smaller bounding radius within which surfaces that do not touch get contact points.
+const MARGIN: f64 = 0.01;
+
+/// Share of the smaller bounding radius within which a point without a namesake takes over from an old one.
+const NEAR: f64 = 0.1;
+
+/// Most points of a manifold.
+pub(crate) const POINTS: usize = 4;
+
+/// Records that hold the geometry of one pair's contact.
+pub(crate) const GEOMETRY: usize = 4;
+
+/// Slots that one thread works through at a time.
+const CHUNK: usize = 128;
+
+/// What the rows of one pair's contact are made from, in the body axes of A (normal, tangent,
+/// points on A) and B (points on B): normal, tangent, μ, number of points, then each point on A and
+/// on B.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct ContactGeometry {
+    pub records: [Record<f32>; GEOMETRY],
+}
+
+impl ContactGeometry {
+    /// Of points given as (on A, on B).
+    pub fn new(
+        normal: &Vector3<f64>,
+        tangent: &Vector3<f64>,
+        friction: f64,
+        count: usize,
+        points: impl Iterator<Item = (Vector3<f64>, Vector3<f64>)>,
+    ) -> Self {
+        let mut numbers = [0.0_f32; GEOMETRY * WIDTH];
+        let head = normal.iter().chain(tangent.iter()).copied().chain([friction, count as f64]);
+        let tail = points.flat_map(|(a, b)| [a.x, a.y, a.z, b.x, b.y, b.z]);
+        for (number, value) in numbers.iter_mut().zip(head.chain(tail)) {
+            *number = value as f32;
+        }
+        let (records, _) = numbers.as_chunks::<WIDTH>();
+        Self { records: std::array::from_fn(|index| Record(records[index])) }
+    }
+
+    /// Points of the patch.
+    pub fn point_count(&self) -> usize {
+        self.records[0].0[7] as usize
+    }
+
+    /// μ of the pair.
+    pub fn friction(&self) -> f32 {
+        self.records[0].0[6]
+    }
+
+    fn vector(&self, first: usize) -> Vector3<f64> {
+        Vector3::from_fn(|axis, _| f64::from(self.records[(first + axis) / WIDTH].0[(first + axis) % WIDTH]))
+    }
+
+    /// Unit, from A to B, body axes of A.
+    pub fn normal(&self) -> Vector3<f64> {
+        self.vector(0)
+    }
+
+    /// Across the normal, body axes of A.
+    pub fn tangent(&self) -> Vector3<f64> {
+        self.vector(3)
+    }
+
+    /// A point on A and on B, each in that body's axes.
+    pub fn point(&self, index: usize) -> (Vector3<f64>, Vector3<f64>) {
+        (self.vector(8 + 6 * index), self.vector(11 + 6 * index))
+    }
+}
+
+/// What the solver reads and writes of one pair's contact.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ContactState {
+    pub geometry: ContactGeometry,
+    /// Four points, two tangents, twist, N·s of a substep.
+    pub impulses: Record<f32>,
+}
+
+impl ContactState {
+    /// Whether the bodies pushed each other in the last step.
+    pub fn pushes(&self) -> bool {
+        self.impulses.0[..POINTS].iter().any(|&impulse| impulse > 0.0)
+    }
+}
+
+/// How B lies to A, in A's axes.
+#[derive(Clone, Copy, Debug)]
+struct RelativePose {
+    offset: Vector3<f64>,
+    rotation: UnitQuaternion<f64>,
+}
+
+impl RelativePose {
+    fn of(a: &Body, b: &Body) -> Self {
+        Self {
+            offset: a.rotation.inverse_transform_vector(&(b.position - a.position)),
+            rotation: a.rotation.rotation_to(&b.rotation),
+        }
+    }
+
+    /// An upper bound of how far a point within `reach` of B's centre has moved in A's axes.
+    fn moved(&self, other: &Self, reach: f64) -> f64 {
+        // The chord between unit quaternions is half the angle, to third order.
+        let (one, two) = (self.rotation.coords, other.rotation.coords);
+        let chord = (one - two).norm_squared().min((one + two).norm_squared()).sqrt();
+        (self.offset - other.offset).norm() + 2.0 * chord * reach
+    }
+}
+
+/// One pair.
+#[derive(Clone, Debug)]
+pub(crate) struct Slot {
+    pub pair: Pair,
+    /// Whether there are contact points.
+    pub touching: bool,
+    /// Whether [`super::super::ContactStarted`] was said, and not yet that it ended.
+    pub is_pressed: bool,
+    pub entities: (Entity, Entity),
+    pub restitution: f32,
+    features: [FeatureId; POINTS],
+    found_at: Option<RelativePose>,
+    /// Smaller bounding radius.
+    size: f64,
+    /// Bounding radius of B, or what its points can be from its centre.
+    reach: f64,
+    /// Where A's axes have their origin for this contact: at its centre of mass, or, as A may be
+    /// a ground that reaches far, near B where A does not move.
+    origin: Vector3<f64>,
+    /// Whether there is a pair.
+    is_used: bool,
+}
+
+impl Default for Slot {
+    fn default() -> Self {
+        Self {
+            pair: Pair { a: 0, b: 0 },
+            touching: false,
+            is_pressed: false,
+            entities: (Entity::PLACEHOLDER, Entity::PLACEHOLDER),
+            restitution: 0.0,
+            features: [FeatureId::default(); POINTS],
+            found_at: None,
+            size: 0.0,
+            reach: 0.0,
+            origin: Vector3::zeros(),
+            is_used: false,
+        }
+    }
+}
+
+/// All pairs near each other, slot by slot. A slot's index stays the same for its life.
+#[derive(Resource, Default)]
+pub(crate) struct ContactGraph {
+    pub slots: Vec<Slot>,
+    pub states: Vec<ContactState>,
+    /// Counts every change of which pairs touch.
+    pub version: u64,
+    /// Whether any slot's `is_pressed` may be out of date.
+    pub presses_changed: bool,
+    /// Pairs that touch, and their points.
+    manifolds: i64,
+    point_count: i64,
+    /// Pairs that pressed on each other until they were no pairs any more.
+    pub parted: Vec<(Entity, Entity)>,
+    /// While somebody reads contact forces.
+    pub recording: Option<Recording>,
+}
+
+/// What the forces at contact points are told from.
+#[derive(Default)]
+pub(crate) struct Recording {
+    /// What each slot's contact pushed in all substeps, N·s.
+    pub totals: Vec<Record<f32>>,
+    /// The first tangent of each manifold of [`Contacts`], world axes, and its slot.
+    tangents: Vec<(Vector3<f64>, u32)>,
+}
+
+/// What one thread needs to find contacts, and what it counts.
+#[derive(Default)]
+pub(super) struct Finder {
+    search: PairSearch,
+    points: Vec<ContactPoint>,
+    /// Whether any pair began or ceased to touch.
+    changed: bool,
+    /// Change of the number of touching pairs, and of their points.
+    manifolds: i64,
+    point_count: i64,
+}
+
+/// Takes in which pairs are near and finds their contacts.
+pub(super) fn update_graph(
+    bodies: Res<Bodies>,
+    near: Res<NearPairs>,
+    settings: Res<SolverSettings>,
+    mut graph: ResMut<ContactGraph>,
+    mut finders: Local<Vec<Finder>>,
+    mut stats: ResMut<StepStats>,
+) {
+    let graph = graph.bypass_change_detection();
+    graph.take_pairs(&near, &bodies.list);
+    if settings.is_changed() {
+        graph.slots.iter_mut().for_each(|slot| slot.found_at = None);
+    }
+    let chunks = graph.slots.len().div_ceil(CHUNK);
+    finders.resize_with(chunks, Finder::default);
+    let mut work: Vec<Chunk> = Vec::new();
+    if settings.threads > 1 {
+        work.extend(
+            graph
+                .slots
+                .chunks_mut(CHUNK)
+                .zip(graph.states.chunks_mut(CHUNK))
+                .zip(finders.iter_mut())
+                .map(|((slots, states), finder)| Chunk { slots, states, finder }),
+        );
+        for_each_block(settings.threads, &mut work, |chunk| chunk.update(&bodies.list, &settings));
+    } else {
+        let all = graph.slots.chunks_mut(CHUNK).zip(graph.states.chunks_mut(CHUNK)).zip(finders.iter_mut());
+        all.for_each(|((slots, states), finder)| Chunk { slots, states, finder }.update(&bodies.list, &settings));
+    }
+    stats.axes_tested = 0;
+    for finder in finders.iter_mut() {
+        stats.axes_tested += u64::from(std::mem::take(&mut finder.search.axes));
+        let changed = std::mem::take(&mut finder.changed);
+        graph.version += u64::from(changed);
+        graph.presses_changed |= changed;
+        graph.manifolds += std::mem::take(&mut finder.manifolds);
+        graph.point_count += std::mem::take(&mut finder.point_count);
+    }
+    stats.manifolds = graph.manifolds as u32;
+    stats.contact_points = graph.point_count as u32;
+}
+
+impl ContactGraph {
+    /// Follows bodies to their new indices. Pairs of the gone are dropped in the next step.
+    pub fn remap(&mut self, new_index: &[Option<u32>]) {
+        for slot in self.slots.iter_mut().filter(|slot| slot.is_used) {
+            let of = |body: u32| new_index.get(body as usize).copied().flatten();
+            if let (Some(a), Some(b)) = (of(slot.pair.a), of(slot.pair.b)) {
+                slot.pair = Pair { a, b };
+            }
+        }
+    }
+
+    fn take_pairs(&mut self, near: &NearPairs, bodies: &[Body]) {
+        for (PairSlot(index), _) in &near.changes.removed {
+            if let Some(slot) = self.slots.get_mut(*index as usize) {
+                if slot.touching {
+                    self.version += 1;
+                    self.manifolds -= 1;
+                    self.point_count -= self.states[*index as usize].geometry.point_count() as i64;
+                }
+                if slot.is_pressed {
+                    self.parted.push(slot.entities);
+                }
+                *slot = Slot::default();
+            }
+        }
+        self.slots.resize(near.slot_count(), Slot::default());
+        self.states.resize(near.slot_count(), ContactState::default());
+        for &slot in &near.changes.added {
+            let Some(Pair { a, b }) = near.pair(slot) else { continue };
+            // What does not move comes first.
+            let pair = if bodies[b as usize].is_dynamic() { Pair { a, b } } else { Pair { a: b, b: a } };
+            let (a, b) = (&bodies[pair.a as usize], &bodies[pair.b as usize]);
+            let index = slot.0 as usize;
+            self.slots[index] = Slot {
+                pair,
+                entities: (a.entity, b.entity),
+                is_used: true,
+                size: a.radius.min(b.radius),
+                reach: b.radius,
+                ..Slot::default()
+            };
+            self.states[index] = ContactState::default();
+        }
+    }
+}
+
+/// A run of slots.
+struct Chunk<'a> {
+    slots: &'a mut [Slot],
+    states: &'a mut [ContactState],
+    finder: &'a mut Finder,
+}
+
+impl Chunk<'_> {
+    fn update(&mut self, bodies: &[Body], settings: &SolverSettings) {
+        let Finder { search, points, changed, manifolds, point_count } = &mut *self.finder;
+        for (slot, state) in self.slots.iter_mut().zip(&mut *self.states).filter(|(slot, _)| slot.is_used) {
+            let (a, b) = (&bodies[slot.pair.a as usize], &bodies[slot.pair.b as usize]);
+            let pose = RelativePose::of(a, b);
+            if slot.found_at.is_some_and(|found| found.moved(&pose, slot.reach) <= RECYCLED * slot.size) {
+                continue;
+            }
+            slot.found_at = Some(pose);
+            points.clear();
+            let (touched, had) = (slot.touching, state.geometry.point_count());
+            slot.find(state, a, b, settings, search, points);
+            *changed |= slot.touching != touched;
+            *manifolds += i64::from(slot.touching) - i64::from(touched);
+            *point_count += state.geometry.point_count() as i64 - had as i64;
+        }
+    }
+}
+
+/// The gap up to which a pair gets contact points: a margin, and what it may close in one step.
+fn reachable_gap(a: &Body, b: &Body, size: f64, settings: &SolverSettings) -> f64 {
+    let approach = (a.linear - b.linear).norm() + a.angular.norm() * a.radius.min(1e6) + b.angular.norm() * b.radius;
+    MARGIN * size + approach * settings.step()
+}
+
+impl Slot {
+    /// From the centre of mass of A, world axes.
+    pub fn origin_in_world(&self, a: &Body) -> Vector3<f64> {
+        a.rotation * self.origin
+    }
+
+    /// Finds the manifold for the present poses.
+    fn find(
+        &mut self,
+        state: &mut ContactState,
+        a: &Body,
+        b: &Body,
+        settings: &SolverSettings,
+        search: &mut PairSearch,
+        points: &mut Vec<ContactPoint>,
+    ) {
+        let mut material = a.material.pair(b.material);
+        if settings.friction == FrictionModel::Off {
+            material.friction = 0.0;
+        }
+        let gap = reachable_gap(a, b, self.size, settings);
+        search.last = None;
+        let Some(overlap) = contact_pair::touch(a, b, gap, search, points) else {
+            self.touching = false;
+            *state = ContactState::default();
+            return;
+        };
+        points.truncate(POINTS);
+        let old = std::mem::take(state);
+        let normal = a.rotation.inverse_transform_vector(&overlap.normal);
+        let [tangent, _] = tangents(&normal);
+        self.origin = match a.kind {
+            RigidBody::Static => a.rotation.inverse_transform_vector(&(b.position - a.position)),
+            RigidBody::Dynamic | RigidBody::Kinematic => Vector3::zeros(),
+        };
+        let origin = self.origin;
+        let places = points.iter().map(|point| {
+            let half = overlap.normal * (0.5 * point.depth);
+            let on_a = a.rotation.inverse_transform_vector(&(point.point + half - a.position)) - origin;
+            let on_b = b.rotation.inverse_transform_vector(&(point.point - half - b.position));
+            (on_a, on_b)
+        });
+        state.geometry = ContactGeometry::new(&normal, &tangent, material.friction, points.len(), places);
+        self.restitution = material.restitution as f32;
+        if self.touching {
+            self.carry_pushes(&old, state, points);
+            self.carry_friction(&old, state);
+        }
+        for (kept, point) in self.features.iter_mut().zip(&*points) {
+            *kept = point.feature;
+        }
+        self.touching = true;
+    }
+
+    /// Each point takes over what the old point of its feature pushed. Where edges lie on edges, rounding decides
+    /// which features a corner is named after: what has no namesake takes over from the nearest old point left.
+    fn carry_pushes(&self, old: &ContactState, state: &mut ContactState, points: &[ContactPoint]) {
+        let mut is_free = [false; POINTS];
+        is_free[..old.geometry.point_count()].fill(true);
+        let mut from = [None; POINTS];
+        for (from, point) in from.iter_mut().zip(points) {
+            *from = (0..POINTS).find(|&known| is_free[known] && self.features[known] == point.feature);
+            if let Some(known) = *from {
+                is_free[known] = false;
+            }
+        }
+        for (index, from) in from.iter_mut().enumerate().take(points.len()) {
+            if from.is_none() {
+                let (place, _) = state.geometry.point(index);
+                let distance = |known: usize| (old.geometry.point(known).0 - place).norm_squared();
+                let near = (0..POINTS)
+                    .filter(|&known| is_free[known])
+                    .min_by(|&one, &other| distance(one).total_cmp(&distance(other)))
+                    .filter(|&known| distance(known) < (NEAR * self.size).powi(2));
+                if let Some(known) = near {
+                    is_free[known] = false;
+                }
+                *from = near;
+            }
+            state.impulses.0[index] = from.map_or(0.0, |known| old.impulses.0[known]);
+        }
+    }
+
+    /// Friction turns along with the tangents.
+    fn carry_friction(&self, old: &ContactState, state: &mut ContactState) {
+        let frame = |geometry: &ContactGeometry| {
+            let (normal, tangent) = (geometry.normal(), geometry.tangent());
+            [tangent, normal.cross(&tangent)]
+        };
+        let [x, y] = frame(&old.geometry);
+        let force = x * f64::from(old.impulses.0[POINTS]) + y * f64::from(old.impulses.0[POINTS + 1]);
+        for (impulse, tangent) in state.impulses.0[POINTS..].iter_mut().zip(frame(&state.geometry)) {
+            *impulse = force.dot(&tangent) as f32;
+        }
+        state.impulses.0[POINTS + 2] = old.impulses.0[POINTS + 2];
+    }
+}
+
+/// Fills [`Contacts`] from the slots, for whoever reads them.
+pub(super) fn export_contacts(
+    bodies: Res<Bodies>,
+    mut graph: ResMut<ContactGraph>,
+    stats: Res<StepStats>,
+    forces: Option<Res<ContactForces>>,
+    mut contacts: ResMut<Contacts>,
+) {
+    let contacts = contacts.bypass_change_detection();
+    let graph = graph.bypass_change_detection();
+    let mut recording = forces.map(|_| graph.recording.take().unwrap_or_default());
+    if let Some(recording) = &mut recording {
+        recording.totals.clear();
+        recording.totals.resize(graph.slots.len(), Record::default());
+        recording.tangents.clear();
+    }
+    contacts.time = stats.time;
+    contacts.manifolds.clear();
+    contacts.points.clear();
+    let slots = graph.slots.iter().zip(&graph.states).enumerate();
+    for (index, (slot, state)) in slots.filter(|(_, (slot, _))| slot.touching) {
+        let (a, b) = (&bodies.list[slot.pair.a as usize], &bodies.list[slot.pair.b as usize]);
+        let normal = a.rotation * state.geometry.normal();
+        let first = contacts.points.len();
+        for index in 0..state.geometry.point_count() {
+            let (on_a, on_b) = state.geometry.point(index);
+            let (on_a, on_b) = (a.rotation * (on_a + slot.origin), b.rotation * on_b + (b.position - a.position));
+            contacts.points.push(ContactPoint {
+                point: a.position + (on_a + on_b) * 0.5,
+                depth: normal.dot(&(on_a - on_b)),
+                feature: slot.features[index],
+            });
+        }
+        if let Some(recording) = &mut recording {
+            recording.tangents.push((a.rotation * state.geometry.tangent(), index as u32));
+        }
+        contacts.manifolds.push(Manifold {
+            pair: slot.pair,
+            normal,
+            first_point: first as u32,
+            point_count: (contacts.points.len() - first) as u32,
+            friction: f64::from(state.geometry.friction()),
+            restitution: f64::from(slot.restitution),
+        });
+    }
+    graph.recording = recording;
+}
+
+impl ContactGraph {
+    /// The force on B at each contact point, as (manifold, point within it, its mean over a step of `h` and that
+    /// of its last substep, of `h_last`, N). Friction of a patch is shared out as the points press.
+    pub fn contact_forces(
+        &self,
+        contacts: &Contacts,
+        h: f64,
+        h_last: f64,
+    ) -> impl Iterator<Item = (u32, usize, [Vector3<f64>; 2])> {
+        let recording =
+            self.recording.iter().flat_map(|recording| recording.tangents.iter().map(move |t| (recording, t)));
+        recording.zip(&contacts.manifolds).enumerate().flat_map(
+            move |(index, ((recording, &(tangent, slot)), manifold))| {
+                let frame = [manifold.normal, tangent, manifold.normal.cross(&tangent)];
+                let forces = [(&recording.totals[slot as usize], h), (&self.states[slot as usize].impulses, h_last)];
+                (0..manifold.point_count as usize).map(move |point| {
+                    (index as u32, point, forces.map(|(impulses, h)| point_force(impulses, &frame, point) / h))
+                })
+            },
+        )
+    }
+}
+
+/// What one point of a patch pushes with, N·s.
+fn point_force(impulses: &Record<f32>, [normal, x, y]: &[Vector3<f64>; 3], point: usize) -> Vector3<f64> {
+    let [push, along_x, along_y] = [point, POINTS, POINTS + 1].map(|index| f64::from(impulses.0[index]));
+    let pressed: f64 = impulses.0[..POINTS].iter().map(|&impulse| f64::from(impulse)).sum();
+    let share = if pressed > 0.0 { push / pressed } else { 0.0 };
+    normal * push + (x * along_x + y * along_y) * share
+}

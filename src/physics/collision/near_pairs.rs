@@ -1,0 +1,138 @@
+//! The broad phase of contacts that last: keeps the [`PersistentPairs`] of the bodies.
+//!
+//! Tells them what a change of a body or joint means, and bounds each shape by its own box.
+
+use bevy::prelude::*;
+use nalgebra::Vector3;
+
+use super::bounding_tree::BoundingBox;
+use super::fat_box::{Extent, Placement};
+use super::pair_slots::PairSlot;
+use super::persistent_pairs::{BoundedBodies, Bounds, PairChanges, PersistentPairs};
+use super::{CONTACT_TOLERANCE, Pair};
+use crate::physics::bodies::{Bodies, Body, Joints};
+use crate::physics::body::RigidBody;
+use crate::physics::collider::Geometry;
+use crate::physics::diagnostics::StepStats;
+use crate::physics::joint::JoinedPairs;
+use crate::physics::settings::SolverSettings;
+
+/// Pairs near each other, and what changed about them in this step.
+#[derive(Resource, Default)]
+pub(crate) struct NearPairs {
+    persistent: PersistentPairs,
+    pub changes: PairChanges,
+    /// Pairs of bodies that are gone, under the indices they had.
+    dropped: Vec<(PairSlot, Pair)>,
+    /// Steps up to which the pairs are known; bodies that changed in a step without are not.
+    known_steps: Option<u64>,
+    joined: JoinedPairs,
+    joints_version: u64,
+}
+
+impl NearPairs {
+    /// Follows bodies to their new indices.
+    pub fn remap(&mut self, new_index: &[Option<u32>]) {
+        self.persistent.remap(new_index, &mut self.dropped);
+        self.joined.remap(new_index);
+    }
+}
+
+/// The bodies as the broad phase asks for them.
+struct InStep<'a> {
+    bodies: &'a [Body],
+    joined: &'a JoinedPairs,
+    h: f64,
+}
+
+impl BoundedBodies for InStep<'_> {
+    fn placement(&self, body: u32) -> Placement {
+        let body = &self.bodies[body as usize];
+        Placement {
+            position: body.position,
+            rotation: body.rotation,
+            travel: body.linear * self.h,
+            turn: body.angular.norm() * self.h,
+        }
+    }
+
+    fn bounds(&self, body: u32) -> Bounds {
+        let body = &self.bodies[body as usize];
+        let axes = body.rotation.to_rotation_matrix().into_inner();
+        let reach = match &body.geometry {
+            None => return Bounds::None,
+            Some(Geometry::HalfSpace) => return Bounds::HalfSpace { normal: axes.column(1).into_owned() },
+            Some(Geometry::Sphere { radius }) => [Vector3::repeat(-radius), Vector3::repeat(*radius)],
+            Some(Geometry::Cuboid { half }) => {
+                let reach = axes.abs() * half;
+                [-reach, reach]
+            }
+            Some(Geometry::Cone { radius, height, .. }) => {
+                // The apex, and the disc of the base.
+                let axis = axes.column(1);
+                let disc = axis.map(|along| radius * (1.0 - along * along).max(0.0).sqrt());
+                let (apex, base) = (axis * (0.75 * height), axis * (-0.25 * height));
+                [apex.inf(&(base - disc)), apex.sup(&(base + disc))]
+            }
+            Some(Geometry::Hull(hull)) => {
+                let start = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
+                hull.vertices
+                    .iter()
+                    .map(|vertex| axes * vertex)
+                    .fold(start, |[low, high], v| [low.inf(&v), high.sup(&v)])
+            }
+        };
+        let slack = Vector3::repeat(CONTACT_TOLERANCE * body.radius);
+        let [low, high] = [body.position + reach[0] - slack, body.position + reach[1] + slack];
+        let moves = body.kind != RigidBody::Static;
+        Bounds::Within(Extent { bounds: BoundingBox { low, high }, radius: body.radius, moves })
+    }
+
+    fn may_pair(&self, a: u32, b: u32) -> bool {
+        let (one, other) = (&self.bodies[a as usize], &self.bodies[b as usize]);
+        (one.is_dynamic() || other.is_dynamic()) && one.layers.interact(other.layers) && !self.joined.contains(a, b)
+    }
+}
+
+/// Brings the pairs up to date with the bodies.
+pub(super) fn update_pairs(
+    bodies: Res<Bodies>,
+    joints: Res<Joints>,
+    joined: Res<JoinedPairs>,
+    settings: Res<SolverSettings>,
+    mut near: ResMut<NearPairs>,
+    mut stats: ResMut<StepStats>,
+) {
+    let near = near.bypass_change_detection();
+    let NearPairs { persistent, changes, dropped, known_steps, joined: joined_before, joints_version } = near;
+    if known_steps.replace(stats.steps + 1) == Some(stats.steps) {
+        bodies.renewed.iter().for_each(|&body| persistent.renew(body));
+    } else {
+        (0..bodies.list.len() as u32).for_each(|body| persistent.renew(body));
+    }
+    if *joints_version != joints.version {
+        *joints_version = joints.version;
+        joined.differences(joined_before, |a, b| persistent.reconsider(a, b));
+        joined_before.clone_from(&joined);
+    }
+    let in_step = InStep { bodies: &bodies.list, joined: &joined, h: settings.step() };
+    let moving = (0..bodies.list.len() as u32).filter(|&body| bodies.list[body as usize].kind != RigidBody::Static);
+    persistent.update(&in_step, moving, changes);
+    if !dropped.is_empty() {
+        dropped.append(&mut changes.removed);
+        std::mem::swap(dropped, &mut changes.removed);
+    }
+    stats.pairs = persistent.pairs().len() as u32;
+}
+
+impl NearPairs {
+    /// The pair of a slot.
+    pub fn pair(&self, slot: PairSlot) -> Option<Pair> {
+        self.persistent.pairs().get(slot)
+    }
+
+    /// How many slots there are, free ones included.
+    pub fn slot_count(&self) -> usize {
+        self.persistent.pairs().slot_count()
+    }
+}

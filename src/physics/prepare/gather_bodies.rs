@@ -1,0 +1,221 @@
+//! Bodies enter and leave the packed array; those that others wrote to are gathered.
+
+use bevy::ecs::system::SystemChangeTick;
+use bevy::math::DVec3;
+use bevy::prelude::*;
+
+use super::gather_body::{freeze, gather_body, teleport};
+use super::table::{BodyQuery, BodyTable, Watch};
+use crate::physics::bodies::{Bodies, Body};
+use crate::physics::body::{BodySlot, QuarantineReason, Quarantined, RigidBody};
+use crate::physics::collision::{ContactGraph, NearPairs};
+use crate::physics::diagnostics::StepStats;
+use crate::physics::messages::BodyQuarantined;
+use crate::physics::settings::{Gravity, SolverSettings};
+use crate::physics::solver::{ContactCache, LaggedContacts};
+use crate::physics::transform::RenderOrigin;
+
+/// Why contiguous iteration cannot fail: all components of a body are stored in tables.
+const IN_TABLES: &str = "a disabling component stored as a sparse set hides bodies from physics: store it in tables";
+
+/// What is kept from step to step.
+#[derive(Default)]
+pub(super) struct Gathering {
+    /// Bodies without a place in the list.
+    new: Vec<(u64, Entity)>,
+    /// Rows of the table at hand that others wrote to.
+    stale: Vec<bool>,
+    /// Gravity and drag that went into all forces and drags.
+    summed: Option<(DVec3, f64)>,
+}
+
+/// What a jump of a body's pose makes worthless.
+struct Contacts<'a> {
+    lagged: &'a mut LaggedContacts,
+    cache: &'a mut ContactCache,
+    near: &'a mut NearPairs,
+    graph: &'a mut ContactGraph,
+}
+
+pub(super) fn gather_bodies(
+    mut query: Query<BodyQuery>,
+    mut bodies: ResMut<Bodies>,
+    mut lagged: ResMut<LaggedContacts>,
+    mut cache: ResMut<ContactCache>,
+    (mut near, mut graph): (ResMut<NearPairs>, ResMut<ContactGraph>),
+    gravity: Res<Gravity>,
+    settings: Res<SolverSettings>,
+    origin: Res<RenderOrigin>,
+    mut stats: ResMut<StepStats>,
+    mut quarantine: MessageWriter<BodyQuarantined>,
+    mut commands: Commands,
+    mut gathering: Local<Gathering>,
+    ticks: SystemChangeTick,
+) {
+    let Gathering { new, stale, summed } = &mut *gathering;
+    let bodies = &mut *bodies;
+    bodies.renewed.clear();
+    if !is_list_complete(&query, bodies, new) {
+        let mut contacts = Contacts { lagged: &mut lagged, cache: &mut cache, near: &mut near, graph: &mut graph };
+        update_list(&mut query, bodies, new, &mut contacts, &mut commands);
+    }
+    stats.bodies = bodies.list.len() as u32;
+    stats.quarantined = 0;
+    let last_run = ticks.last_run();
+    let written_back = bodies.written_back.unwrap_or(last_run);
+    let watch = Watch { last_run, this_run: ticks.this_run(), written_back };
+    let terms = Some((gravity.0, settings.drag));
+    let all = *summed != terms;
+    *summed = terms;
+    for mut table in query.contiguous_iter_mut().expect(IN_TABLES) {
+        if all {
+            stale.clear();
+            stale.resize(table.entity.len(), true);
+        } else if !table.find_stale(&watch, stale) {
+            continue;
+        }
+        for row in (0..stale.len()).filter(|&row| stale[row]) {
+            let index = table.slot.as_ref()[row].index;
+            if teleport(&mut table, row, origin.0) {
+                lagged.drop_body(index);
+                cache.drop_body(index);
+                bodies.list[index as usize].changes += 1;
+                bodies.renewed.push(index);
+            }
+            let Some(reason) = gather_row(&mut table, row, bodies, &watch, &gravity, &settings, &mut commands) else {
+                continue;
+            };
+            stats.quarantined += 1;
+            if table.quarantined.is_none() {
+                let entity = table.entity[row];
+                commands.entity(entity).insert(Quarantined { reason });
+                commands.trigger(BodyQuarantined { entity, reason });
+                quarantine.write(BodyQuarantined { entity, reason });
+            }
+        }
+    }
+}
+
+/// Gathers one body, or freezes it and says why.
+fn gather_row(
+    table: &mut BodyTable,
+    row: usize,
+    bodies: &mut Bodies,
+    watch: &Watch,
+    gravity: &Gravity,
+    settings: &SolverSettings,
+    commands: &mut Commands,
+) -> Option<QuarantineReason> {
+    let presence = table.presence();
+    let slot = table.slot.as_ref()[row];
+    let body = &mut bodies.list[slot.index as usize];
+    debug_assert_eq!(body.entity, table.entity[row]);
+    let known = |body: &Body| (body.kind, body.layers, body.material, body.changes);
+    let before = known(body);
+    body.mass_is_stale |= presence.lost_density(slot.gathered_with);
+    let components = table.components(row, watch);
+    let verdict = gather_body(&components, body, gravity, settings, commands);
+    let reason = components.quarantined.or(verdict.err());
+    if reason.is_some() {
+        freeze(table, row, body);
+    }
+    if body.kind == RigidBody::Static {
+        // Nothing to interpolate: it is where it was put.
+        table.history.bypass_change_detection()[row].previous = None;
+    }
+    // Looked at again in the next step, even if somebody lets it go without mending it.
+    let gathered_with = if reason.is_some() { BodySlot::TO_GATHER } else { presence.0 };
+    table.slot.bypass_change_detection()[row].gathered_with = gathered_with;
+    bodies.version += u64::from(body.kind != before.0);
+    if known(body) != before {
+        bodies.renewed.push(slot.index);
+    }
+    reason
+}
+
+/// Whether the list holds exactly the bodies that there are. Collects those without a place.
+fn is_list_complete(query: &Query<BodyQuery>, bodies: &Bodies, new: &mut Vec<(u64, Entity)>) -> bool {
+    new.clear();
+    let mut placed = 0;
+    for table in query.contiguous_iter().expect(IN_TABLES) {
+        let here = table.slot.iter().filter(|slot| slot.index != u32::MAX).count();
+        placed += here;
+        if here < table.slot.len() {
+            let rows = table.slot.iter().zip(table.entity).filter(|(slot, _)| slot.index == u32::MAX);
+            new.extend(rows.map(|(slot, &entity)| (slot.born, entity)));
+        }
+    }
+    // A body that leaves loses its place, so that nobody has another's.
+    new.is_empty() && placed == bodies.list.len()
+}
+
+/// Drops bodies that are gone and appends new ones in the order in which they became bodies.
+fn update_list(
+    query: &mut Query<BodyQuery>,
+    bodies: &mut Bodies,
+    new: &mut [(u64, Entity)],
+    contacts: &mut Contacts,
+    commands: &mut Commands,
+) {
+    bodies.version += 1;
+    let seen: Vec<bool> = (0..)
+        .zip(&bodies.list)
+        .map(|(index, body)| query.get(body.entity).is_ok_and(|item| item.slot.index == index))
+        .collect();
+    if seen.contains(&false) {
+        contacts.cache.clear();
+        drop_gone_bodies(&seen, bodies, contacts, query, commands);
+    }
+    new.sort_unstable();
+    for &(_, entity) in new.iter() {
+        if let Ok(mut body) = query.get_mut(entity) {
+            *body.slot = BodySlot { index: bodies.list.len() as u32, gathered_with: BodySlot::TO_GATHER, ..*body.slot };
+            bodies.renewed.push(bodies.list.len() as u32);
+            bodies.list.push(Body::new(entity));
+        }
+    }
+}
+
+/// Packs the living bodies again, in their order.
+fn drop_gone_bodies(
+    seen: &[bool],
+    bodies: &mut Bodies,
+    contacts: &mut Contacts,
+    query: &mut Query<BodyQuery>,
+    commands: &mut Commands,
+) {
+    let mut next = 0;
+    let new_index: Vec<Option<u32>> = seen
+        .iter()
+        .map(|&alive| {
+            alive.then(|| {
+                next += 1;
+                next - 1
+            })
+        })
+        .collect();
+    contacts.lagged.remap(&new_index);
+    contacts.near.remap(&new_index);
+    contacts.graph.remap(&new_index);
+    for (body, _) in bodies.list.iter().zip(seen).filter(|(_, seen)| !**seen) {
+        if !query.contains(body.entity) {
+            forget_place(body.entity, commands);
+        }
+    }
+    let mut alive = seen.iter();
+    bodies.list.retain(|_| *alive.next().expect("one flag a body"));
+    for (index, body) in bodies.list.iter().enumerate() {
+        if let Ok(mut item) = query.get_mut(body.entity) {
+            item.slot.index = index as u32;
+        }
+    }
+}
+
+/// One that is a body no more, or is disabled, may come back, and then as a new one.
+fn forget_place(entity: Entity, commands: &mut Commands) {
+    commands.entity(entity).queue_silenced(|mut entity: EntityWorldMut| {
+        if let Some(mut slot) = entity.get_mut::<BodySlot>() {
+            slot.index = u32::MAX;
+        }
+    });
+}

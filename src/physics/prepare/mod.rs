@@ -1,0 +1,39 @@
+//! `Prepare`: from the ECS to packed arrays.
+//!
+//! 1. Bodies ([`gather_bodies`](mod@gather_bodies)): new ones enter, gone ones leave. Of the others, those that nobody
+//!    wrote to since the last step are right already in the packed array, as the last step left
+//!    them: they cost a few tick comparisons ([`table`]) and nothing is copied. The rest is gathered
+//!    whole ([`gather_body`]): poses and velocities are copied, transforms that the user moved
+//!    teleport, mass and geometry are computed where they changed, forces summed, what makes no
+//!    sense is quarantined.
+//! 2. Joints ([`gather_joints`](mod@gather_joints)): packed again only when a joint or the set of bodies changed; a
+//!    joint of a body that is gone is despawned.
+
+mod gather_bodies;
+mod gather_body;
+mod gather_joints;
+mod table;
+#[cfg(test)]
+mod tests;
+
+use bevy::prelude::*;
+
+use gather_bodies::gather_bodies;
+use gather_joints::{PackedFor, gather_joints, joints_changed};
+
+use super::bodies::{Bodies, Joints};
+use super::body::BirthCounter;
+use super::joint::JoinedPairs;
+use super::{PhysicsSchedule, PhysicsSystems};
+
+pub(super) fn plugin(app: &mut App) {
+    app.init_resource::<Bodies>()
+        .init_resource::<Joints>()
+        .init_resource::<JoinedPairs>()
+        .init_resource::<PackedFor>()
+        .init_resource::<BirthCounter>()
+        .add_systems(
+            PhysicsSchedule,
+            (gather_bodies, gather_joints.run_if(joints_changed)).chain().in_set(PhysicsSystems::Prepare),
+        );
+}

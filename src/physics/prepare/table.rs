@@ -1,0 +1,234 @@
+//! The components of bodies, table by table, and which rows of a table somebody wrote to.
+//!
+//! A row needs gathering if
+//! - a component that the packed body holds was written since the last gathering, by anybody but
+//!   `WriteBack`: what that wrote came from the packed body;
+//! - an optional component came or went: the set of those it was gathered with differs;
+//! - its `Transform` was written and differs from what Plumb wrote;
+//! - the last gathering or `WriteBack` found something wrong with it.
+//!
+//! Ticks lie in columns of their own, so that looking at all of them is a few instructions for
+//! eight bodies.
+
+use bevy::ecs::change_detection::{ContiguousMut, ContiguousRef, Tick};
+use bevy::ecs::query::QueryData;
+use bevy::prelude::*;
+
+use crate::physics::body::{
+    BodySlot, CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, Position,
+    QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, SurfaceMaterial, Velocity,
+};
+use crate::physics::collider::Collider;
+use crate::physics::transform::PoseHistory;
+
+#[derive(QueryData)]
+#[query_data(mutable, contiguous(all))]
+pub(super) struct BodyQuery {
+    pub entity: Entity,
+    pub kind: Ref<'static, RigidBody>,
+    pub slot: &'static mut BodySlot,
+    pub position: &'static mut Position,
+    pub rotation: &'static mut Rotation,
+    pub velocity: &'static mut Velocity,
+    pub transform: Ref<'static, Transform>,
+    pub history: &'static mut PoseHistory,
+    pub collider: Option<Ref<'static, Collider>>,
+    pub density: Option<Ref<'static, Density>>,
+    pub mass: Option<Ref<'static, Mass>>,
+    pub inertia: Option<Ref<'static, Inertia>>,
+    pub force: Option<Ref<'static, ExternalForce>>,
+    pub material: Option<Ref<'static, SurfaceMaterial>>,
+    pub layers: Option<Ref<'static, CollisionLayers>>,
+    pub locked: Option<Ref<'static, LockedAxes>>,
+    pub gravity_scale: Option<Ref<'static, GravityScale>>,
+    pub damping: Option<Ref<'static, Damping>>,
+    pub reports: Has<ReportCollisions>,
+    pub quarantined: Option<&'static Quarantined>,
+    pub parent: Has<ChildOf>,
+}
+
+/// All bodies with the same components, a slice each.
+pub(super) type BodyTable<'w, 's> = BodyQueryContiguousItem<'w, 's>;
+
+/// The optional components of a body, one bit each.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) struct Presence(pub u32);
+
+impl Presence {
+    const DENSITY: u32 = 1 << 1;
+
+    /// Whether the body lost its density.
+    pub fn lost_density(self, before: u32) -> bool {
+        before != BodySlot::TO_GATHER && before & !self.0 & Self::DENSITY != 0
+    }
+}
+
+/// What counts as written by others.
+#[derive(Clone, Copy)]
+pub(super) struct Watch {
+    pub last_run: Tick,
+    pub this_run: Tick,
+    /// When `WriteBack` wrote.
+    pub written_back: Tick,
+}
+
+impl Watch {
+    pub fn is_new(&self, tick: Tick) -> bool {
+        tick.is_newer_than(self.last_run, self.this_run)
+    }
+
+    fn is_foreign(&self, tick: Tick) -> bool {
+        self.is_new(tick) & (tick != self.written_back)
+    }
+
+    /// Flags the rows that others wrote. Returns whether there is one.
+    fn mark(&self, ticks: &[Tick], stale: &mut [bool]) -> bool {
+        // Without a branch in either loop, for the vectorizer.
+        let any = ticks.iter().fold(false, |any, &tick| any | self.is_foreign(tick));
+        if any {
+            for (stale, &tick) in stale.iter_mut().zip(ticks) {
+                *stale |= self.is_foreign(tick);
+            }
+        }
+        any
+    }
+}
+
+fn ticks<'a, T>(column: &'a Option<ContiguousRef<T>>) -> &'a [Tick] {
+    column.as_ref().map_or(&[], |column| column.changed_ticks_slice())
+}
+
+fn row<T: Copy>(column: &Option<ContiguousRef<T>>, row: usize) -> Option<T> {
+    column.as_ref().map(|column| column[row])
+}
+
+/// The components of one body; defaults stand for what it does not have.
+pub(super) struct Components<'a> {
+    pub kind: RigidBody,
+    pub position: Position,
+    pub rotation: Rotation,
+    pub velocity: Velocity,
+    pub collider: Option<&'a Collider>,
+    pub collider_changed: bool,
+    pub density: Density,
+    pub mass: Option<Mass>,
+    /// Density or mass came or changed.
+    pub density_or_mass_changed: bool,
+    pub inertia: Option<Inertia>,
+    pub force: ExternalForce,
+    pub material: SurfaceMaterial,
+    pub layers: CollisionLayers,
+    pub locked: LockedAxes,
+    pub gravity_scale: GravityScale,
+    pub damping: Damping,
+    pub reports: bool,
+    pub quarantined: Option<QuarantineReason>,
+    pub has_parent: bool,
+}
+
+impl BodyTable<'_, '_> {
+    pub fn presence(&self) -> Presence {
+        let present = [
+            self.collider.is_some(),
+            self.density.is_some(),
+            self.mass.is_some(),
+            self.inertia.is_some(),
+            self.force.is_some(),
+            self.material.is_some(),
+            self.layers.is_some(),
+            self.locked.is_some(),
+            self.gravity_scale.is_some(),
+            self.damping.is_some(),
+            self.reports,
+            self.quarantined.is_some(),
+            self.parent,
+        ];
+        Presence((0..).zip(present).map(|(bit, present)| u32::from(present) << bit).sum())
+    }
+
+    /// Flags the rows to gather. Returns whether there is one.
+    pub fn find_stale(&self, watch: &Watch, stale: &mut Vec<bool>) -> bool {
+        let rows = self.entity.len();
+        // What is quarantined is looked at every step: it may have been mended, and it is counted.
+        let all = self.quarantined.is_some() || self.parent;
+        stale.clear();
+        stale.resize(rows, all);
+        if all {
+            return true;
+        }
+        let Presence(present) = self.presence();
+        let slots: &[BodySlot] = self.slot.as_ref();
+        let mut any = slots.iter().fold(false, |any, slot| any | (slot.gathered_with != present));
+        if any {
+            for (stale, slot) in stale.iter_mut().zip(slots) {
+                *stale |= slot.gathered_with != present;
+            }
+        }
+        for ticks in [
+            self.kind.changed_ticks_slice(),
+            self.position.changed_ticks_slice(),
+            self.rotation.changed_ticks_slice(),
+            self.velocity.changed_ticks_slice(),
+            ticks(&self.collider),
+            ticks(&self.density),
+            ticks(&self.mass),
+            ticks(&self.inertia),
+            ticks(&self.force),
+            ticks(&self.material),
+            ticks(&self.layers),
+            ticks(&self.locked),
+            ticks(&self.gravity_scale),
+            ticks(&self.damping),
+        ] {
+            any |= watch.mark(ticks, stale);
+        }
+        any | self.find_teleported(watch, stale)
+    }
+
+    /// Transforms are written by Plumb itself too: bits tell whose they are.
+    fn find_teleported(&self, watch: &Watch, stale: &mut [bool]) -> bool {
+        let ticks = self.transform.changed_ticks_slice();
+        if !ticks.iter().fold(false, |any, &tick| any | watch.is_new(tick)) {
+            return false;
+        }
+        let mut any = false;
+        let histories: &[PoseHistory] = self.history.as_ref();
+        for (((stale, &tick), transform), history) in stale.iter_mut().zip(ticks).zip(&*self.transform).zip(histories) {
+            let teleported = watch.is_new(tick) && history.is_foreign(transform);
+            *stale |= teleported;
+            any |= teleported;
+        }
+        any
+    }
+
+    pub fn components(&self, index: usize, watch: &Watch) -> Components<'_> {
+        let changed = |ticks: &[Tick]| ticks.get(index).is_some_and(|&tick| watch.is_new(tick));
+        Components {
+            kind: self.kind[index],
+            position: value(&self.position, index),
+            rotation: value(&self.rotation, index),
+            velocity: value(&self.velocity, index),
+            collider: self.collider.as_ref().map(|column| &column[index]),
+            collider_changed: changed(ticks(&self.collider)),
+            density: row(&self.density, index).unwrap_or_default(),
+            mass: row(&self.mass, index),
+            density_or_mass_changed: changed(ticks(&self.density)) || changed(ticks(&self.mass)),
+            inertia: row(&self.inertia, index),
+            force: row(&self.force, index).unwrap_or_default(),
+            material: row(&self.material, index).unwrap_or_default(),
+            layers: row(&self.layers, index).unwrap_or_default(),
+            locked: row(&self.locked, index).unwrap_or_default(),
+            gravity_scale: row(&self.gravity_scale, index).unwrap_or_default(),
+            damping: row(&self.damping, index).unwrap_or_default(),
+            reports: self.reports,
+            quarantined: self.quarantined.map(|column| column[index].reason),
+            has_parent: self.parent,
+        }
+    }
+}
+
+/// Reads one row of a column.
+pub(super) fn value<T: Copy>(column: &ContiguousMut<T>, row: usize) -> T {
+    let values: &[T] = column.as_ref();
+    values[row]
+}

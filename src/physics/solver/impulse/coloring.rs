@@ -1,0 +1,81 @@
+//! Graph colouring: constraints of a colour share no body that moves, so that they can be solved
+//! side by side, in lanes and on threads, in any order with the same result.
+//!
+//! Greedy, in the order given: each constraint takes the first colour that neither of its bodies
+//! has yet. Bodies of high degree run out of colours; what is left over goes into blocks of one.
+
+use crate::physics::lanes::{READ_ONLY, WIDTH};
+
+/// Colours told apart: the bits of a mask.
+const COLORS: usize = 64;
+
+/// Constraints in the order in which blocks take them.
+#[derive(Default)]
+pub(crate) struct Coloring {
+    used: Vec<u64>,
+    colors: Vec<u8>,
+    /// Constraints, colour after colour.
+    pub order: Vec<u32>,
+    /// Runs of `order` that make up a block, as (start, end).
+    pub blocks: Vec<(u32, u32)>,
+    /// Runs of `blocks` that may be solved in any order, as (start, end).
+    pub stages: Vec<(u32, u32)>,
+}
+
+impl Coloring {
+    /// Forgets everything, for a group of `bodies`.
+    pub fn clear(&mut self) {
+        self.order.clear();
+        self.blocks.clear();
+        self.stages.clear();
+    }
+
+    /// Adds stages for constraints between these bodies, told by index and numbered from `first`; blocks hold
+    /// at most `lanes`.
+    pub fn add(&mut self, bodies: usize, first: u32, pairs: &[(u32, u32)], lanes: usize) {
+        debug_assert!(lanes <= WIDTH);
+        self.used.clear();
+        self.used.resize(bodies, 0);
+        self.colors.clear();
+        let mut counts = [0_u32; COLORS + 1];
+        for &(a, b) in pairs {
+            let mask = |body: u32| if body & READ_ONLY == 0 { self.used[body as usize] } else { 0 };
+            let color = (mask(a) | mask(b)).trailing_ones() as usize;
+            for body in [a, b] {
+                if color < COLORS && body & READ_ONLY == 0 {
+                    self.used[body as usize] |= 1 << color;
+                }
+            }
+            counts[color] += 1;
+            self.colors.push(color as u8);
+        }
+        let mut starts = [0_u32; COLORS + 1];
+        let mut next = self.order.len() as u32;
+        for (start, count) in starts.iter_mut().zip(counts) {
+            *start = next;
+            next += count;
+        }
+        self.order.resize(next as usize, 0);
+        let mut fill = starts;
+        for (index, &color) in self.colors.iter().enumerate() {
+            let place = &mut fill[color as usize];
+            self.order[*place as usize] = first + index as u32;
+            *place += 1;
+        }
+        for (color, (&start, &count)) in starts.iter().zip(&counts).enumerate() {
+            self.add_stages(start, count, if color < COLORS { lanes } else { 1 }, color == COLORS);
+        }
+    }
+
+    fn add_stages(&mut self, start: u32, count: u32, lanes: usize, apart: bool) {
+        let first = self.blocks.len() as u32;
+        let end = start + count;
+        self.blocks.extend((start..end).step_by(lanes).map(|from| (from, (from + lanes as u32).min(end))));
+        let last = self.blocks.len() as u32;
+        if apart {
+            self.stages.extend((first..last).map(|block| (block, block + 1)));
+        } else if last > first {
+            self.stages.push((first, last));
+        }
+    }
+}

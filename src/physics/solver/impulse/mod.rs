@@ -1,0 +1,165 @@
+//! The engine under the impulse methods: bodies and constraints of a group packed for wide
+//! kernels, one file a kind, and the system that takes all groups through a step.
+//!
+//! [`bodies`] whitened velocities; [`contact`], [`joint`] the kernels; [`tree`] exact trees of joints, [`free`] bodies
+//! on their own, which need no sweeps; [`coloring`] which
+//! constraints may be solved side by side; [`group`] who belongs together; [`stage`] what is done
+//! to a group. A method is a list of stages.
+
+mod bodies;
+mod coloring;
+mod contact;
+mod free;
+mod group;
+mod joint;
+mod stage;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+pub(crate) use contact::{SoftTerms, UNLIMITED};
+pub(crate) use stage::{Color, GroupTerms, Stage};
+
+use std::sync::atomic::AtomicBool;
+
+use bevy::prelude::*;
+use simba::simd::WideF32x8;
+
+use super::soft_step;
+use crate::physics::bodies::{Bodies, Joints};
+use crate::physics::body::RigidBody;
+use crate::physics::collision::ContactGraph;
+use crate::physics::diagnostics::StepStats;
+use crate::physics::island::Islands;
+use crate::physics::lanes::Lanes;
+use crate::physics::settings::{Precision, SolverSettings};
+use crate::physics::threads::{Shared, for_each_block};
+use crate::physics::{PhysicsSchedule, PhysicsSystems};
+use group::Group;
+use stage::WorldParts;
+
+pub(super) fn plugin(app: &mut App) {
+    app.init_resource::<Groups>().add_systems(
+        PhysicsSchedule,
+        solve_groups
+            .in_set(PhysicsSystems::Solve)
+            .run_if(|settings: Res<SolverSettings>| settings.method.keeps_contacts()),
+    );
+}
+
+/// All groups, kept with their buffers from step to step.
+#[derive(Resource, Default)]
+struct Groups {
+    single: GroupsOf<WideF32x8>,
+    double: GroupsOf<f64>,
+}
+
+/// Groups that are solved in the same lanes.
+struct GroupsOf<L: Lanes> {
+    list: Vec<Numbered<L>>,
+    /// Version of the islands that the groups were planned for.
+    planned: Option<u64>,
+}
+
+impl<L: Lanes> Default for GroupsOf<L> {
+    fn default() -> Self {
+        Self { list: Vec::new(), planned: None }
+    }
+}
+
+/// A group, which of the islands' it is, and its stages.
+struct Numbered<L: Lanes> {
+    index: usize,
+    group: Group<L>,
+    stages: Vec<Stage>,
+}
+
+fn solve_groups(
+    mut bodies: ResMut<Bodies>,
+    mut joints: ResMut<Joints>,
+    mut graph: ResMut<ContactGraph>,
+    islands: Res<Islands>,
+    mut groups: ResMut<Groups>,
+    settings: Res<SolverSettings>,
+    mut stats: ResMut<StepStats>,
+) {
+    let Groups { single, double } = &mut *groups;
+    match settings.precision {
+        Precision::F32 => {
+            double.planned = None;
+            single.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings);
+        }
+        Precision::F64 => {
+            single.planned = None;
+            double.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings);
+        }
+    }
+    for body in bodies.list.iter_mut().filter(|body| body.kind == RigidBody::Kinematic) {
+        let (moved, turned) = (body.linear * settings.step(), body.angular * settings.step());
+        body.advance(&moved, &turned);
+    }
+    // Three rows a joint, and three of friction a contact.
+    stats.rows = stats.contact_points + 3 * (stats.manifolds + stats.joints);
+    stats.row_updates = u64::from(stats.rows) * 2 * u64::from(settings.substeps) * u64::from(settings.iterations);
+}
+
+impl<L: Lanes> GroupsOf<L> {
+    fn solve(
+        &mut self,
+        bodies: &mut Bodies,
+        joints: &mut Joints,
+        graph: &mut ContactGraph,
+        islands: &Islands,
+        settings: &SolverSettings,
+    ) {
+        let count = islands.count();
+        if self.list.len() < count {
+            self.list.resize_with(count, || Numbered { index: 0, group: Group::default(), stages: Vec::new() });
+        }
+        let groups = &mut self.list[..count];
+        if self.planned != Some(islands.version()) {
+            self.planned = Some(islands.version());
+            groups.iter_mut().enumerate().for_each(|(index, group)| group.index = index);
+            for_each_block(settings.threads, groups, |Numbered { index, group, .. }| {
+                group.plan(*index, islands, bodies, joints, graph);
+            });
+        }
+        for Numbered { group, stages, .. } in groups.iter_mut() {
+            let plan = soft_step::Plan {
+                substeps: settings.substeps,
+                iterations: settings.iterations,
+                notes: graph.recording.is_some() || group.may_bounce(),
+                turns_far: group.turns_far(&bodies.list, settings.step()),
+            };
+            plan.stages(group.colors(), stages);
+        }
+        let terms = soft_step::terms(settings);
+        let records = graph.recording.is_some();
+        let presses_changed = AtomicBool::new(false);
+        let mut none = Vec::new();
+        let totals = graph.recording.as_mut().map_or(&mut none, |recording| &mut recording.totals);
+        let world = WorldParts {
+            bodies: Shared::new(&mut bodies.list),
+            joints: Shared::new(&mut joints.list),
+            states: Shared::new(&mut graph.states),
+            slots: &graph.slots,
+            presses_changed: &presses_changed,
+            totals: Shared::new(totals),
+        };
+        let step = |Numbered { group, stages, .. }: &mut Numbered<L>, threads: u32| {
+            group.run(stages, &terms, world, records, threads);
+        };
+        // Large groups get all threads, one after the other; of the others each thread takes some.
+        if settings.threads > 1 {
+            groups.iter_mut().filter(|group| group.group.is_large()).for_each(|group| step(group, settings.threads));
+            for_each_block(settings.threads, groups, |group| {
+                if !group.group.is_large() {
+                    step(group, 1);
+                }
+            });
+        } else {
+            groups.iter_mut().for_each(|group| step(group, 1));
+        }
+        graph.presses_changed |= presses_changed.into_inner();
+    }
+}

@@ -1,0 +1,397 @@
+//! What is done to a group in a step, as stages: within one, everything may be done in any order
+//! and on any thread, since colours share no body that moves.
+#![allow(unsafe_code)]
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use nalgebra::Vector3;
+
+use super::bodies::SharedBodies;
+use super::coloring::Coloring;
+use super::contact::{ContactBlock, ContactImpulses, ContactSite, SoftTerms};
+use super::free;
+use super::group::{Bounce, Group, GroupContact, GroupJoint};
+use super::joint::{JointBlock, JointSite};
+use super::tree::TreeStep;
+use crate::physics::bodies::{Body, Joint};
+use crate::physics::body::RigidBody;
+use crate::physics::collision::{ContactState, POINTS, Slot};
+use crate::physics::lanes::{Lanes, READ_ONLY};
+use crate::physics::solver::Scalar;
+use crate::physics::threads::{Shared, walk_stages};
+
+/// Bodies that one thread takes at a time.
+const BODIES: usize = 64;
+/// Blocks that one thread takes at a time.
+const BLOCKS: usize = 8;
+
+/// A colour of joints or contacts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Color {
+    Joints(u32),
+    Contacts(u32),
+}
+
+/// One thing done to all of a group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// Bodies that nothing holds or touches, and trees of joints that nothing touches, go their way.
+    Fly,
+    Swing,
+    /// Bodies are taken in, for a step of so many substeps.
+    Gather {
+        substeps: u32,
+    },
+    /// Rows for the present poses.
+    Prepare(Color),
+    /// Forces act; but for the first substep, every constraint pushes as in the substep before.
+    Begin {
+        is_first: bool,
+    },
+    /// Constraints push as in the step before.
+    WarmStart(Color),
+    /// One update, with springs or without.
+    Solve {
+        color: Color,
+        soft: bool,
+    },
+    /// What constraints pushed in this substep is taken in, for bounces and for whoever reads forces.
+    Note(Color),
+    /// Positions follow velocities.
+    Drift,
+    /// What constraints added to the velocities is remembered; drag acts.
+    End,
+    /// Points that came fast part again.
+    Bounce(Color),
+    /// Bodies and impulses are written back.
+    Scatter,
+    /// Impulses are written back.
+    Store(Color),
+}
+
+/// Numbers of a step that all groups share.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GroupTerms<L> {
+    /// Length of a substep, s.
+    pub h: f64,
+    pub substeps: u32,
+    pub joint: SoftTerms<L>,
+    pub contact: SoftTerms<L>,
+    /// Approach from which a contact bounces, m/s.
+    pub restitution_speed: f64,
+}
+
+/// The world outside of a group, shared with those that work on other groups.
+#[derive(Clone, Copy)]
+pub(crate) struct WorldParts<'a> {
+    pub bodies: Shared<'a, Body>,
+    pub joints: Shared<'a, Joint>,
+    pub states: Shared<'a, ContactState>,
+    pub slots: &'a [Slot],
+    /// Set where a contact begins or ceases to push.
+    pub presses_changed: &'a AtomicBool,
+    /// Empty unless somebody reads contact forces.
+    pub totals: Shared<'a, ContactImpulses>,
+}
+
+impl<L: Lanes> Group<L> {
+    /// The colours of a group, joints first.
+    pub fn colors(&self) -> impl Iterator<Item = Color> + Clone + use<L> {
+        let (joints, contacts) = (self.joint_colors.stages.len() as u32, self.contact_colors.stages.len() as u32);
+        (0..joints).map(Color::Joints).chain((0..contacts).map(Color::Contacts))
+    }
+
+    /// Goes through the stages. No other group may share a body that moves, a joint or a contact.
+    pub fn run(&mut self, stages: &[Stage], terms: &GroupTerms<L>, world: WorldParts, records: bool, threads: u32) {
+        let walk = Walk {
+            members: &self.members,
+            own: self.own,
+            joints: &self.joints,
+            contacts: &self.contacts,
+            joint_colors: &self.joint_colors,
+            contact_colors: &self.contact_colors,
+            flying: &self.flying,
+            trees_len: self.trees.len(),
+            trees: Shared::new(&mut self.trees),
+            bodies: self.bodies.share(),
+            joint_blocks: Shared::new(&mut self.joint_blocks),
+            contact_blocks: Shared::new(&mut self.contact_blocks),
+            bounces: Shared::new(&mut self.bounces),
+            totals: {
+                self.totals.clear();
+                if records {
+                    self.totals.resize(self.contact_colors.blocks.len() * L::COUNT, ContactImpulses::default());
+                }
+                Shared::new(&mut self.totals)
+            },
+            records,
+            terms,
+            world,
+        };
+        let chunks: Vec<usize> = stages.iter().map(|&stage| walk.count(stage).div_ceil(walk.chunk(stage))).collect();
+        // SAFETY: a stage's items are worked on by one thread each; those of a colour share no body that moves,
+        // and what does not move is not written. Stages follow one another.
+        walk_stages(threads, &chunks, |stage, chunk| unsafe { walk.work(stages[stage], chunk) });
+    }
+}
+
+/// A group on its way through the stages.
+struct Walk<'a, L: Lanes> {
+    members: &'a [u32],
+    own: usize,
+    joints: &'a [GroupJoint],
+    contacts: &'a [GroupContact],
+    joint_colors: &'a Coloring,
+    contact_colors: &'a Coloring,
+    flying: &'a [u32],
+    trees: Shared<'a, TreeStep>,
+    trees_len: usize,
+    bodies: SharedBodies<'a, L::Scalar>,
+    joint_blocks: Shared<'a, JointBlock<L>>,
+    contact_blocks: Shared<'a, ContactBlock<L>>,
+    bounces: Shared<'a, Option<Bounce<L>>>,
+    totals: Shared<'a, ContactImpulses>,
+    records: bool,
+    terms: &'a GroupTerms<L>,
+    world: WorldParts<'a>,
+}
+
+impl<L: Lanes> Walk<'_, L> {
+    /// The blocks of a colour.
+    fn blocks(&self, color: Color) -> (u32, u32) {
+        match color {
+            Color::Joints(color) => self.joint_colors.stages[color as usize],
+            Color::Contacts(color) => self.contact_colors.stages[color as usize],
+        }
+    }
+
+    /// Items of a stage.
+    fn count(&self, stage: Stage) -> usize {
+        match stage {
+            Stage::Gather { .. } | Stage::Begin { .. } | Stage::Drift | Stage::End => self.members.len(),
+            Stage::Scatter => self.own,
+            Stage::Fly => self.flying.len(),
+            Stage::Swing => self.trees_len,
+            Stage::Prepare(color)
+            | Stage::WarmStart(color)
+            | Stage::Solve { color, .. }
+            | Stage::Note(color)
+            | Stage::Bounce(color)
+            | Stage::Store(color) => {
+                let (start, end) = self.blocks(color);
+                (end - start) as usize
+            }
+        }
+    }
+
+    fn chunk(&self, stage: Stage) -> usize {
+        match stage {
+            Stage::Gather { .. } | Stage::Begin { .. } | Stage::Drift | Stage::End | Stage::Scatter | Stage::Fly => {
+                BODIES
+            }
+            Stage::Swing => 1,
+            _ => BLOCKS,
+        }
+    }
+
+    /// # Safety
+    /// Each chunk of a stage by one thread, and no stage before the last is done.
+    unsafe fn work(&self, stage: Stage, chunk: usize) {
+        let size = self.chunk(stage);
+        let items = chunk * size..((chunk + 1) * size).min(self.count(stage));
+        let h = <L::Scalar as Scalar>::of(self.terms.h);
+        // SAFETY: as the caller promises.
+        unsafe {
+            match stage {
+                Stage::Fly => items.for_each(|index| {
+                    let body = self.world.bodies.element(self.flying[index] as usize);
+                    free::fly(body, self.terms.h, self.terms.substeps);
+                }),
+                Stage::Swing => items.for_each(|index| self.swing(self.trees.element(index))),
+                Stage::Gather { substeps } => items.for_each(|index| {
+                    let body = self.world.bodies.get(self.members[index] as usize);
+                    let step = self.terms.h * f64::from(substeps);
+                    self.bodies.gather(index, body, step, self.terms.h);
+                }),
+                Stage::Begin { is_first } => items.for_each(|index| self.bodies.begin_substep(index, is_first)),
+                Stage::Drift => items.for_each(|index| self.bodies.drift(index, h)),
+                Stage::End => items.for_each(|index| self.bodies.end_substep(index)),
+                Stage::Scatter => items.for_each(|index| {
+                    let body = self.world.bodies.element(self.members[index] as usize);
+                    if body.kind == RigidBody::Dynamic {
+                        self.bodies.scatter(index, body);
+                    }
+                }),
+                Stage::Prepare(color)
+                | Stage::WarmStart(color)
+                | Stage::Solve { color, .. }
+                | Stage::Note(color)
+                | Stage::Bounce(color)
+                | Stage::Store(color) => {
+                    let first = self.blocks(color).0 as usize;
+                    for block in items {
+                        match color {
+                            Color::Joints(_) => self.joint_stage(stage, first + block),
+                            Color::Contacts(_) => self.contact_stage(stage, first + block),
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// # Safety
+    /// Nobody else may be using the tree's bodies and joints.
+    unsafe fn swing(&self, tree: &mut TreeStep) {
+        let GroupTerms { h, substeps, .. } = *self.terms;
+        // SAFETY: as the caller promises.
+        unsafe {
+            tree.step(|member| self.world.bodies.get(member as usize), h, substeps);
+            for index in 0..tree.moving().len() {
+                let member = tree.moving()[index] as usize;
+                tree.scatter(index, self.world.bodies.element(member));
+            }
+            for (joint, force) in tree.joints().zip(tree.forces(h)) {
+                self.world.joints.element(joint as usize).force = force;
+            }
+        }
+    }
+
+    /// # Safety
+    /// Nobody else may be using the block and its bodies.
+    unsafe fn joint_stage(&self, stage: Stage, index: usize) {
+        let SharedBodies { velocity, moved, frames, .. } = self.bodies;
+        let (start, end) = self.joint_colors.blocks[index];
+        let lanes = &self.joint_colors.order[start as usize..end as usize];
+        // SAFETY: as the caller promises.
+        unsafe {
+            let block = self.joint_blocks.element(index);
+            match stage {
+                Stage::Prepare(_) => {
+                    let mut sites = [JointSite::default(); 8];
+                    for (site, &joint) in sites.iter_mut().zip(lanes) {
+                        *site = self.joint_site(joint);
+                    }
+                    *block = JointBlock::new(&sites[..lanes.len()], frames, self.terms.h);
+                }
+                Stage::WarmStart(_) => block.warm_start(velocity),
+                Stage::Solve { soft, .. } => block.solve(velocity, moved, soft.then_some(&self.terms.joint)),
+                Stage::Store(_) => {
+                    for (lane, &joint) in lanes.iter().enumerate() {
+                        let joint = self.world.joints.element(self.joints[joint as usize].global as usize);
+                        joint.force = block.impulse(lane) / self.terms.h;
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    unsafe fn joint_site(&self, joint: u32) -> JointSite {
+        let GroupJoint { global, a, b } = self.joints[joint as usize];
+        // SAFETY: a joint is its group's own.
+        let Joint { anchor_a, anchor_b, softness, force, .. } = *unsafe { self.world.joints.get(global as usize) };
+        JointSite { a, b, anchor_a, anchor_b, apart: self.apart(a, b), impulse: force * self.terms.h, softness }
+    }
+
+    /// Centre of B less centre of A.
+    fn apart(&self, a: u32, b: u32) -> Vector3<f64> {
+        // SAFETY: written in the stage that gathers alone.
+        let position = |body: u32| unsafe { self.bodies.positions.read((body & !READ_ONLY) as usize) };
+        position(b) - position(a)
+    }
+
+    /// # Safety
+    /// Nobody else may be using the block and its bodies.
+    unsafe fn contact_stage(&self, stage: Stage, index: usize) {
+        let SharedBodies { velocity, moved, frames, .. } = self.bodies;
+        let (start, end) = self.contact_colors.blocks[index];
+        let lanes = &self.contact_colors.order[start as usize..end as usize];
+        // SAFETY: as the caller promises.
+        unsafe {
+            let block = self.contact_blocks.element(index);
+            match stage {
+                Stage::Prepare(_) => {
+                    let first = self.contact_site(lanes[0]);
+                    let mut sites = [first; 8];
+                    for (site, &contact) in sites.iter_mut().zip(lanes).skip(1) {
+                        *site = self.contact_site(contact);
+                    }
+                    *block = ContactBlock::new(&sites[..lanes.len()], frames);
+                    *self.bounces.element(index) = self.bounce_of(block, lanes);
+                }
+                Stage::WarmStart(_) => block.warm_start(velocity),
+                Stage::Solve { soft: true, .. } => block.solve(velocity, moved, Some(&self.terms.contact)),
+                Stage::Solve { soft: false, .. } => block.solve(velocity, moved, None),
+                Stage::Note(_) => self.note(block, index),
+                Stage::Bounce(_) => {
+                    if let Some(Bounce { parting, peak }) = self.bounces.get(index) {
+                        let pushed = |point: usize| peak[point].simd_gt(L::zero());
+                        block.bounce(velocity, &std::array::from_fn(|p| parting[p].select(pushed(p), L::zero())));
+                    }
+                }
+                Stage::Store(_) => {
+                    for (lane, (&contact, impulses)) in lanes.iter().zip(block.impulses()).enumerate() {
+                        let slot = self.contacts[contact as usize].slot as usize;
+                        let state = self.world.states.element(slot);
+                        state.impulses = impulses;
+                        if state.pushes() != self.world.slots[slot].is_pressed {
+                            self.world.presses_changed.store(true, Ordering::Relaxed);
+                        }
+                        if self.records {
+                            *self.world.totals.element(slot) = self.totals.read(index * L::COUNT + lane);
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    unsafe fn contact_site(&self, contact: u32) -> ContactSite<'_> {
+        let GroupContact { slot, a, b } = self.contacts[contact as usize];
+        // SAFETY: a contact is its group's own.
+        let state = unsafe { self.world.states.get(slot as usize) };
+        let mut apart = self.apart(a, b);
+        if a & READ_ONLY != 0 {
+            let slot = &self.world.slots[slot as usize];
+            // SAFETY: nobody writes bodies while rows are made from them.
+            apart -= slot.origin_in_world(unsafe { self.world.bodies.get(slot.pair.a as usize) });
+        }
+        ContactSite { a, b, geometry: &state.geometry, impulses: &state.impulses, apart }
+    }
+
+    /// How fast the points that may bounce come together at the start of the step.
+    unsafe fn bounce_of(&self, block: &ContactBlock<L>, lanes: &[u32]) -> Option<Bounce<L>> {
+        let restitution = |lane: usize| {
+            let slot = lanes.get(lane).map(|&contact| self.contacts[contact as usize].slot);
+            slot.map_or(0.0, |slot| f64::from(self.world.slots[slot as usize].restitution))
+        };
+        if (0..L::COUNT).all(|lane| restitution(lane) == 0.0) {
+            return None;
+        }
+        let share = L::each(|lane| <L::Scalar as Scalar>::of(restitution(lane)));
+        let least = L::of(self.terms.restitution_speed);
+        // SAFETY: velocities rest while rows are made.
+        let approach = unsafe { block.approach(self.bodies.velocity) };
+        let parting = approach.map(|speed| (speed * share).select(speed.simd_gt(least), L::zero()));
+        Some(Bounce { parting, peak: [L::zero(); POINTS] })
+    }
+
+    /// Takes in what a block pushed in this substep.
+    unsafe fn note(&self, block: &ContactBlock<L>, index: usize) {
+        // SAFETY: the block is this thread's, and what goes with it.
+        unsafe {
+            if let Some(bounce) = self.bounces.element(index) {
+                let pushes = block.pushes();
+                bounce.peak = std::array::from_fn(|point| bounce.peak[point].simd_max(pushes[point]));
+            }
+            if self.records {
+                for (lane, impulses) in block.impulses().into_iter().take(L::COUNT).enumerate() {
+                    let total = self.totals.element(index * L::COUNT + lane);
+                    total.0.iter_mut().zip(impulses.0).for_each(|(total, now)| *total += now);
+                }
+            }
+        }
+    }
+}

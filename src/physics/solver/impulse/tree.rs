@@ -1,0 +1,276 @@
+//! A tree of rigid ball joints that nothing touches, taken through a step on its own: in `f64`,
+//! exactly, by [`JointTree`], with the geometry of each substep.
+
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+use crate::physics::bodies::{Body, Joint, rotation_by, world_inverse_inertia};
+use crate::physics::constraint::row::Twist;
+use crate::physics::integrator::gyroscopic;
+use crate::physics::solver::joint_tree::{JointTree, PoseChange, UNRESOLVED};
+
+/// Newton iterations where a tree begins.
+const START_ITERATIONS: usize = 8;
+
+/// Separations under which joints count as closed, m.
+const CLOSED: f64 = 1e-13;
+
+/// A body as its tree moves it.
+#[derive(Clone, Debug)]
+struct TreeBody {
+    position: Vector3<f64>,
+    rotation: UnitQuaternion<f64>,
+    linear: Vector3<f64>,
+    angular: Vector3<f64>,
+    /// Principal; zero along what is locked.
+    inverse_inertia_body: Vector3<f64>,
+    rotation_freedom: Vector3<f64>,
+    inverse_mass: Vector3<f64>,
+    force: Vector3<f64>,
+    torque: Vector3<f64>,
+    drag: (f64, f64),
+    moves: bool,
+}
+
+impl TreeBody {
+    fn of(body: &Body, moves: bool) -> Self {
+        Self {
+            position: body.position,
+            rotation: body.rotation,
+            linear: body.linear,
+            angular: body.angular,
+            inverse_inertia_body: body.inverse_inertia_body,
+            rotation_freedom: body.rotation_freedom,
+            inverse_mass: body.inverse_mass,
+            force: body.force,
+            torque: body.torque,
+            drag: body.drag,
+            moves,
+        }
+    }
+
+    fn is_where(&self, body: &Body) -> bool {
+        self.position == body.position
+            && self.rotation == body.rotation
+            && self.linear == body.linear
+            && self.angular == body.angular
+            && self.inverse_mass == body.inverse_mass
+            && self.inverse_inertia_body == body.inverse_inertia_body
+            && self.rotation_freedom == body.rotation_freedom
+    }
+
+    fn inverse_inertia(&self) -> Matrix3<f64> {
+        world_inverse_inertia(&self.inverse_inertia_body, &self.rotation, &self.rotation_freedom)
+    }
+
+    /// External forces, and what turning does to the angular velocity of a body that is not round.
+    fn kick(&mut self, h: f64) {
+        self.linear += self.inverse_mass.component_mul(&self.force) * h;
+        if self.torque != Vector3::zeros() {
+            self.angular += self.inverse_inertia() * self.torque * h;
+        }
+        self.linear /= 1.0 + self.drag.0 * h;
+        self.angular /= 1.0 + self.drag.1 * h;
+    }
+
+    fn drift(&mut self, h: f64) {
+        self.position += self.linear * h;
+        let free = self.rotation_freedom == Vector3::repeat(1.0) && self.inverse_inertia_body.min() > 0.0;
+        if free && !gyroscopic::is_isotropic(&self.inverse_inertia_body) {
+            let spin = self.rotation.inverse_transform_vector(&self.angular);
+            let turned = gyroscopic::rotate(&self.inverse_inertia_body.map(f64::recip), &spin, h);
+            self.rotation *= turned.turn;
+            self.angular = self.rotation * turned.angular;
+        } else if self.angular != Vector3::zeros() {
+            self.rotation = rotation_by(&(self.angular * h)) * self.rotation;
+        }
+        self.rotation.renormalize_fast();
+    }
+}
+
+/// A joint of the tree, in its order.
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    global: u32,
+    /// Local bodies.
+    a: usize,
+    b: usize,
+    anchor_a: Vector3<f64>,
+    anchor_b: Vector3<f64>,
+}
+
+/// A tree and where it is.
+pub(crate) struct TreeStep {
+    tree: JointTree,
+    /// Global indices, in the tree's order.
+    members: Vec<u32>,
+    bodies: Vec<TreeBody>,
+    links: Vec<Link>,
+    twists: Vec<Twist<f64>>,
+    targets: Vec<Vector3<f64>>,
+    separations: Vec<Vector3<f64>>,
+    /// Length of the substeps that it is factored for, s; none: not factored for where it is.
+    factored: Option<f64>,
+}
+
+impl TreeStep {
+    /// A tree whose bodies and joints are told by indices into these lists.
+    pub fn new(tree: JointTree, members: &[u32], globals: &[u32], joints: &[Joint]) -> Self {
+        let members: Vec<u32> = tree.bodies().iter().map(|&body| members[body as usize]).collect();
+        let links = tree.joints().iter().map(|&joint| {
+            let global = globals[joint as usize];
+            let Joint { a, b, anchor_a, anchor_b, .. } = joints[global as usize];
+            Link { global, a: a as usize, b: b as usize, anchor_a, anchor_b }
+        });
+        let mut links: Vec<Link> = links.collect();
+        for (index, link) in links.iter_mut().enumerate() {
+            // One that does not move appears once for each of its joints.
+            let local = tree.ends(index);
+            let is_first = members[local[0] as usize] as usize == link.a;
+            [link.a, link.b] = if is_first { local } else { [local[1], local[0]] }.map(|local| local as usize);
+        }
+        Self {
+            twists: vec![Twist::zero(); members.len()],
+            targets: vec![Vector3::zeros(); links.len()],
+            separations: vec![Vector3::zeros(); links.len()],
+            bodies: Vec::new(),
+            members,
+            links,
+            tree,
+            factored: None,
+        }
+    }
+
+    /// The bodies that move, global indices.
+    pub fn moving(&self) -> &[u32] {
+        &self.members[..self.tree.moving()]
+    }
+
+    /// The joints, global indices.
+    pub fn joints(&self) -> impl Iterator<Item = u32> {
+        self.links.iter().map(|link| link.global)
+    }
+
+    /// Whether `other` has the same bodies and joints.
+    pub fn is_same_as(&self, other: &Self) -> bool {
+        self.members == other.members
+            && self
+                .links
+                .iter()
+                .map(|l| (l.global, l.anchor_a, l.anchor_b))
+                .eq(other.links.iter().map(|l| (l.global, l.anchor_a, l.anchor_b)))
+    }
+
+    /// A whole step: `substeps` of length `h`, s.
+    pub fn step<'w>(&mut self, body: impl Fn(u32) -> &'w Body, h: f64, substeps: u32) {
+        self.gather(&body);
+        if self.factored != Some(h) {
+            self.factored = Some(h);
+            self.prepare(h);
+            // What was solved otherwise so far, or moved by hand, is closed at once and without a kick.
+            self.tree.project_positions(&self.separations, START_ITERATIONS, CLOSED);
+            self.take_pose_changes(|_, _| {});
+            self.prepare(h);
+        }
+        let is_new = self.moving().iter().all(|&member| !body(member).has_stepped);
+        for substep in 0..substeps {
+            // Velocities are half a substep behind the poses; those that a user gave were not.
+            self.substep(h, if is_new && substep == 0 { 0.5 * h } else { h });
+        }
+    }
+
+    fn gather<'w>(&mut self, body: &impl Fn(u32) -> &'w Body) {
+        let moving = self.tree.moving();
+        let same = self.bodies.len() == self.members.len()
+            && self.bodies.iter().zip(&self.members).all(|(known, &member)| known.is_where(body(member)));
+        if same {
+            for (known, &member) in self.bodies.iter_mut().zip(&self.members) {
+                let now = body(member);
+                (known.force, known.torque, known.drag) = (now.force, now.torque, now.drag);
+            }
+            return;
+        }
+        self.factored = None;
+        self.bodies.clear();
+        let members = self.members.iter().enumerate();
+        self.bodies.extend(members.map(|(local, &member)| TreeBody::of(body(member), local < moving)));
+    }
+
+    /// Arms, inertias and factors of the present pose; the largest ω²h² of a body under tension.
+    fn prepare(&mut self, h: f64) -> f64 {
+        self.set_arms();
+        for (local, body) in self.bodies.iter().enumerate().filter(|(_, body)| body.moves) {
+            self.tree.set_inertia(local, body.inverse_mass, body.inverse_inertia());
+        }
+        let swing = self.tree.stiffen(h);
+        self.tree.factor();
+        swing
+    }
+
+    fn set_arms(&mut self) {
+        let Self { tree, bodies, links, separations, .. } = self;
+        for (index, (link, separation)) in links.iter().zip(separations).enumerate() {
+            let (a, b) = (&bodies[link.a], &bodies[link.b]);
+            let (arm_a, arm_b) = (a.rotation * link.anchor_a, b.rotation * link.anchor_b);
+            tree.set_arms(index, arm_a, arm_b);
+            *separation = (b.position - a.position) + arm_b - arm_a;
+        }
+    }
+
+    fn substep(&mut self, h: f64, kick: f64) {
+        for (twist, body) in self.twists.iter_mut().zip(&self.bodies) {
+            *twist = Twist { linear: body.linear, angular: body.angular };
+        }
+        self.tree.aim(&self.twists, h, &mut self.targets);
+        self.tree.damp(&mut self.twists);
+        for (body, twist) in self.bodies.iter_mut().zip(&mut self.twists).filter(|(body, _)| body.moves) {
+            (body.linear, body.angular) = (twist.linear, twist.angular);
+            body.kick(kick);
+            *twist = Twist { linear: body.linear, angular: body.angular };
+        }
+        self.tree.clear_impulses();
+        self.tree.solve_velocities(&mut self.twists, &self.targets);
+        for (body, twist) in self.bodies.iter_mut().zip(&self.twists) {
+            if body.moves {
+                (body.linear, body.angular) = (twist.linear, twist.angular);
+                body.drift(h);
+            } else {
+                body.position += body.linear * h;
+                body.rotation = rotation_by(&(body.angular * h)) * body.rotation;
+            }
+        }
+        let swing = self.prepare(h);
+        self.tree.project_positions(&self.separations, 1, CLOSED);
+        self.take_pose_changes(|body, change| {
+            body.linear += change.linear / h;
+            body.angular += change.rotation.scaled_axis() / h;
+        });
+        if swing > UNRESOLVED {
+            self.prepare(h);
+        }
+    }
+
+    /// Moves the bodies as the projection found, and does something else with each.
+    fn take_pose_changes(&mut self, also: impl Fn(&mut TreeBody, &PoseChange)) {
+        for (change, body) in self.tree.pose_changes().zip(&mut self.bodies).filter(|(_, body)| body.moves) {
+            body.position += change.linear;
+            body.rotation = change.rotation * body.rotation;
+            also(body, &change);
+        }
+    }
+
+    /// The state of a body that moves, by its place among them, written to it.
+    pub fn scatter(&mut self, index: usize, body: &mut Body) {
+        let known = &mut self.bodies[index];
+        known.rotation.renormalize_fast();
+        body.position = known.position;
+        body.rotation = known.rotation;
+        body.linear = known.linear;
+        body.angular = known.angular;
+        body.has_stepped = true;
+    }
+
+    /// The force on B of each joint, in their order, N, in the last substep of length h.
+    pub fn forces(&self, h: f64) -> impl Iterator<Item = Vector3<f64>> {
+        (0..self.links.len()).map(move |index| self.tree.impulse(index) / h)
+    }
+}
