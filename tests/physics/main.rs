@@ -10,6 +10,7 @@ mod free_motion;
 mod friction;
 mod hulls;
 mod impact;
+mod lasting_contacts;
 mod messages;
 mod pendulum;
 mod public_face;

@@ -110,7 +110,11 @@ fn gather_row(
     let slot = table.slot.as_ref()[row];
     let body = &mut bodies.list[slot.index as usize];
     debug_assert_eq!(body.entity, table.entity[row]);
-    let known = |body: &Body| (body.kind, body.layers, body.material, body.changes);
+    // One that does not move is looked at again by the broad phase only if somebody else moves it.
+    let known = |body: &Body| {
+        let place = (body.kind == RigidBody::Static).then_some((body.position, body.rotation));
+        (body.kind, body.layers, body.material, body.changes, place)
+    };
     let before = known(body);
     body.mass_is_stale |= presence.lost_density(slot.gathered_with);
     let components = table.components(row, watch);
