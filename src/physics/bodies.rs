@@ -43,7 +43,7 @@ pub(crate) struct Body {
     pub rotation_freedom: Vector3<f64>,
     /// Drag, 1/s, linear and angular, the settings' included.
     pub drag: (f64, f64),
-    /// Counts new shapes and jumps: whatever was known of its contacts is void.
+    /// Counts new shapes: whatever was known of its contacts is void.
     pub changes: u32,
     pub material: SurfaceMaterial,
     pub layers: CollisionLayers,

@@ -1,12 +1,13 @@
 //! `Events`: what began and ended to touch, and collisions for those who asked.
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::bodies::Bodies;
 use super::body::ObserveContacts;
 use super::collision::{ContactGraph, Contacts, Manifold};
 use super::messages::{Collision, ContactEnded, ContactStarted};
-use super::settings::SolverSettings;
+use super::settings::contacts_last;
 use super::{PhysicsSchedule, PhysicsSystems};
 
 pub(super) fn plugin(app: &mut App) {
@@ -30,30 +31,41 @@ struct Touching {
     present: Vec<(Entity, Entity)>,
 }
 
-fn contacts_last(settings: Res<SolverSettings>) -> bool {
-    settings.method.keeps_contacts()
+/// Tells all who listen that bodies began or ceased to touch.
+#[derive(SystemParam)]
+struct Teller<'w, 's> {
+    started: MessageWriter<'w, ContactStarted>,
+    ended: MessageWriter<'w, ContactEnded>,
+    observers: Query<'w, 's, (), With<ObserveContacts>>,
+    commands: Commands<'w, 's>,
+}
+
+impl Teller<'_, '_> {
+    fn start(&mut self, a: Entity, b: Entity) {
+        self.started.write(ContactStarted { a, b });
+        for (a, b) in [(a, b), (b, a)] {
+            if self.observers.contains(a) {
+                self.commands.trigger(ContactStarted { a, b });
+            }
+        }
+    }
+
+    fn end(&mut self, a: Entity, b: Entity) {
+        self.ended.write(ContactEnded { a, b });
+        for (a, b) in [(a, b), (b, a)] {
+            if self.observers.contains(a) {
+                self.commands.trigger(ContactEnded { a, b });
+            }
+        }
+    }
 }
 
 /// Contacts that last touch when they push.
-fn report_presses(
-    mut graph: ResMut<ContactGraph>,
-    mut started: MessageWriter<ContactStarted>,
-    mut ended: MessageWriter<ContactEnded>,
-    observers: Query<(), With<ObserveContacts>>,
-    mut commands: Commands,
-) {
-    let mut end = |a, b, commands: &mut Commands| {
-        ended.write(ContactEnded { a, b });
-        for (a, b) in [(a, b), (b, a)] {
-            if observers.contains(a) {
-                commands.trigger(ContactEnded { a, b });
-            }
-        }
-    };
+fn report_presses(mut graph: ResMut<ContactGraph>, mut teller: Teller) {
     let ordered = |(a, b): (Entity, Entity)| (a.min(b), a.max(b));
     let graph = graph.bypass_change_detection();
     for (a, b) in graph.parted.drain(..).map(ordered) {
-        end(a, b, &mut commands);
+        teller.end(a, b);
     }
     if !std::mem::take(&mut graph.presses_changed) {
         return;
@@ -65,28 +77,11 @@ fn report_presses(
         }
         slot.is_pressed = pushes;
         let (a, b) = ordered(slot.entities);
-        if !pushes {
-            end(a, b, &mut commands);
-            continue;
-        }
-        started.write(ContactStarted { a, b });
-        for (a, b) in [(a, b), (b, a)] {
-            if observers.contains(a) {
-                commands.trigger(ContactStarted { a, b });
-            }
-        }
+        if pushes { teller.start(a, b) } else { teller.end(a, b) }
     }
 }
 
-fn report_changes(
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
-    mut touching: ResMut<Touching>,
-    mut started: MessageWriter<ContactStarted>,
-    mut ended: MessageWriter<ContactEnded>,
-    observers: Query<(), With<ObserveContacts>>,
-    mut commands: Commands,
-) {
+fn report_changes(bodies: Res<Bodies>, contacts: Res<Contacts>, mut touching: ResMut<Touching>, mut teller: Teller) {
     let Touching { pairs, present } = &mut *touching;
     present.clear();
     let touching = |manifold: &&Manifold| contacts.points_of(manifold).iter().any(|point| point.depth >= 0.0);
@@ -97,20 +92,10 @@ fn report_changes(
     }));
     present.sort_unstable();
     for &(a, b) in present.iter().filter(|pair| pairs.binary_search(pair).is_err()) {
-        started.write(ContactStarted { a, b });
-        for (a, b) in [(a, b), (b, a)] {
-            if observers.contains(a) {
-                commands.trigger(ContactStarted { a, b });
-            }
-        }
+        teller.start(a, b);
     }
     for &(a, b) in pairs.iter().filter(|pair| present.binary_search(pair).is_err()) {
-        ended.write(ContactEnded { a, b });
-        for (a, b) in [(a, b), (b, a)] {
-            if observers.contains(a) {
-                commands.trigger(ContactEnded { a, b });
-            }
-        }
+        teller.end(a, b);
     }
     std::mem::swap(pairs, present);
 }

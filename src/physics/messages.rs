@@ -4,7 +4,7 @@
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use super::body::QuarantineReason;
+use super::body::{QuarantineReason, Quarantined};
 
 /// Two bodies touch that did not in the step before. As an entity event it is triggered for
 /// each of the two that has [`super::ObserveContacts`], with that one as `a`.
@@ -54,4 +54,16 @@ pub struct BodyQuarantined {
     pub entity: Entity,
     /// What was wrong.
     pub reason: QuarantineReason,
+}
+
+/// Sets a body or joint aside and tells all who listen.
+pub(super) fn set_aside(
+    entity: Entity,
+    reason: QuarantineReason,
+    commands: &mut Commands,
+    messages: &mut MessageWriter<BodyQuarantined>,
+) {
+    commands.entity(entity).insert(Quarantined { reason });
+    commands.trigger(BodyQuarantined { entity, reason });
+    messages.write(BodyQuarantined { entity, reason });
 }

@@ -36,6 +36,11 @@ impl Method {
     }
 }
 
+/// Run condition of systems for contacts that last.
+pub(crate) fn contacts_last(settings: Res<SolverSettings>) -> bool {
+    settings.method.keeps_contacts()
+}
+
 /// How velocities become poses.
 #[derive(Reflect, Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[serde(rename_all = "snake_case")]

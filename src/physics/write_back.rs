@@ -10,11 +10,11 @@ use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::bodies::{Bodies, Body, Joints};
-use super::body::{BodySlot, Position, QuarantineReason, Quarantined, RigidBody, Rotation, Velocity};
+use super::body::{BodySlot, Position, QuarantineReason, RigidBody, Rotation, Velocity};
 use super::columns::{self, Numbers, set_if_other};
 use super::diagnostics::StepStats;
 use super::joint::{JointLoad, JointSlot};
-use super::messages::BodyQuarantined;
+use super::messages::{BodyQuarantined, set_aside};
 use super::settings::SolverSettings;
 use super::transform::PoseHistory;
 use super::{PhysicsSchedule, PhysicsSystems};
@@ -97,10 +97,7 @@ pub(super) fn write_bodies(
             }
             restore_state(&mut table, row, body);
             stats.quarantined += 1;
-            let reason = QuarantineReason::NotFinite;
-            commands.entity(entity).insert(Quarantined { reason });
-            commands.trigger(BodyQuarantined { entity, reason });
-            quarantine.write(BodyQuarantined { entity, reason });
+            set_aside(entity, QuarantineReason::NotFinite, &mut commands, &mut quarantine);
         }
     }
 }

@@ -30,7 +30,7 @@ use super::cone::{Cone, Facing, unit_across};
 use super::edge_contact::{self, Segment};
 use super::feature_sat::{Feature, Found, Least, Scale};
 use super::polyhedron::{Convex, Frame};
-use super::{ContactPoint, FeatureId, Overlap, apart};
+use super::{ContactPoint, FeatureId, Overlap};
 
 /// Samples of the depth around a flank's circle of normals.
 const CIRCLE_SAMPLES: usize = 24;
@@ -80,20 +80,7 @@ pub(super) fn touch(
             *last = Some(feature);
             None
         }
-        Ok(Found { least, preferred }) => {
-            let mut is_any = cones.find_points(&preferred, clip);
-            let taken = if is_any && clip.stand_for(preferred.depth, scale.size) { preferred } else { least };
-            if taken.feature != preferred.feature {
-                is_any = cones.find_points(&taken, clip);
-            }
-            *last = Some(taken.feature);
-            let overlap = Overlap { normal: taken.normal, depth: taken.depth };
-            if !is_any && overlap.depth < 0.0 {
-                let base_is_b = matches!(taken.feature, Feature::FaceOfB(_));
-                return apart::beside(a, b, b_in_a, base_is_b, &overlap, scale, clip);
-            }
-            Some(overlap)
-        }
+        Ok(found) => found.take(a, b, b_in_a, scale, last, clip, |least, clip| cones.find_points(least, clip)),
     }
 }
 

@@ -29,7 +29,7 @@ use super::edge_contact::{self, Segment};
 use super::ellipse;
 use super::feature_sat::{Best, Feature, Found, Least, Scale, face_depth, facing_edges, least_face};
 use super::polyhedron::{Convex, Edge, Frame, Polyhedron};
-use super::{ContactPoint, FeatureId, Overlap, apart};
+use super::{ContactPoint, FeatureId, Overlap};
 
 /// Normals that each edge may have: two across the flank, two across the rim.
 const PER_EDGE: u32 = 4;
@@ -58,19 +58,8 @@ pub(super) fn touch(
             *last = Some(feature);
             None
         }
-        Ok(Found { least, preferred }) => {
-            let mut is_any = test.find_points(&preferred, clip);
-            let taken = if is_any && clip.stand_for(preferred.depth, scale.size) { preferred } else { least };
-            if taken.feature != preferred.feature {
-                is_any = test.find_points(&taken, clip);
-            }
-            *last = Some(taken.feature);
-            let overlap = Overlap { normal: taken.normal, depth: taken.depth };
-            if !is_any && overlap.depth < 0.0 {
-                let base_is_b = matches!(taken.feature, Feature::FaceOfB(_));
-                return apart::beside(cone, other, other_in_cone, base_is_b, &overlap, scale, clip);
-            }
-            Some(overlap)
+        Ok(found) => {
+            found.take(cone, other, other_in_cone, scale, last, clip, |least, clip| test.find_points(least, clip))
         }
     }
 }

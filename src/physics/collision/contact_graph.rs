@@ -231,20 +231,13 @@ pub(super) fn update_graph(
     }
     let chunks = graph.slots.len().div_ceil(CHUNK);
     finders.resize_with(chunks, Finder::default);
-    let mut work: Vec<Chunk> = Vec::new();
+    let slots = graph.slots.chunks_mut(CHUNK).zip(graph.states.chunks_mut(CHUNK)).zip(finders.iter_mut());
+    let work = slots.map(|((slots, states), finder)| Chunk { slots, states, finder });
+    let update = |chunk: &mut Chunk| chunk.update(&bodies.list, &settings);
     if settings.threads > 1 {
-        work.extend(
-            graph
-                .slots
-                .chunks_mut(CHUNK)
-                .zip(graph.states.chunks_mut(CHUNK))
-                .zip(finders.iter_mut())
-                .map(|((slots, states), finder)| Chunk { slots, states, finder }),
-        );
-        for_each_block(settings.threads, &mut work, |chunk| chunk.update(&bodies.list, &settings));
+        for_each_block(settings.threads, &mut work.collect::<Vec<_>>(), update);
     } else {
-        let all = graph.slots.chunks_mut(CHUNK).zip(graph.states.chunks_mut(CHUNK)).zip(finders.iter_mut());
-        all.for_each(|((slots, states), finder)| Chunk { slots, states, finder }.update(&bodies.list, &settings));
+        work.for_each(|mut chunk| update(&mut chunk));
     }
     stats.axes_tested = 0;
     for finder in finders.iter_mut() {

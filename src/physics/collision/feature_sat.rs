@@ -31,8 +31,9 @@
 
 use nalgebra::Vector3;
 
-use super::CONTACT_TOLERANCE;
+use super::clipping::ClipBuffers;
 use super::polyhedron::{Convex, Edge, Frame, Polyhedron};
+use super::{CONTACT_TOLERANCE, Overlap, apart};
 
 /// An edge–edge axis (or a face of B) is taken only where its depth is below this share of the
 /// depth along the best face (of A) …
@@ -83,6 +84,36 @@ pub(super) struct Found {
     pub least: Least,
     /// A face or base, or the least if that is less deep by enough.
     pub preferred: Least,
+}
+
+impl Found {
+    /// Takes the preferred axis if its points can stand for it, else the least; leaves the points that
+    /// `find_points` finds for it in the clip buffers (false: nothing is over the reference face) and
+    /// the axis in `last`.
+    pub fn take(
+        self,
+        a: &impl Convex,
+        b: &impl Convex,
+        b_in_a: &Frame,
+        scale: &Scale,
+        last: &mut Option<Feature>,
+        clip: &mut ClipBuffers,
+        find_points: impl Fn(&Least, &mut ClipBuffers) -> bool,
+    ) -> Option<Overlap> {
+        let Self { least, preferred } = self;
+        let mut is_any = find_points(&preferred, clip);
+        let taken = if is_any && clip.stand_for(preferred.depth, scale.size) { preferred } else { least };
+        if taken.feature != preferred.feature {
+            is_any = find_points(&taken, clip);
+        }
+        *last = Some(taken.feature);
+        let overlap = Overlap { normal: taken.normal, depth: taken.depth };
+        if !is_any && overlap.depth < 0.0 {
+            let reference_is_b = matches!(taken.feature, Feature::FaceOfB(_));
+            return apart::beside(a, b, b_in_a, reference_is_b, &overlap, scale, clip);
+        }
+        Some(overlap)
+    }
 }
 
 /// How a test went.

@@ -54,7 +54,7 @@ use super::PhysicsSystems;
 use super::bodies::Body;
 use super::body::ReportCollisions;
 use super::diagnostics::{ContactForces, Diagnostics};
-use super::settings::{ContactModel, SolverSettings};
+use super::settings::{ContactModel, SolverSettings, contacts_last};
 
 /// Gaps up to this share of the bounding radii count as touching: rounding could have made them
 /// of a gap of zero.
@@ -191,21 +191,17 @@ pub(super) fn plugin(app: &mut App) {
                 contact_graph::export_contacts
                     .after(PhysicsSystems::NarrowPhase)
                     .before(PhysicsSystems::Islands)
+                    .run_if(contacts_last)
                     .run_if(contacts_are_read),
             ),
         );
 }
 
-fn contacts_last(settings: Res<SolverSettings>) -> bool {
-    settings.method.keeps_contacts()
-}
-
 /// Whether somebody reads [`Contacts`] of contacts that last.
 fn contacts_are_read(
-    settings: Res<SolverSettings>,
     diagnostics: Option<Res<Diagnostics>>,
     forces: Option<Res<ContactForces>>,
     reporters: Query<(), With<ReportCollisions>>,
 ) -> bool {
-    settings.method.keeps_contacts() && (diagnostics.is_some() || forces.is_some() || !reporters.is_empty())
+    diagnostics.is_some() || forces.is_some() || !reporters.is_empty()
 }

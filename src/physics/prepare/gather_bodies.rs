@@ -7,10 +7,10 @@ use bevy::prelude::*;
 use super::gather_body::{freeze, gather_body, teleport};
 use super::table::{BodyQuery, BodyTable, Watch};
 use crate::physics::bodies::{Bodies, Body};
-use crate::physics::body::{BodySlot, QuarantineReason, Quarantined, RigidBody};
+use crate::physics::body::{BodySlot, QuarantineReason, RigidBody};
 use crate::physics::collision::{ContactGraph, NearPairs};
 use crate::physics::diagnostics::StepStats;
-use crate::physics::messages::BodyQuarantined;
+use crate::physics::messages::{BodyQuarantined, set_aside};
 use crate::physics::settings::{Gravity, SolverSettings};
 use crate::physics::solver::{ContactCache, LaggedContacts};
 use crate::physics::transform::RenderOrigin;
@@ -79,7 +79,6 @@ pub(super) fn gather_bodies(
             if teleport(&mut table, row, origin.0) {
                 lagged.drop_body(index);
                 cache.drop_body(index);
-                bodies.list[index as usize].changes += 1;
                 bodies.renewed.push(index);
             }
             let Some(reason) = gather_row(&mut table, row, bodies, &watch, &gravity, &settings, &mut commands) else {
@@ -87,10 +86,7 @@ pub(super) fn gather_bodies(
             };
             stats.quarantined += 1;
             if table.quarantined.is_none() {
-                let entity = table.entity[row];
-                commands.entity(entity).insert(Quarantined { reason });
-                commands.trigger(BodyQuarantined { entity, reason });
-                quarantine.write(BodyQuarantined { entity, reason });
+                set_aside(table.entity[row], reason, &mut commands, &mut quarantine);
             }
         }
     }

@@ -8,7 +8,7 @@ use crate::physics::bodies::{Bodies, Joint, Joints};
 use crate::physics::body::{BodySlot, QuarantineReason, Quarantined, RigidBody};
 use crate::physics::diagnostics::StepStats;
 use crate::physics::joint::{BallJoint, JoinedPairs, JointSlot, Softness};
-use crate::physics::messages::BodyQuarantined;
+use crate::physics::messages::{BodyQuarantined, set_aside};
 
 /// What the joints were packed for. Counts tell that one is gone or was let go; events would be lost
 /// in an app that runs many frames without a step.
@@ -60,9 +60,7 @@ pub(super) fn gather_joints(
             continue;
         }
         if let Err(reason) = check_joint(joint, [kind_a, kind_b]) {
-            commands.entity(entity).insert(Quarantined { reason });
-            commands.trigger(BodyQuarantined { entity, reason });
-            quarantine.write(BodyQuarantined { entity, reason });
+            set_aside(entity, reason, &mut commands, &mut quarantine);
             packed_for.quarantined += 1;
             continue;
         }

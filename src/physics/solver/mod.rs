@@ -27,7 +27,7 @@ use super::bodies::{Bodies, Joints};
 use super::collision::Contacts;
 use super::diagnostics::{ContactForces, StepStats};
 use super::island::Islands;
-use super::settings::{Gravity, SolverSettings};
+use super::settings::{Gravity, SolverSettings, contacts_last};
 use super::{PhysicsSchedule, PhysicsSystems, threads};
 
 pub(super) fn plugin(app: &mut App) {
@@ -39,12 +39,7 @@ pub(super) fn plugin(app: &mut App) {
             lag::swap_contacts.after(PhysicsSystems::NarrowPhase).before(PhysicsSystems::Islands),
         )
         .add_plugins(impulse::plugin)
-        .add_systems(
-            PhysicsSchedule,
-            solve_islands
-                .in_set(PhysicsSystems::Solve)
-                .run_if(|settings: Res<SolverSettings>| !settings.method.keeps_contacts()),
-        );
+        .add_systems(PhysicsSchedule, solve_islands.in_set(PhysicsSystems::Solve).run_if(not(contacts_last)));
 }
 
 /// One solver per island, kept with its buffers from step to step.

@@ -36,6 +36,11 @@ impl<'a, T> Shared<'a, T> {
         Self { first: slice.as_mut_ptr(), len: slice.len(), lifetime: PhantomData }
     }
 
+    /// Number of elements.
+    pub fn len(self) -> usize {
+        self.len
+    }
+
     /// A copy of one element.
     ///
     /// # Safety

@@ -28,27 +28,27 @@ const UNMOVED: f64 = 1.0 / (1_u64 << 40) as f64;
 const FAST: f64 = 0.5;
 
 /// Records of a body's frame: rotation by columns, W by columns, inverse mass; padded.
-pub(crate) const FRAME: usize = 3;
+const FRAME: usize = 3;
 
 /// The bodies of a group, own ones first, guests after.
 #[derive(Default)]
 pub(crate) struct GroupBodies<S> {
     /// v, ψ.
-    pub velocity: Vec<Record<S>>,
+    velocity: Vec<Record<S>>,
     /// d, θ' since the start of the step.
-    pub moved: Vec<Record<S>>,
+    moved: Vec<Record<S>>,
     /// What external forces add to v, ψ in a substep.
     kick: Vec<Record<S>>,
     /// What the impulses of the last substep added, all of it.
-    pub carried: Vec<Record<S>>,
+    carried: Vec<Record<S>>,
     /// v, ψ at the start of the substep, external forces included.
     start: Vec<Record<S>>,
     /// Factors on v, ψ for drag.
     keep: Vec<Record<S>>,
     /// [`FRAME`] records each.
-    pub frames: Vec<Record<S>>,
+    frames: Vec<Record<S>>,
     /// Centres of mass at the start of the step.
-    pub positions: Vec<Vector3<f64>>,
+    positions: Vec<Vector3<f64>>,
     /// W, to come back from ψ.
     whitening: Vec<Matrix3<f64>>,
 }
@@ -147,7 +147,12 @@ impl<S: Scalar + Default> SharedBodies<'_, S> {
         let push = body.inverse_mass.component_mul(&body.force) * h;
         let turn = if body.kind == RigidBody::Dynamic { to_spin.tr_mul(&body.torque) * h } else { Vector3::zeros() };
         let turns_fast = body.angular.norm() * step > FAST;
-        let turned = if turns_fast { None } else { free_rotation(body, step) };
+        let Body { rotation, angular, inverse_inertia_body, rotation_freedom, .. } = body;
+        let turned = if turns_fast {
+            None
+        } else {
+            free_rotation(rotation, angular, inverse_inertia_body, rotation_freedom, step)
+        };
         let angular = turned.map_or(body.angular, |(angular, _)| angular);
         let (linear_drag, angular_drag) = body.drag;
         let keep = |drag: f64| Vector3::repeat(1.0 / (1.0 + drag * h));

@@ -30,6 +30,12 @@ impl Coloring {
         self.stages.clear();
     }
 
+    /// The constraints of a block.
+    pub fn lanes(&self, block: usize) -> &[u32] {
+        let (start, end) = self.blocks[block];
+        &self.order[start as usize..end as usize]
+    }
+
     /// Adds stages for constraints between these bodies, told by index and numbered from `first`; blocks hold
     /// at most `lanes`.
     pub fn add(&mut self, bodies: usize, first: u32, pairs: &[(u32, u32)], lanes: usize) {

@@ -79,6 +79,16 @@ struct Point<L: Lanes> {
     impulse: L,
 }
 
+/// What a point's spring asks for: λ changes by −m σ (v_n + bias) − ι λ.
+#[derive(Clone, Copy, Debug)]
+struct Spring<L> {
+    bias: L,
+    /// m σ.
+    mass: L,
+    /// ι.
+    kept: L,
+}
+
 /// Friction of the patch.
 #[derive(Clone, Copy, Debug)]
 struct Friction<L: Lanes> {
@@ -306,10 +316,14 @@ impl<L: Lanes> ContactBlock<L> {
     ) {
         // SAFETY: as the caller promises.
         let mut pair = unsafe { Pair::gather(self, velocity) };
+        let soft = soft.map(|soft| self.springs(moved, soft));
         for _ in 0..ROUNDS {
-            match soft {
-                Some(soft) => self.solve_soft(&mut pair, moved, soft),
-                None => self.solve_rigid(&mut pair),
+            match &soft {
+                Some(springs) => self.solve_points(&mut pair, |index, point, speed| {
+                    let Spring { bias, mass, kept } = springs[index];
+                    -(mass * (speed + bias)) - kept * point.impulse
+                }),
+                None => self.solve_points(&mut pair, |_, point, speed| -(point.mass * speed)),
             }
             self.solve_friction(&mut pair);
         }
@@ -317,44 +331,38 @@ impl<L: Lanes> ContactBlock<L> {
         unsafe { pair.scatter(self, velocity) };
     }
 
+    /// What the springs of the points ask for where the bodies are now.
     #[inline(always)]
-    fn solve_soft(&mut self, pair: &mut Pair<L>, moved: Shared<Record<L::Scalar>>, soft: &SoftTerms<L>) {
+    fn springs(&self, moved: Shared<Record<L::Scalar>>, soft: &SoftTerms<L>) -> [Spring<L>; POINTS] {
         // SAFETY: positions rest during a sweep.
         let (moved_a, moved_b) = unsafe { (L::gather(moved, &self.a), L::gather(moved, &self.b)) };
         let shift = dot(&self.normal, &(vector(&moved_b) - vector(&moved_a)));
         let (turned_a, turned_b) = (vector(&moved_a[3..]), vector(&moved_b[3..]));
-        let mut pushed = L::zero();
-        let mut approach = dot(&self.normal, &(pair.linear_b - pair.linear_a));
-        let give = pair.give(&self.normal);
         let zero = L::zero();
-        for point in &mut self.points[..self.point_count] {
+        let mut springs = [Spring { bias: zero, mass: zero, kept: zero }; POINTS];
+        for (spring, point) in springs.iter_mut().zip(&self.points[..self.point_count]) {
             let separation =
                 point.separation + shift + dot(&point.angular_b, &turned_b) - dot(&point.angular_a, &turned_a);
             let apart = separation.simd_gt(zero);
             let sunk = (separation + soft.slop).simd_min(zero);
-            let bias = (separation * soft.per_step).select(apart, (sunk * soft.rate).simd_max(-soft.push));
-            let mass = point.mass.select(apart, point.mass * soft.mass);
-            let kept = zero.select(apart, soft.impulse);
-            let speed = approach + dot(&point.angular_b, &pair.angular_b) - dot(&point.angular_a, &pair.angular_a);
-            let change = -(mass * (speed + bias)) - kept * point.impulse;
-            let impulse = (point.impulse + change).simd_max(zero);
-            let change = impulse - point.impulse;
-            point.impulse = impulse;
-            pushed += change;
-            approach = give.simd_mul_add(change, approach);
-            pair.turn(&point.angular_a, &point.angular_b, change);
+            *spring = Spring {
+                bias: (separation * soft.per_step).select(apart, (sunk * soft.rate).simd_max(-soft.push)),
+                mass: point.mass.select(apart, point.mass * soft.mass),
+                kept: zero.select(apart, soft.impulse),
+            };
         }
-        pair.push(&self.normal, pushed);
+        springs
     }
 
+    /// One update of the points, by the change of impulse wanted of each for its speed of parting.
     #[inline(always)]
-    fn solve_rigid(&mut self, pair: &mut Pair<L>) {
+    fn solve_points(&mut self, pair: &mut Pair<L>, change: impl Fn(usize, &Point<L>, L) -> L) {
         let mut pushed = L::zero();
         let mut approach = dot(&self.normal, &(pair.linear_b - pair.linear_a));
         let give = pair.give(&self.normal);
-        for point in &mut self.points[..self.point_count] {
+        for (index, point) in self.points[..self.point_count].iter_mut().enumerate() {
             let speed = approach + dot(&point.angular_b, &pair.angular_b) - dot(&point.angular_a, &pair.angular_a);
-            let impulse = (point.impulse - point.mass * speed).simd_max(L::zero());
+            let impulse = (point.impulse + change(index, point, speed)).simd_max(L::zero());
             let change = impulse - point.impulse;
             point.impulse = impulse;
             pushed += change;

@@ -217,17 +217,14 @@ impl<L: Lanes> Group<L> {
         let Partition { trees, mut left_over } = partition(&pairs, &moves);
         let mut old = std::mem::take(&mut self.trees);
         for tree in trees {
-            let tree = TreeStep::new(tree, &globals, &rigid, &joints.list);
-            let local = |body: &u32| islands.local_of(*body, group).map_or(usize::MAX, |local| local as usize);
-            let is_swept =
-                tree.moving().iter().any(|body| place.get(local(body)).is_some_and(|place| *place != Place::Alone));
+            let moving = &tree.bodies()[..tree.moving()];
+            let is_swept = moving.iter().any(|&body| place[body as usize] != Place::Alone);
             let new_place = if is_swept { Place::Swept(0) } else { Place::InTree };
-            tree.moving().iter().for_each(|body| place[local(body)] = new_place);
+            moving.iter().for_each(|&body| place[body as usize] = new_place);
             if is_swept {
-                left_over.extend(
-                    (0..rigid.len() as u32).filter(|&joint| tree.joints().any(|of| of == rigid[joint as usize])),
-                );
+                left_over.extend_from_slice(tree.joints());
             } else {
+                let tree = TreeStep::new(tree, &globals, &rigid, &joints.list);
                 let known = old.iter().position(|old| old.is_same_as(&tree));
                 self.trees.push(known.map_or(tree, |known| old.swap_remove(known)));
             }

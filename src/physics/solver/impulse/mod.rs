@@ -32,19 +32,15 @@ use crate::physics::collision::ContactGraph;
 use crate::physics::diagnostics::StepStats;
 use crate::physics::island::Islands;
 use crate::physics::lanes::Lanes;
-use crate::physics::settings::{Precision, SolverSettings};
+use crate::physics::settings::{Precision, SolverSettings, contacts_last};
 use crate::physics::threads::{Shared, for_each_block};
 use crate::physics::{PhysicsSchedule, PhysicsSystems};
 use group::Group;
 use stage::WorldParts;
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<Groups>().add_systems(
-        PhysicsSchedule,
-        solve_groups
-            .in_set(PhysicsSystems::Solve)
-            .run_if(|settings: Res<SolverSettings>| settings.method.keeps_contacts()),
-    );
+    app.init_resource::<Groups>()
+        .add_systems(PhysicsSchedule, solve_groups.in_set(PhysicsSystems::Solve).run_if(contacts_last));
 }
 
 /// All groups, kept with their buffers from step to step.

@@ -111,7 +111,6 @@ impl<L: Lanes> Group<L> {
             joint_colors: &self.joint_colors,
             contact_colors: &self.contact_colors,
             flying: &self.flying,
-            trees_len: self.trees.len(),
             trees: Shared::new(&mut self.trees),
             bodies: self.bodies.share(),
             joint_blocks: Shared::new(&mut self.joint_blocks),
@@ -145,7 +144,6 @@ struct Walk<'a, L: Lanes> {
     contact_colors: &'a Coloring,
     flying: &'a [u32],
     trees: Shared<'a, TreeStep>,
-    trees_len: usize,
     bodies: SharedBodies<'a, L::Scalar>,
     joint_blocks: Shared<'a, JointBlock<L>>,
     contact_blocks: Shared<'a, ContactBlock<L>>,
@@ -171,7 +169,7 @@ impl<L: Lanes> Walk<'_, L> {
             Stage::Gather { .. } | Stage::Begin { .. } | Stage::Drift | Stage::End => self.members.len(),
             Stage::Scatter => self.own,
             Stage::Fly => self.flying.len(),
-            Stage::Swing => self.trees_len,
+            Stage::Swing => self.trees.len(),
             Stage::Prepare(color)
             | Stage::WarmStart(color)
             | Stage::Solve { color, .. }
@@ -261,8 +259,7 @@ impl<L: Lanes> Walk<'_, L> {
     /// Nobody else may be using the block and its bodies.
     unsafe fn joint_stage(&self, stage: Stage, index: usize) {
         let SharedBodies { velocity, moved, frames, .. } = self.bodies;
-        let (start, end) = self.joint_colors.blocks[index];
-        let lanes = &self.joint_colors.order[start as usize..end as usize];
+        let lanes = self.joint_colors.lanes(index);
         // SAFETY: as the caller promises.
         unsafe {
             let block = self.joint_blocks.element(index);
@@ -305,8 +302,7 @@ impl<L: Lanes> Walk<'_, L> {
     /// Nobody else may be using the block and its bodies.
     unsafe fn contact_stage(&self, stage: Stage, index: usize) {
         let SharedBodies { velocity, moved, frames, .. } = self.bodies;
-        let (start, end) = self.contact_colors.blocks[index];
-        let lanes = &self.contact_colors.order[start as usize..end as usize];
+        let lanes = self.contact_colors.lanes(index);
         // SAFETY: as the caller promises.
         unsafe {
             let block = self.contact_blocks.element(index);

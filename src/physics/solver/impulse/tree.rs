@@ -3,9 +3,9 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
+use super::free::turn_freely;
 use crate::physics::bodies::{Body, Joint, rotation_by, world_inverse_inertia};
 use crate::physics::constraint::row::Twist;
-use crate::physics::integrator::gyroscopic;
 use crate::physics::solver::joint_tree::{JointTree, PoseChange, UNRESOLVED};
 
 /// Newton iterations where a tree begins.
@@ -74,21 +74,14 @@ impl TreeBody {
 
     fn drift(&mut self, h: f64) {
         self.position += self.linear * h;
-        let free = self.rotation_freedom == Vector3::repeat(1.0) && self.inverse_inertia_body.min() > 0.0;
-        if free && !gyroscopic::is_isotropic(&self.inverse_inertia_body) {
-            let spin = self.rotation.inverse_transform_vector(&self.angular);
-            let turned = gyroscopic::rotate(&self.inverse_inertia_body.map(f64::recip), &spin, h);
-            self.rotation *= turned.turn;
-            self.angular = self.rotation * turned.angular;
-        } else if self.angular != Vector3::zeros() {
-            self.rotation = rotation_by(&(self.angular * h)) * self.rotation;
-        }
+        let Self { rotation, angular, inverse_inertia_body, rotation_freedom, .. } = self;
+        turn_freely(rotation, angular, inverse_inertia_body, rotation_freedom, h);
         self.rotation.renormalize_fast();
     }
 }
 
 /// A joint of the tree, in its order.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Link {
     global: u32,
     /// Local bodies.
@@ -152,12 +145,7 @@ impl TreeStep {
 
     /// Whether `other` has the same bodies and joints.
     pub fn is_same_as(&self, other: &Self) -> bool {
-        self.members == other.members
-            && self
-                .links
-                .iter()
-                .map(|l| (l.global, l.anchor_a, l.anchor_b))
-                .eq(other.links.iter().map(|l| (l.global, l.anchor_a, l.anchor_b)))
+        self.members == other.members && self.links == other.links
     }
 
     /// A whole step: `substeps` of length `h`, s.
