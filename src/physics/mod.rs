@@ -20,6 +20,7 @@ mod collision;
 mod columns;
 mod constraint;
 pub mod diagnostics;
+mod disjoint_sets;
 mod events;
 mod integrator;
 mod island;

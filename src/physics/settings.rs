@@ -109,6 +109,9 @@ pub struct SolverSettings {
     /// Whether contact rows start from the forces of the (sub)step before, points found again by
     /// feature, instead of from zero. Of `pgs` only: the soft step always does.
     pub warm_starting: bool,
+    /// Whether effort follows need: islands at rest are solved at once and directly, where their bodies
+    /// make a tree or nearly one. Of the soft step only.
+    pub fitted_effort: bool,
     /// Scalar of rows and solver.
     pub precision: Precision,
     /// Share of a position error that one (sub)step aims to remove, 0 to 1 (Baumgarte's β·h,
@@ -159,6 +162,7 @@ impl SolverSettings {
             substeps: 1,
             iterations: 4,
             warm_starting: false,
+            fitted_effort: false,
             precision: Precision::F32,
             baumgarte: 0.35,
             slop: 0.01,
@@ -197,7 +201,7 @@ impl SolverSettings {
 
     /// The fastest that holds up: the soft step.
     pub fn game() -> Self {
-        Self { method: Method::SoftStep, iterations: 1, slop: 0.0, ..Self::steady() }
+        Self { method: Method::SoftStep, iterations: 1, fitted_effort: true, slop: 0.0, ..Self::steady() }
     }
 
     /// The presets by name, the default first.

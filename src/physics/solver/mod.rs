@@ -4,6 +4,7 @@
 //! (one file each: [`pgs`]) → integration (`super::integrator`). Islands share no body that moves,
 //! so threads take whole islands and the result does not depend on their number.
 
+mod direct;
 mod impulse;
 mod island_solver;
 mod joint_tree;

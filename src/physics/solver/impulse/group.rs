@@ -1,6 +1,8 @@
 //! One group of islands: its bodies and constraints, coloured, and the buffers to solve them, kept
 //! from step to step. What is done to it, stage by stage, is in [`super::stage`].
 
+use std::collections::BTreeMap;
+
 use bevy::platform::collections::HashMap;
 
 use super::bodies::GroupBodies;
@@ -10,12 +12,17 @@ use super::joint::JointBlock;
 use super::tree::TreeStep;
 use crate::physics::bodies::{Bodies, Body, Joint, Joints};
 use crate::physics::collision::{ContactGraph, POINTS};
+use crate::physics::disjoint_sets::DisjointSets;
 use crate::physics::island::Islands;
 use crate::physics::lanes::{Lanes, READ_ONLY};
+use crate::physics::solver::direct::DirectIsland;
 use crate::physics::solver::joint_tree::{Partition, partition};
 
 /// Blocks from which on a group is worth more threads than one.
 const LARGE: usize = 96;
+
+/// Bodies of a group beyond which none of its islands is solved directly.
+const MOST_AT_REST: usize = 512;
 
 /// Turn in a step beyond which rows of joints that stay as they were are wrong by a tenth of a limb, rad.
 const FAR: f64 = 0.1;
@@ -54,6 +61,8 @@ enum Place {
     InTree,
     /// By sweeps, as the member of that index.
     Swept(u32),
+    /// In an island at rest that is solved directly.
+    Rests,
 }
 
 /// What a group is planned from.
@@ -91,6 +100,10 @@ pub(crate) struct Group<L: Lanes> {
     may_bounce: bool,
     pub(super) flying: Vec<u32>,
     pub(super) trees: Vec<TreeStep>,
+    /// Islands with contacts, to be solved directly where they rest; empty if effort is not fitted.
+    pub(super) islands: Vec<DirectIsland>,
+    /// Joints that are not in trees which nothing touches, global indices.
+    linked: Vec<u32>,
     pub(super) joints: Vec<GroupJoint>,
     pub(super) contacts: Vec<GroupContact>,
     pub(super) joint_colors: Coloring,
@@ -115,6 +128,8 @@ impl<L: Lanes> Default for Group<L> {
             may_bounce: false,
             flying: Vec::new(),
             trees: Vec::new(),
+            islands: Vec::new(),
+            linked: Vec::new(),
             joints: Vec::new(),
             contacts: Vec::new(),
             joint_colors: Coloring::default(),
@@ -131,20 +146,44 @@ impl<L: Lanes> Default for Group<L> {
 
 impl<L: Lanes> Group<L> {
     /// Takes in which bodies and constraints it has, and colours them. To be called whenever the
-    /// islands have changed.
-    pub fn plan(&mut self, group: usize, islands: &Islands, bodies: &Bodies, joints: &Joints, graph: &ContactGraph) {
-        let own = islands.bodies(group);
+    /// islands have changed. `fitted`: islands that rest are to be solved directly.
+    pub fn plan(
+        &mut self,
+        group: usize,
+        islands: &Islands,
+        bodies: &Bodies,
+        joints: &Joints,
+        graph: &ContactGraph,
+        fitted: bool,
+    ) {
         let world = Outside { group, islands, bodies, joints, graph };
         self.place.clear();
-        self.place.resize(own.len(), Place::Alone);
+        self.place.resize(islands.bodies(group).len(), Place::Alone);
         self.find_trees(&world);
+        if fitted {
+            self.find_islands(&world);
+        } else {
+            self.islands.clear();
+        }
+        self.arrange(group, islands, bodies, joints, graph);
+    }
+
+    /// Packs what is left to sweep when trees and islands that rest are taken out. To be called whenever those have
+    /// changed.
+    pub fn arrange(&mut self, group: usize, islands: &Islands, bodies: &Bodies, joints: &Joints, graph: &ContactGraph) {
+        let world = Outside { group, islands, bodies, joints, graph };
+        let local_of = |body: u32| islands.local_of(body, group).map(|local| local as usize);
+        for island in &self.islands {
+            let place = if island.rests { Place::Rests } else { Place::Swept(0) };
+            island.members().iter().filter_map(|&body| local_of(body)).for_each(|local| self.place[local] = place);
+        }
         self.members.clear();
         self.flying.clear();
         let dynamic = |body: &u32| bodies.list[*body as usize].is_dynamic();
-        for (local, &body) in own.iter().enumerate().filter(|(_, body)| dynamic(body)) {
+        for (local, &body) in islands.bodies(group).iter().enumerate().filter(|(_, body)| dynamic(body)) {
             match &mut self.place[local] {
                 Place::Alone => self.flying.push(body),
-                Place::InTree => {}
+                Place::InTree | Place::Rests => {}
                 Place::Swept(index) => {
                     *index = self.members.len() as u32;
                     self.members.push(body);
@@ -153,19 +192,26 @@ impl<L: Lanes> Group<L> {
         }
         self.own = self.members.len();
         self.guests.clear();
-        for joint in &mut self.joints {
-            let Joint { a, b, .. } = joints.list[joint.global as usize];
-            (joint.a, joint.b) = (
-                local(&mut self.members, &mut self.guests, &self.place, &world, a),
-                local(&mut self.members, &mut self.guests, &self.place, &world, b),
-            );
+        let rests = |place: &[Place], pair: [u32; 2]| {
+            let moves = pair.into_iter().filter(dynamic);
+            moves.filter_map(local_of).any(|local| place[local] == Place::Rests)
+        };
+        self.joints.clear();
+        for &global in &self.linked {
+            let Joint { a, b, .. } = joints.list[global as usize];
+            if !rests(&self.place, [a, b]) {
+                let [a, b] = [a, b].map(|body| local(&mut self.members, &mut self.guests, &self.place, &world, body));
+                self.joints.push(GroupJoint { global, a, b });
+            }
         }
         self.contacts.clear();
         for &slot in islands.manifolds(group) {
             let pair = graph.slots[slot as usize].pair;
-            let [a, b] =
-                [pair.a, pair.b].map(|body| local(&mut self.members, &mut self.guests, &self.place, &world, body));
-            self.contacts.push(GroupContact { slot, a, b });
+            if !rests(&self.place, [pair.a, pair.b]) {
+                let [a, b] =
+                    [pair.a, pair.b].map(|body| local(&mut self.members, &mut self.guests, &self.place, &world, body));
+                self.contacts.push(GroupContact { slot, a, b });
+            }
         }
         self.may_bounce = self.contacts.iter().any(|contact| graph.slots[contact.slot as usize].restitution > 0.0);
         self.color(joints);
@@ -177,8 +223,57 @@ impl<L: Lanes> Group<L> {
         self.bounces.resize(self.contact_blocks.len(), None);
     }
 
+    /// Finds the islands with contacts, those that were there before with all that is known of them.
+    fn find_islands(&mut self, world: &Outside) {
+        let Outside { group, islands, bodies, joints, graph } = *world;
+        let own = islands.bodies(group);
+        let mut old = std::mem::take(&mut self.islands).into_iter().peekable();
+        if own.len() > MOST_AT_REST {
+            return;
+        }
+        let mut sets = DisjointSets::new(own.len());
+        let moving = |body: u32| {
+            let local = bodies.list[body as usize].is_dynamic().then(|| islands.local_of(body, group));
+            local.flatten()
+        };
+        let of_contacts = islands.manifolds(group).iter().map(|&slot| graph.slots[slot as usize].pair);
+        let of_contacts = of_contacts.map(|pair| [pair.a, pair.b].map(moving));
+        let of_joints = self.linked.iter().map(|&joint| &joints.list[joint as usize]);
+        let of_joints = of_joints.map(|joint| [joint.a, joint.b].map(moving));
+        for pair in of_contacts.clone().chain(of_joints.clone()) {
+            if let [Some(a), Some(b)] = pair {
+                sets.union(a, b);
+            }
+        }
+        // By the first body of each: its bodies, contacts and joints.
+        let mut parts: BTreeMap<u32, [Vec<u32>; 3]> = BTreeMap::new();
+        let mut root = |[a, b]: [Option<u32>; 2]| a.or(b).map(|local| sets.root(local));
+        for (pair, &slot) in of_contacts.zip(islands.manifolds(group)) {
+            if let Some(root) = root(pair) {
+                parts.entry(root).or_default()[1].push(slot);
+            }
+        }
+        for (pair, &joint) in of_joints.zip(&self.linked) {
+            if let Some(root) = root(pair)
+                && let Some(part) = parts.get_mut(&root)
+            {
+                part[2].push(joint);
+            }
+        }
+        for (local, &body) in own.iter().enumerate() {
+            if let Some(part) = parts.get_mut(&sets.root(local as u32)) {
+                part[0].push(body);
+            }
+        }
+        for [members, contacts, joints] in parts.into_values() {
+            while old.next_if(|island| island.members()[0] < members[0]).is_some() {}
+            let known = old.next_if(|island| island.is_of(&members, &contacts, &joints));
+            self.islands.push(known.unwrap_or_else(|| DirectIsland::new(members, contacts, joints)));
+        }
+    }
+
     /// Finds out which bodies need sweeps, which joints make trees that nothing touches, and leaves the other
-    /// joints in `joints`.
+    /// joints in `linked`.
     fn find_trees(&mut self, world: &Outside) {
         let Outside { group, islands, bodies, joints, graph } = *world;
         let place = &mut self.place;
@@ -235,9 +330,8 @@ impl<L: Lanes> Group<L> {
             [a, b].into_iter().for_each(|body| swept(place, body));
         }
         let springs = islands.joints(group).iter().copied().filter(is_spring);
-        let global = left_over.iter().map(|&joint| rigid[joint as usize]).chain(springs);
-        self.joints.clear();
-        self.joints.extend(global.map(|global| GroupJoint { global, a: 0, b: 0 }));
+        self.linked.clear();
+        self.linked.extend(left_over.iter().map(|&joint| rigid[joint as usize]).chain(springs));
     }
 
     fn color(&mut self, joints: &Joints) {

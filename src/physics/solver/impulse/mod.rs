@@ -12,6 +12,7 @@ mod contact;
 mod free;
 mod group;
 mod joint;
+mod rest;
 mod stage;
 #[cfg(test)]
 mod tests;
@@ -33,7 +34,7 @@ use crate::physics::diagnostics::StepStats;
 use crate::physics::island::Islands;
 use crate::physics::lanes::Lanes;
 use crate::physics::settings::{Precision, SolverSettings, contacts_last};
-use crate::physics::threads::{Shared, for_each_block};
+use crate::physics::threads::for_each_block;
 use crate::physics::{PhysicsSchedule, PhysicsSystems};
 use group::Group;
 use stage::WorldParts;
@@ -53,8 +54,8 @@ struct Groups {
 /// Groups that are solved in the same lanes.
 struct GroupsOf<L: Lanes> {
     list: Vec<Numbered<L>>,
-    /// Version of the islands that the groups were planned for.
-    planned: Option<u64>,
+    /// Version of the islands that the groups were planned for, and whether effort was to be fitted.
+    planned: Option<(u64, bool)>,
 }
 
 impl<L: Lanes> Default for GroupsOf<L> {
@@ -67,6 +68,8 @@ impl<L: Lanes> Default for GroupsOf<L> {
 struct Numbered<L: Lanes> {
     index: usize,
     group: Group<L>,
+    /// Whether others of its islands rest than in the step before.
+    changed: bool,
     stages: Vec<Stage>,
 }
 
@@ -110,16 +113,24 @@ impl<L: Lanes> GroupsOf<L> {
     ) {
         let count = islands.count();
         if self.list.len() < count {
-            self.list.resize_with(count, || Numbered { index: 0, group: Group::default(), stages: Vec::new() });
-        }
-        let groups = &mut self.list[..count];
-        if self.planned != Some(islands.version()) {
-            self.planned = Some(islands.version());
-            groups.iter_mut().enumerate().for_each(|(index, group)| group.index = index);
-            for_each_block(settings.threads, groups, |Numbered { index, group, .. }| {
-                group.plan(*index, islands, bodies, joints, graph);
+            self.list.resize_with(count, || Numbered {
+                index: 0,
+                group: Group::default(),
+                changed: false,
+                stages: Vec::new(),
             });
         }
+        let groups = &mut self.list[..count];
+        let planned = Some((islands.version(), settings.fitted_effort));
+        if self.planned != planned {
+            self.planned = planned;
+            groups.iter_mut().enumerate().for_each(|(index, group)| group.index = index);
+            for_each_block(settings.threads, groups, |Numbered { index, group, .. }| {
+                group.plan(*index, islands, bodies, joints, graph, settings.fitted_effort);
+            });
+        }
+        self.rest(bodies, joints, graph, islands, settings);
+        let groups = &mut self.list[..count];
         for Numbered { group, stages, .. } in groups.iter_mut() {
             let plan = soft_step::Plan {
                 substeps: settings.substeps,
@@ -133,15 +144,7 @@ impl<L: Lanes> GroupsOf<L> {
         let records = graph.recording.is_some();
         let presses_changed = AtomicBool::new(false);
         let mut none = Vec::new();
-        let totals = graph.recording.as_mut().map_or(&mut none, |recording| &mut recording.totals);
-        let world = WorldParts {
-            bodies: Shared::new(&mut bodies.list),
-            joints: Shared::new(&mut joints.list),
-            states: Shared::new(&mut graph.states),
-            slots: &graph.slots,
-            presses_changed: &presses_changed,
-            totals: Shared::new(totals),
-        };
+        let world = WorldParts::new(bodies, joints, graph, &presses_changed, &mut none);
         let step = |Numbered { group, stages, .. }: &mut Numbered<L>, threads: u32| {
             group.run(stages, &terms, world, records, threads);
         };
@@ -157,5 +160,33 @@ impl<L: Lanes> GroupsOf<L> {
             groups.iter_mut().for_each(|group| step(group, 1));
         }
         graph.presses_changed |= presses_changed.into_inner();
+    }
+
+    /// Takes islands that rest through the step, and packs the others.
+    fn rest(
+        &mut self,
+        bodies: &mut Bodies,
+        joints: &mut Joints,
+        graph: &mut ContactGraph,
+        islands: &Islands,
+        settings: &SolverSettings,
+    ) {
+        let groups = &mut self.list[..islands.count()];
+        if groups.iter().all(|Numbered { group, .. }| group.islands.is_empty()) {
+            return;
+        }
+        let presses_changed = AtomicBool::new(false);
+        let mut none = Vec::new();
+        let world = WorldParts::new(bodies, joints, graph, &presses_changed, &mut none);
+        let h = settings.step() / f64::from(settings.substeps);
+        for_each_block(settings.threads, groups, |Numbered { group, changed, .. }| {
+            *changed = group.rest(world, h, settings.substeps);
+        });
+        graph.presses_changed |= presses_changed.into_inner();
+        for Numbered { index, group, changed, .. } in groups {
+            if *changed {
+                group.arrange(*index, islands, bodies, joints, graph);
+            }
+        }
     }
 }

@@ -13,9 +13,9 @@ use super::free;
 use super::group::{Bounce, Group, GroupContact, GroupJoint};
 use super::joint::{JointBlock, JointSite};
 use super::tree::TreeStep;
-use crate::physics::bodies::{Body, Joint};
+use crate::physics::bodies::{Bodies, Body, Joint, Joints};
 use crate::physics::body::RigidBody;
-use crate::physics::collision::{ContactState, POINTS, Slot};
+use crate::physics::collision::{ContactGraph, ContactState, POINTS, Slot};
 use crate::physics::lanes::{Lanes, READ_ONLY};
 use crate::physics::solver::Scalar;
 use crate::physics::threads::{Shared, walk_stages};
@@ -92,6 +92,26 @@ pub(crate) struct WorldParts<'a> {
     pub presses_changed: &'a AtomicBool,
     /// Empty unless somebody reads contact forces.
     pub totals: Shared<'a, ContactImpulses>,
+}
+
+impl<'a> WorldParts<'a> {
+    /// Handles on all of it; `none` is an empty list.
+    pub fn new(
+        bodies: &'a mut Bodies,
+        joints: &'a mut Joints,
+        graph: &'a mut ContactGraph,
+        presses_changed: &'a AtomicBool,
+        none: &'a mut Vec<ContactImpulses>,
+    ) -> Self {
+        Self {
+            bodies: Shared::new(&mut bodies.list),
+            joints: Shared::new(&mut joints.list),
+            states: Shared::new(&mut graph.states),
+            slots: &graph.slots,
+            presses_changed,
+            totals: Shared::new(graph.recording.as_mut().map_or(none, |recording| &mut recording.totals)),
+        }
+    }
 }
 
 impl<L: Lanes> Group<L> {

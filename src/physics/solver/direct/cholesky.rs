@@ -1,0 +1,152 @@
+//! Block LDLᵀ of a symmetric positive definite matrix with 6 × 6 blocks on the pattern of a body graph:
+//! A = L D Lᵀ, L with ones on its diagonal, D by blocks, in the order of [`Pattern`].
+//!
+//! Column j: D_j is what is left of A_jj; L_ij = A_ij D_j⁻¹; then A_ik −= L_ij D_j L_kjᵀ = L_ij A_kjᵀ for all i ≥ k of the
+//! column (right-looking). On a tree that is two products a body.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::pattern::{Pattern, Target};
+
+/// A block: two bodies' velocities, linear and angular.
+pub(crate) type Block = SMatrix<f64, 6, 6>;
+/// What goes with one body: linear, angular.
+pub(crate) type Part = SVector<f64, 6>;
+
+/// The matrix, and then its factor.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BlockMatrix {
+    /// By place: A_jj, then D_j⁻¹.
+    diagonal: Vec<Block>,
+    /// A_ij, then L_ij.
+    below: Vec<Block>,
+    /// A_ij of the column at hand.
+    column: Vec<Block>,
+}
+
+impl BlockMatrix {
+    /// Zero.
+    pub fn clear(&mut self, pattern: &Pattern) {
+        self.diagonal.clear();
+        self.diagonal.resize(pattern.count(), Block::zeros());
+        self.below.clear();
+        self.below.resize(pattern.blocks(), Block::zeros());
+    }
+
+    /// The block on the diagonal of a body.
+    pub fn diagonal_mut(&mut self, pattern: &Pattern, body: u32) -> &mut Block {
+        &mut self.diagonal[pattern.place(body) as usize]
+    }
+
+    /// Adds a block whose rows are `a`'s and columns `b`'s, and its transpose.
+    pub fn add(&mut self, pattern: &Pattern, a: u32, b: u32, block: &Block) {
+        let (index, rows_are_b) = pattern.block(a, b);
+        let place = &mut self.below[index as usize];
+        if rows_are_b {
+            *place += block.transpose();
+        } else {
+            *place += block;
+        }
+    }
+
+    /// Factors it where it stands. False if it is not positive definite.
+    pub fn factor(&mut self, pattern: &Pattern) -> bool {
+        let mut targets = pattern.targets().iter();
+        for column in 0..pattern.count() {
+            let Some(inverse) = invert(&self.diagonal[column]) else { return false };
+            self.diagonal[column] = inverse;
+            let (first, count) = (pattern.first(column), pattern.rows(column).len());
+            self.column.clear();
+            self.column.extend_from_slice(&self.below[first..first + count]);
+            for (index, original) in self.column.iter().enumerate() {
+                let scaled = product(original, &inverse);
+                self.below[first + index] = scaled;
+                for (other, target) in self.column[..=index].iter().zip(&mut targets) {
+                    let target = match *target {
+                        Target::Diagonal(place) => &mut self.diagonal[place as usize],
+                        Target::Below(block) => &mut self.below[block as usize],
+                    };
+                    subtract_product(target, &scaled, other);
+                }
+            }
+        }
+        true
+    }
+
+    /// Solves A x = b by the factor, b and x in the order of the pattern.
+    pub fn solve(&self, pattern: &Pattern, x: &mut [Part]) {
+        for column in 0..pattern.count() {
+            let known = x[column];
+            let blocks = &self.below[pattern.first(column)..];
+            for (&row, block) in pattern.rows(column).iter().zip(blocks) {
+                x[row as usize] -= block * known;
+            }
+        }
+        for column in (0..pattern.count()).rev() {
+            let mut sum = self.diagonal[column] * x[column];
+            let blocks = &self.below[pattern.first(column)..];
+            for (&row, block) in pattern.rows(column).iter().zip(blocks) {
+                sum -= block.tr_mul(&x[row as usize]);
+            }
+            x[column] = sum;
+        }
+    }
+}
+
+/// a b of which b is symmetric.
+#[inline]
+fn product(a: &Block, b: &Block) -> Block {
+    let mut result = Block::zeros();
+    for column in 0..6 {
+        for inner in 0..6 {
+            let factor = b[(inner, column)];
+            for row in 0..6 {
+                result[(row, column)] = a[(row, inner)].mul_add(factor, result[(row, column)]);
+            }
+        }
+    }
+    result
+}
+
+/// target −= a bᵀ.
+#[inline]
+fn subtract_product(target: &mut Block, a: &Block, b: &Block) {
+    for column in 0..6 {
+        for inner in 0..6 {
+            let factor = -b[(column, inner)];
+            for row in 0..6 {
+                target[(row, column)] = a[(row, inner)].mul_add(factor, target[(row, column)]);
+            }
+        }
+    }
+}
+
+/// The inverse of a symmetric positive definite block, by its Cholesky factor G: G⁻ᵀ G⁻¹.
+#[inline]
+fn invert(block: &Block) -> Option<Block> {
+    // G⁻¹ grows row by row beside G.
+    let (mut factor, mut inverse) = (*block, Block::identity());
+    for pivot in 0..6 {
+        let square = factor[(pivot, pivot)];
+        if !(square > 0.0) {
+            return None;
+        }
+        let scale = 1.0 / square.sqrt();
+        for column in 0..=pivot {
+            inverse[(pivot, column)] *= scale;
+        }
+        for row in pivot..6 {
+            factor[(row, pivot)] *= scale;
+        }
+        for row in pivot + 1..6 {
+            let share = factor[(row, pivot)];
+            for column in 0..=pivot {
+                inverse[(row, column)] -= share * inverse[(pivot, column)];
+            }
+            for column in pivot + 1..=row {
+                factor[(row, column)] -= share * factor[(column, pivot)];
+            }
+        }
+    }
+    Some(inverse.tr_mul(&inverse))
+}

@@ -1,0 +1,362 @@
+//! Islands at rest, solved at once: all contacts and joints together, directly, for the whole step.
+//!
+//! Sweeps pass a load on from contact to contact, and springs that sweeps can follow give under it: a column of 30
+//! cubes sinks by centimetres and leans, a light box under a heavy one is crushed. Where all is at rest and the body
+//! graph is a tree or nearly one, the step
+//!
+//! (M + Σ JᵀρJ) v = M v₀ + h f + Σ Jᵀ (λ̂ − ρ b)
+//!
+//! is solved by block LDLᵀ in f64 ([`cholesky`], on the [`pattern`] of the graph), in a time linear in its bodies;
+//! rows are those of [`patch`]. Which points push and which patches slide is guessed from the step before and
+//! corrected by Newton's method, of which a step at rest takes one iteration. The same factor then closes what is left of
+//! depths and gaps, in positions and not in velocities.
+//!
+//! An island that turns out not to rest, or whose rows do not settle, is left as it was, for the sweeps.
+
+mod cholesky;
+mod patch;
+mod pattern;
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::physics::bodies::{Body, Joint};
+use crate::physics::collision::{ContactState, Slot};
+use crate::physics::lanes::Record;
+use cholesky::{BlockMatrix, Part};
+use patch::{Link, Motion, Patch, Side, motion, wrench};
+use pattern::Pattern;
+
+/// Speed of a body, centre and rim together, up to which it is at rest, m/s.
+const CALM: f64 = 0.05;
+/// Products of blocks per body beyond which sweeps are cheaper.
+const MOST_PRODUCTS: usize = 8;
+/// Weight of rows over the mass of the island: what moves in a step then is 1e-6 of what would without the rows.
+const WEIGHT: f64 = 1e6;
+/// Guesses which rows act.
+const ITERATIONS: usize = 8;
+/// Share of depths and gaps that is closed in a step.
+const CLOSED: f64 = 0.1;
+/// Fastest way out of a depth, m/s.
+const FASTEST: f64 = 0.2;
+
+/// The world as an island reads and writes it.
+pub(crate) trait World {
+    fn body(&self, index: u32) -> &Body;
+    fn slot(&self, index: u32) -> &Slot;
+    fn state(&self, slot: u32) -> &ContactState;
+    fn joint(&self, index: u32) -> &Joint;
+}
+
+/// What is known of how an island can be factored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Analysis {
+    /// It was never at rest so far.
+    Due,
+    /// There is a pattern.
+    Done,
+    /// It is for the sweeps.
+    Unsuitable,
+}
+
+/// An island and its factor.
+pub(crate) struct DirectIsland {
+    /// Global indices.
+    members: Vec<u32>,
+    contacts: Vec<u32>,
+    joints: Vec<u32>,
+    /// Of contacts, then joints: both bodies' places among the members.
+    ends: Vec<[Option<u32>; 2]>,
+    analysis: Analysis,
+    pattern: Pattern,
+    /// Whether it was solved here in the last step.
+    pub rests: bool,
+    mass: f64,
+    matrix: BlockMatrix,
+    base: BlockMatrix,
+    /// M v₀ + h f, by place in the pattern, like the next two.
+    momentum: Vec<Part>,
+    velocity: Vec<Part>,
+    correction: Vec<Part>,
+    patches: Vec<Patch>,
+    links: Vec<Link>,
+}
+
+impl DirectIsland {
+    /// Of bodies that move, contacts by slot and joints, all ascending.
+    pub fn new(members: Vec<u32>, contacts: Vec<u32>, joints: Vec<u32>) -> Self {
+        Self {
+            members,
+            contacts,
+            joints,
+            ends: Vec::new(),
+            analysis: Analysis::Due,
+            pattern: Pattern::default(),
+            rests: false,
+            mass: 0.0,
+            matrix: BlockMatrix::default(),
+            base: BlockMatrix::default(),
+            momentum: Vec::new(),
+            velocity: Vec::new(),
+            correction: Vec::new(),
+            patches: Vec::new(),
+            links: Vec::new(),
+        }
+    }
+
+    fn analyse(&mut self, world: &impl World) -> Analysis {
+        let is_free = |&member: &u32| {
+            let body = world.body(member);
+            body.rotation_freedom == Vector3::repeat(1.0)
+                && body.inverse_mass.min() > 0.0
+                && body.inverse_inertia_body.min() > 0.0
+        };
+        let is_rigid = |&joint: &u32| world.joint(joint).softness.is_none();
+        if !self.members.iter().all(is_free) || !self.joints.iter().all(is_rigid) {
+            return Analysis::Unsuitable;
+        }
+        let local = |body: u32| self.members.binary_search(&body).ok().map(|local| local as u32);
+        let of_contacts = self.contacts.iter().map(|&slot| world.slot(slot).pair).map(|pair| [pair.a, pair.b]);
+        let of_joints = self.joints.iter().map(|&joint| world.joint(joint)).map(|joint| [joint.a, joint.b]);
+        self.ends = of_contacts.chain(of_joints).map(|pair| pair.map(local)).collect();
+        let edges = self.ends.iter().filter_map(|[a, b]| Some([(*a)?, (*b)?]));
+        let count = self.members.len();
+        let Some(pattern) = Pattern::new(count, edges, MOST_PRODUCTS * count) else { return Analysis::Unsuitable };
+        self.pattern = pattern;
+        self.mass = self.members.iter().map(|&member| world.body(member).mass).sum();
+        for parts in [&mut self.momentum, &mut self.velocity, &mut self.correction] {
+            parts.resize(count, Part::zeros());
+        }
+        self.patches.resize(self.contacts.len(), Patch::default());
+        self.links.resize(self.joints.len(), Link::default());
+        Analysis::Done
+    }
+
+    /// The bodies that move, global indices, ascending.
+    pub fn members(&self) -> &[u32] {
+        &self.members
+    }
+
+    /// Its contacts, by slot.
+    pub fn contacts(&self) -> &[u32] {
+        &self.contacts
+    }
+
+    /// Its joints, global indices.
+    pub fn joints(&self) -> &[u32] {
+        &self.joints
+    }
+
+    /// Whether it is of these bodies, contacts and joints.
+    pub fn is_of(&self, members: &[u32], contacts: &[u32], joints: &[u32]) -> bool {
+        self.members == members && self.contacts == contacts && self.joints == joints
+    }
+
+    /// Tries a step of length `step`, s, of which the impulses of contacts are kept for `substeps` parts. False, and
+    /// nothing has changed, if the island is not at rest.
+    pub fn solve(&mut self, world: &impl World, step: f64, substeps: u32) -> bool {
+        self.rests = false;
+        if !self.members.iter().all(|&member| is_calm(world.body(member))) {
+            return false;
+        }
+        if self.analysis == Analysis::Due {
+            self.analysis = self.analyse(world);
+        }
+        if self.analysis == Analysis::Done {
+            self.gather(world, step, f64::from(substeps));
+            self.rests = self.settle(1.0 / step) && self.ends_calm(world);
+        }
+        self.rests
+    }
+
+    fn gather(&mut self, world: &impl World, step: f64, substeps: f64) {
+        self.base.clear(&self.pattern);
+        for (local, &member) in self.members.iter().enumerate() {
+            let body = world.body(member);
+            let inertia = world_inertia(body);
+            let (linear, angular) = (body.linear * body.mass + body.force * step, inertia * body.angular + body.torque * step);
+            let place = self.pattern.place(local as u32) as usize;
+            self.momentum[place] = Part::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z);
+            let block = self.base.diagonal_mut(&self.pattern, local as u32);
+            block.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::from_diagonal_element(body.mass));
+            block.fixed_view_mut::<3, 3>(3, 3).copy_from(&inertia);
+        }
+        let (of_contacts, of_joints) = self.ends.split_at(self.contacts.len());
+        for ((patch, &slot), ends) in self.patches.iter_mut().zip(&self.contacts).zip(of_contacts) {
+            *patch = patch_of(world, slot, ends, substeps);
+        }
+        for ((link, &joint), ends) in self.links.iter_mut().zip(&self.joints).zip(of_joints) {
+            *link = link_of(world, joint, ends, step);
+        }
+    }
+
+    /// Newton's method on which rows act. Whether it found out, and all is at rest then.
+    fn settle(&mut self, per_step: f64) -> bool {
+        let weight = WEIGHT * self.mass;
+        for _ in 0..ITERATIONS {
+            if !self.factor(weight) {
+                return false;
+            }
+            self.velocity.copy_from_slice(&self.momentum);
+            let Self { patches, links, pattern, velocity, matrix, .. } = self;
+            for patch in patches.iter() {
+                push(pattern, velocity, &patch.sides, &patch.impulse_at_rest(weight, per_step));
+            }
+            for link in links.iter() {
+                let linear = link.impulse_at(&link.given, weight);
+                push(pattern, velocity, &link.sides, &Motion { linear, ..Motion::default() });
+            }
+            matrix.solve(pattern, velocity);
+            let mut holds = true;
+            for patch in patches.iter_mut() {
+                let motion = across(pattern, velocity, &patch.sides, &patch.given);
+                holds &= patch.take(&motion, weight, per_step);
+            }
+            if holds {
+                for link in links.iter_mut() {
+                    let motion = across(pattern, velocity, &link.sides, &link.given);
+                    link.impulse = link.impulse_at(&motion, weight);
+                }
+                self.correct(weight, per_step);
+                return true;
+            }
+        }
+        false
+    }
+
+    fn factor(&mut self, weight: f64) -> bool {
+        let Self { matrix, base, patches, links, pattern, contacts, ends, .. } = self;
+        matrix.clone_from(base);
+        let stiffnesses = patches.iter().map(|patch| (patch.sides, patch.stiffness(weight)));
+        let stiffnesses = stiffnesses.chain(links.iter().map(|link| (link.sides, Link::stiffness(weight))));
+        debug_assert_eq!(ends.len(), contacts.len() + links.len());
+        for ([a, b], stiffness) in stiffnesses {
+            for side in [a, b] {
+                if let Some(body) = side.body {
+                    *matrix.diagonal_mut(pattern, body) += stiffness.between(&side.arm, &side.arm);
+                }
+            }
+            if let (Some(body_a), Some(body_b)) = (a.body, b.body) {
+                matrix.add(pattern, body_a, body_b, &-stiffness.between(&a.arm, &b.arm));
+            }
+        }
+        matrix.factor(pattern)
+    }
+
+    /// What closes depths and gaps besides, as a velocity.
+    fn correct(&mut self, weight: f64, per_step: f64) {
+        let Self { patches, links, pattern, correction, matrix, .. } = self;
+        correction.fill(Part::zeros());
+        for patch in patches.iter() {
+            push(pattern, correction, &patch.sides, &patch.correction(weight, CLOSED * per_step, FASTEST));
+        }
+        for link in links.iter() {
+            let linear = link.separation * (-weight * CLOSED * per_step);
+            push(pattern, correction, &link.sides, &Motion { linear, ..Motion::default() });
+        }
+        if correction.iter().any(|part| *part != Part::zeros()) {
+            matrix.solve(pattern, correction);
+        }
+    }
+
+    /// Whether all of it is still at rest at the end of the step.
+    fn ends_calm(&self, world: &impl World) -> bool {
+        self.members.iter().enumerate().all(|(local, &member)| {
+            let part = &self.velocity[self.pattern.place(local as u32) as usize];
+            let (linear, angular) = (part.fixed_rows::<3>(0).norm(), part.fixed_rows::<3>(3).norm());
+            linear + angular * world.body(member).radius <= CALM
+        })
+    }
+
+    /// The state of a member at the end of the step, written to it.
+    pub fn scatter(&self, local: usize, body: &mut Body, step: f64) {
+        let place = self.pattern.place(local as u32) as usize;
+        let part = |part: &Part| (part.fixed_rows::<3>(0).into_owned(), part.fixed_rows::<3>(3).into_owned());
+        let (velocity, correction) = (part(&self.velocity[place]), part(&self.correction[place]));
+        body.linear = velocity.0 / (1.0 + body.drag.0 * step);
+        body.angular = velocity.1 / (1.0 + body.drag.1 * step);
+        body.has_stepped = true;
+        body.advance(&((velocity.0 + correction.0) * step), &((velocity.1 + correction.1) * step));
+    }
+
+    /// What a contact pushed, divided by `scale`, N·s.
+    pub fn impulses(&self, contact: usize, scale: f64) -> Record<f32> {
+        self.patches[contact].impulses(scale)
+    }
+
+    /// Impulse on B of a joint, N·s.
+    pub fn joint_impulse(&self, joint: usize) -> Vector3<f64> {
+        self.links[joint].impulse
+    }
+}
+
+fn is_calm(body: &Body) -> bool {
+    body.linear.norm() + body.angular.norm() * body.radius <= CALM
+}
+
+fn world_inertia(body: &Body) -> Matrix3<f64> {
+    let principal = body.inverse_inertia_body.map(f64::recip);
+    if principal.x == principal.y && principal.y == principal.z {
+        return Matrix3::from_diagonal(&principal);
+    }
+    let axes = body.rotation.to_rotation_matrix().into_inner();
+    axes * Matrix3::from_diagonal(&principal) * axes.transpose()
+}
+
+/// Motion at an arm of a body that does not move here.
+fn given(body: &Body, arm: &Vector3<f64>) -> Motion {
+    Motion { linear: body.point_velocity(arm), angular: body.angular }
+}
+
+/// The motion that sides without a member give: B's less A's.
+fn given_across(sides: &[Side; 2], [a, b]: [&Body; 2], arms: [Vector3<f64>; 2]) -> Motion {
+    let of = |side: &Side, body, arm| if side.body.is_some() { Motion::default() } else { given(body, &arm) };
+    let (a, b) = (of(&sides[0], a, arms[0]), of(&sides[1], b, arms[1]));
+    Motion { linear: b.linear - a.linear, angular: b.angular - a.angular }
+}
+
+fn patch_of(world: &impl World, slot: u32, ends: &[Option<u32>; 2], substeps: f64) -> Patch {
+    let (state, slot) = (world.state(slot), world.slot(slot));
+    let bodies = [slot.pair.a, slot.pair.b].map(|body| world.body(body));
+    let [a, b] = bodies;
+    let origin = slot.origin_in_world(a);
+    let apart = b.position - a.position - origin;
+    let mut patch = Patch::new(state, |v| a.rotation * v, |v| b.rotation * v, &apart, substeps);
+    patch.sides[0].arm += origin;
+    for (side, body) in patch.sides.iter_mut().zip(ends) {
+        side.body = *body;
+    }
+    patch.given = given_across(&patch.sides, bodies, patch.sides.map(|side| side.arm));
+    patch
+}
+
+fn link_of(world: &impl World, joint: u32, ends: &[Option<u32>; 2], step: f64) -> Link {
+    let Joint { a, b, anchor_a, anchor_b, force, .. } = world.joint(joint);
+    let bodies = [world.body(*a), world.body(*b)];
+    let arms = [bodies[0].rotation * anchor_a, bodies[1].rotation * anchor_b];
+    let sides = [0, 1].map(|side| Side { body: ends[side], arm: arms[side] });
+    Link {
+        sides,
+        given: given_across(&sides, bodies, arms),
+        separation: bodies[1].position - bodies[0].position + arms[1] - arms[0],
+        expected: force * step,
+        impulse: Vector3::zeros(),
+    }
+}
+
+/// Adds an impulse on B, and its reaction on A.
+fn push(pattern: &Pattern, parts: &mut [Part], sides: &[Side; 2], impulse: &Motion) {
+    let [a, b] = sides;
+    if let Some(body) = a.body {
+        parts[pattern.place(body) as usize] -= wrench(impulse, &a.arm);
+    }
+    if let Some(body) = b.body {
+        parts[pattern.place(body) as usize] += wrench(impulse, &b.arm);
+    }
+}
+
+/// B's motion less A's.
+fn across(pattern: &Pattern, parts: &[Part], sides: &[Side; 2], given: &Motion) -> Motion {
+    let of = |side: &Side| side.body.map_or_else(Motion::default, |body| motion(&parts[pattern.place(body) as usize], &side.arm));
+    let [a, b] = sides.each_ref().map(of);
+    Motion { linear: given.linear + b.linear - a.linear, angular: given.angular + b.angular - a.angular }
+}
