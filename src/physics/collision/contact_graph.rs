@@ -145,6 +145,8 @@ pub(crate) struct Slot {
     pub is_pressed: bool,
     pub entities: (Entity, Entity),
     pub restitution: f32,
+    /// Counts how often the manifold was found.
+    pub times_found: u32,
     features: [FeatureId; POINTS],
     found_at: Option<RelativePose>,
     /// Smaller bounding radius.
@@ -166,6 +168,7 @@ impl Default for Slot {
             is_pressed: false,
             entities: (Entity::PLACEHOLDER, Entity::PLACEHOLDER),
             restitution: 0.0,
+            times_found: 0,
             features: [FeatureId::default(); POINTS],
             found_at: None,
             size: 0.0,
@@ -315,6 +318,7 @@ impl Chunk<'_> {
                 continue;
             }
             slot.found_at = Some(pose);
+            slot.times_found = slot.times_found.wrapping_add(1);
             points.clear();
             let (touched, had) = (slot.touching, state.geometry.point_count());
             slot.find(state, a, b, settings, search, points);

@@ -17,8 +17,9 @@ use crate::physics::lanes::Record;
 /// Depth or gap, over the arm, at which surfaces count as just touching: single precision cannot tell.
 const TOUCHING: f64 = 1e-5;
 
-/// Change of friction, over its limit, that is too small to solve again for.
-const SLIGHT: f64 = 1e-3;
+/// Way of a row over its arm that a factor bears: what it then solves is off by that share, and the next step makes
+/// up for it.
+const MOVED: f64 = 1e-4;
 
 /// One side.
 #[derive(Clone, Copy, Debug, Default)]
@@ -89,6 +90,27 @@ struct Point {
     pushes: bool,
 }
 
+/// What a factor knows of a patch or joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Shape {
+    arms: [Vector3<f64>; 2],
+    normal: Vector3<f64>,
+    levers: [Vector3<f64>; POINTS],
+    acts: [bool; POINTS],
+    gives: [bool; 2],
+}
+
+impl Shape {
+    /// Whether the same rows act in so nearly the same place that the factor will do.
+    pub fn is_nearly(&self, other: &Self) -> bool {
+        let size = self.arms[1].norm_squared();
+        let squared = (0..2).map(|side| (self.arms[side] - other.arms[side]).norm_squared());
+        let levers = (0..POINTS).map(|point| (self.levers[point] - other.levers[point]).norm_squared());
+        let moved = squared.chain(levers).fold(size * (self.normal - other.normal).norm_squared(), f64::max);
+        self.acts == other.acts && self.gives == other.gives && moved <= MOVED * MOVED * size
+    }
+}
+
 /// A contact.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Patch {
@@ -113,16 +135,10 @@ pub(super) struct Patch {
 
 impl Patch {
     /// From the state of a contact, with what turns A's and B's axes into the world's, and `apart` the centre of B
-    /// less the origin of A's axes; A's arms count from that origin plus `shift`. Impulses are taken `scale` times.
-    pub fn new(
-        state: &ContactState,
-        turn_a: impl Fn(Vector3<f64>) -> Vector3<f64>,
-        turn_b: impl Fn(Vector3<f64>) -> Vector3<f64>,
-        apart: &Vector3<f64>,
-        scale: f64,
-    ) -> Self {
+    /// less the origin of A's axes, from which A's arms count. Impulses are taken `scale` times.
+    pub fn new(state: &ContactState, [turn_a, turn_b]: &[Matrix3<f64>; 2], apart: &Vector3<f64>, scale: f64) -> Self {
         let ContactState { geometry, impulses } = state;
-        let (normal, tangent) = (turn_a(geometry.normal()), turn_a(geometry.tangent()));
+        let (normal, tangent) = (turn_a * geometry.normal(), turn_a * geometry.tangent());
         let count = geometry.point_count();
         let mut patch = Self {
             normal,
@@ -135,16 +151,11 @@ impl Patch {
         let mut middle = Vector3::zeros();
         for (index, (point, arm)) in patch.points[..count].iter_mut().zip(&mut arms).enumerate() {
             let (on_a, on_b) = geometry.point(index);
-            let (on_a, on_b) = (turn_a(on_a), turn_b(on_b) + apart);
+            let (on_a, on_b) = (turn_a * on_a, turn_b * on_b + apart);
             *arm = (on_a + on_b) * 0.5;
             middle += *arm;
             let expected = f64::from(impulses.0[index]) * scale;
-            *point = Point {
-                separation: normal.dot(&(on_b - on_a)),
-                expected,
-                impulse: expected,
-                ..Point::default()
-            };
+            *point = Point { separation: normal.dot(&(on_b - on_a)), expected, impulse: expected, ..Point::default() };
         }
         middle /= count as f64;
         patch.sides = [Side { body: None, arm: middle }, Side { body: None, arm: middle - apart }];
@@ -158,6 +169,28 @@ impl Patch {
         patch.expected = std::array::from_fn(|row| f64::from(impulses.0[POINTS + row]) * scale);
         patch.friction = patch.expected;
         patch
+    }
+
+    /// Takes over which rows act from the step before, of points that are still where they were.
+    pub fn resume(&mut self, before: &Self) {
+        let near = MOVED * self.radius;
+        for (point, old) in self.points[..self.count].iter_mut().zip(&before.points[..before.count]) {
+            if point.expected == 0.0 && (point.lever - old.lever).norm_squared() <= near * near {
+                point.pushes = old.pushes;
+            }
+        }
+        (self.slides, self.twists) = (before.slides, before.twists);
+    }
+
+    /// What K is made of.
+    pub fn shape(&self) -> Shape {
+        Shape {
+            arms: self.sides.map(|side| side.arm),
+            normal: self.normal,
+            levers: self.points.map(|point| point.lever),
+            acts: self.points.map(|point| point.pushes),
+            gives: [self.slides, self.twists],
+        }
     }
 
     /// K for rows of that weight.
@@ -212,7 +245,7 @@ impl Patch {
 
     fn push_of(&self, point: &Point, motion: &Motion, weight: f64, per_step: f64) -> f64 {
         let speed = self.normal.dot(&motion.linear) + point.lever.dot(&motion.angular);
-        let gap = if point.separation > self.touching { point.separation } else { 0.0 };
+        let gap = (point.separation - self.touching).max(0.0);
         point.expected - weight * (speed + gap * per_step)
     }
 
@@ -226,17 +259,21 @@ impl Patch {
         [x, y, if self.twists { twist } else { self.expected[2] - weight * self.radius * self.radius * spin }]
     }
 
-    /// Takes in the motion that was solved for. False if some row turned out other than was assumed.
-    pub fn take(&mut self, motion: &Motion, weight: f64, per_step: f64) -> bool {
+    /// Takes in the motion that was solved for. False if some row turned out other than was assumed, by more than a
+    /// `slight` impulse, N·s.
+    pub fn take(&mut self, motion: &Motion, weight: f64, per_step: f64, slight: f64) -> bool {
+        let pushes: [f64; POINTS] = std::array::from_fn(|index| {
+            if index < self.count { self.push_of(&self.points[index], motion, weight, per_step) } else { 0.0 }
+        });
+        let pressed: f64 = pushes.iter().map(|push| push.max(0.0)).sum();
         let mut holds = true;
-        let mut pressed = 0.0;
-        for index in 0..self.count {
-            let push = self.push_of(&self.points[index], motion, weight, per_step);
-            let point = &mut self.points[index];
-            holds &= (push > 0.0) == point.pushes;
-            point.pushes = push > 0.0;
-            point.impulse = push.max(0.0);
-            pressed += point.impulse;
+        for (point, push) in self.points[..self.count].iter_mut().zip(pushes) {
+            let is_wrong = (push > 0.0) != point.pushes;
+            if is_wrong && push.abs() > slight {
+                holds = false;
+                point.pushes = push > 0.0;
+            }
+            point.impulse = if is_wrong { 0.0 } else { push.max(0.0) };
         }
         if self.coefficient == 0.0 {
             return holds;
@@ -245,16 +282,17 @@ impl Patch {
         let [slip_x, slip_y] = self.tangents.map(|tangent| tangent.dot(&motion.linear));
         let (x, y) = (self.expected[0] - weight * slip_x, self.expected[1] - weight * slip_y);
         let size = x.hypot(y);
-        let slides = size > limit;
-        let shrink = if slides { limit / size } else { 1.0 };
+        let bound = |most: f64, gives: bool| if gives { most } else { most + slight };
+        let slides = size > bound(limit, self.slides);
+        let shrink = if size > limit { limit / size } else { 1.0 };
         let most = limit * self.radius;
         let twist = self.expected[2] - weight * self.radius * self.radius * self.normal.dot(&motion.angular);
-        let twists = twist.abs() > most;
+        let twists = twist.abs() > bound(most, self.twists);
         let friction = [x * shrink, y * shrink, twist.clamp(-most, most)];
         let moved = |row: usize| (friction[row] - self.friction[row]).abs();
         holds &= slides == self.slides && twists == self.twists;
-        holds &= !slides || moved(0).max(moved(1)) <= SLIGHT * limit;
-        holds &= !twists || moved(2) <= SLIGHT * most;
+        holds &= !slides || moved(0).max(moved(1)) <= slight;
+        holds &= !twists || moved(2) <= slight * self.radius;
         (self.slides, self.twists, self.friction) = (slides, twists, friction);
         holds
     }
@@ -291,9 +329,20 @@ impl Link {
         Stiffness { uu: Matrix3::from_diagonal_element(weight), uw: Matrix3::zeros(), ww: Matrix3::zeros() }
     }
 
+    /// What K is made of.
+    pub fn shape(&self) -> Shape {
+        let none = Vector3::zeros();
+        Shape {
+            arms: self.sides.map(|side| side.arm),
+            normal: none,
+            levers: [none; POINTS],
+            acts: [true; POINTS],
+            gives: [false; 2],
+        }
+    }
+
     /// Impulse on B at a motion.
     pub fn impulse_at(&self, motion: &Motion, weight: f64) -> Vector3<f64> {
         self.expected - motion.linear * weight
     }
 }
-

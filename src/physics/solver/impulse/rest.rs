@@ -8,7 +8,7 @@ use super::stage::WorldParts;
 use crate::physics::bodies::{Body, Joint};
 use crate::physics::collision::{ContactState, Slot};
 use crate::physics::lanes::Lanes;
-use crate::physics::solver::direct::World;
+use crate::physics::solver::direct::{Outcome, World};
 
 /// Of bodies, contacts and joints that nobody is writing.
 struct Resting<'a>(WorldParts<'a>);
@@ -42,8 +42,9 @@ impl<L: Lanes> Group<L> {
         let mut changed = false;
         for island in &mut self.islands {
             let rested = island.rests;
-            changed |= island.solve(&Resting(world), step, substeps) != rested;
-            if !island.rests {
+            let outcome = island.solve(&Resting(world), step, substeps, world.totals.len() == 0);
+            changed |= island.rests != rested;
+            if outcome != Outcome::Rests {
                 continue;
             }
             // SAFETY: these are the island's alone, and what was read of them is not held any more.
@@ -65,6 +66,7 @@ impl<L: Lanes> Group<L> {
                     world.joints.element(joint as usize).force = island.joint_impulse(index) / step;
                 }
             }
+            island.remember(&Resting(world));
         }
         changed
     }
