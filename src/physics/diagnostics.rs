@@ -45,6 +45,8 @@ pub struct StepStats {
     pub row_updates: u64,
     /// Groups of bodies that touch or are joined.
     pub islands: u32,
+    /// Bodies of islands at rest, which were solved directly or had nothing to solve.
+    pub resting: u32,
     /// Bodies quarantined now.
     pub quarantined: u32,
     /// Where `time` was when the step last changed, and the step.

@@ -1,6 +1,7 @@
 //! Headless system tests of the physics plugin, one module a subject.
 
 mod arrows;
+mod at_rest;
 mod classic;
 mod cones;
 mod determinism;

@@ -81,6 +81,7 @@ fn solve_islands(
             solver.step(&terms);
         });
     }
+    stats.resting = 0;
     stats.rows = 0;
     stats.row_updates = 0;
     for solver in &solvers.list[..count] {

@@ -23,6 +23,7 @@ pub(super) fn show(
         ("rows", stats.rows.into(), "scalar constraints solved in one substep"),
         ("row updates", stats.row_updates, "rows × iterations × solves, over all substeps: a cost without a clock"),
         ("islands", stats.islands.into(), "groups of bodies that touch or are joined"),
+        ("at rest", stats.resting.into(), "bodies of islands at rest: solved directly, or nothing to solve"),
     ];
     egui::Grid::new("read-outs").num_columns(4).spacing([14.0, 3.0]).show(ui, |ui| {
         for pair in counts.chunks(2) {

@@ -121,6 +121,12 @@ const FIELDS: &[(&str, &[Field])] = &[
                  instead of from zero.",
             ),
             Field::choice(
+                "fitted_effort",
+                "fitted effort",
+                "Whether islands at rest are solved directly, once a step, where their bodies make a tree or nearly one \
+                 (columns, walls, arches), and not at all while nothing changes. Of the soft step only.",
+            ),
+            Field::choice(
                 "precision",
                 "precision",
                 "Scalar of rows and solver; poses are 64-bit either way.\n\nF32: single, on quantities relative to \

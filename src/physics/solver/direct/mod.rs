@@ -20,6 +20,8 @@
 mod cholesky;
 mod patch;
 mod pattern;
+#[cfg(test)]
+mod tests;
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
@@ -200,6 +202,12 @@ impl DirectIsland {
     /// Its joints, global indices.
     pub fn joints(&self) -> &[u32] {
         &self.joints
+    }
+
+    /// Scalar rows: of each contact its points and three of friction, three of each joint.
+    pub fn rows(&self) -> u32 {
+        let of_contacts: usize = self.patches.iter().map(|patch| patch.points() + 3).sum();
+        (of_contacts + 3 * self.joints.len()) as u32
     }
 
     /// Whether it is of these bodies, contacts and joints.

@@ -182,6 +182,11 @@ impl Patch {
         (self.slides, self.twists) = (before.slides, before.twists);
     }
 
+    /// How many points it has.
+    pub fn points(&self) -> usize {
+        self.count
+    }
+
     /// What K is made of.
     pub fn shape(&self) -> Shape {
         Shape {

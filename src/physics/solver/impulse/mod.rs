@@ -37,6 +37,7 @@ use crate::physics::settings::{Precision, SolverSettings, contacts_last};
 use crate::physics::threads::for_each_block;
 use crate::physics::{PhysicsSchedule, PhysicsSystems};
 use group::Group;
+use rest::AtRest;
 use stage::WorldParts;
 
 pub(super) fn plugin(app: &mut App) {
@@ -68,8 +69,7 @@ impl<L: Lanes> Default for GroupsOf<L> {
 struct Numbered<L: Lanes> {
     index: usize,
     group: Group<L>,
-    /// Whether others of its islands rest than in the step before.
-    changed: bool,
+    at_rest: AtRest,
     stages: Vec<Stage>,
 }
 
@@ -83,23 +83,25 @@ fn solve_groups(
     mut stats: ResMut<StepStats>,
 ) {
     let Groups { single, double } = &mut *groups;
-    match settings.precision {
+    let at_rest = match settings.precision {
         Precision::F32 => {
             double.planned = None;
-            single.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings);
+            single.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings)
         }
         Precision::F64 => {
             single.planned = None;
-            double.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings);
+            double.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings)
         }
-    }
+    };
     for body in bodies.list.iter_mut().filter(|body| body.kind == RigidBody::Kinematic) {
         let (moved, turned) = (body.linear * settings.step(), body.angular * settings.step());
         body.advance(&moved, &turned);
     }
     // Three rows a joint, and three of friction a contact.
     stats.rows = stats.contact_points + 3 * (stats.manifolds + stats.joints);
-    stats.row_updates = u64::from(stats.rows) * 2 * u64::from(settings.substeps) * u64::from(settings.iterations);
+    let sweeps = 2 * u64::from(settings.substeps) * u64::from(settings.iterations);
+    stats.row_updates = u64::from(stats.rows.saturating_sub(at_rest.rows)) * sweeps + u64::from(at_rest.rows_solved);
+    stats.resting = at_rest.bodies;
 }
 
 impl<L: Lanes> GroupsOf<L> {
@@ -110,13 +112,13 @@ impl<L: Lanes> GroupsOf<L> {
         graph: &mut ContactGraph,
         islands: &Islands,
         settings: &SolverSettings,
-    ) {
+    ) -> AtRest {
         let count = islands.count();
         if self.list.len() < count {
             self.list.resize_with(count, || Numbered {
                 index: 0,
                 group: Group::default(),
-                changed: false,
+                at_rest: AtRest::default(),
                 stages: Vec::new(),
             });
         }
@@ -129,7 +131,7 @@ impl<L: Lanes> GroupsOf<L> {
                 group.plan(*index, islands, bodies, joints, graph, settings.fitted_effort);
             });
         }
-        self.rest(bodies, joints, graph, islands, settings);
+        let at_rest = self.rest(bodies, joints, graph, islands, settings);
         let groups = &mut self.list[..count];
         for Numbered { group, stages, .. } in groups.iter_mut() {
             let plan = soft_step::Plan {
@@ -160,6 +162,7 @@ impl<L: Lanes> GroupsOf<L> {
             groups.iter_mut().for_each(|group| step(group, 1));
         }
         graph.presses_changed |= presses_changed.into_inner();
+        at_rest
     }
 
     /// Takes islands that rest through the step, and packs the others.
@@ -170,23 +173,28 @@ impl<L: Lanes> GroupsOf<L> {
         graph: &mut ContactGraph,
         islands: &Islands,
         settings: &SolverSettings,
-    ) {
+    ) -> AtRest {
         let groups = &mut self.list[..islands.count()];
+        let mut total = AtRest::default();
         if groups.iter().all(|Numbered { group, .. }| group.islands.is_empty()) {
-            return;
+            return total;
         }
         let presses_changed = AtomicBool::new(false);
         let mut none = Vec::new();
         let world = WorldParts::new(bodies, joints, graph, &presses_changed, &mut none);
         let h = settings.step() / f64::from(settings.substeps);
-        for_each_block(settings.threads, groups, |Numbered { group, changed, .. }| {
-            *changed = group.rest(world, h, settings.substeps);
+        for_each_block(settings.threads, groups, |Numbered { group, at_rest, .. }| {
+            *at_rest = group.rest(world, h, settings.substeps);
         });
         graph.presses_changed |= presses_changed.into_inner();
-        for Numbered { index, group, changed, .. } in groups {
-            if *changed {
+        for Numbered { index, group, at_rest, .. } in groups {
+            if at_rest.changed {
                 group.arrange(*index, islands, bodies, joints, graph);
             }
+            total.bodies += at_rest.bodies;
+            total.rows += at_rest.rows;
+            total.rows_solved += at_rest.rows_solved;
         }
+        total
     }
 }

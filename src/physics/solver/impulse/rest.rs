@@ -34,19 +34,35 @@ impl World for Resting<'_> {
     }
 }
 
+/// How much of a group rests.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct AtRest {
+    pub bodies: u32,
+    pub rows: u32,
+    /// Rows of which something was solved.
+    pub rows_solved: u32,
+    /// Whether others rest than in the step before.
+    pub changed: bool,
+}
+
 impl<L: Lanes> Group<L> {
-    /// Takes the islands that rest through a step of `substeps` of length `h`, s. Whether others rest now than did.
+    /// Takes the islands that rest through a step of `substeps` of length `h`, s.
     /// No other group may share a body that moves, a joint or a contact.
-    pub fn rest(&mut self, world: WorldParts, h: f64, substeps: u32) -> bool {
+    pub fn rest(&mut self, world: WorldParts, h: f64, substeps: u32) -> AtRest {
         let step = h * f64::from(substeps);
-        let mut changed = false;
+        let mut at_rest = AtRest::default();
         for island in &mut self.islands {
             let rested = island.rests;
             let outcome = island.solve(&Resting(world), step, substeps, world.totals.len() == 0);
-            changed |= island.rests != rested;
+            at_rest.changed |= island.rests != rested;
+            if island.rests {
+                at_rest.bodies += island.members().len() as u32;
+                at_rest.rows += island.rows();
+            }
             if outcome != Outcome::Rests {
                 continue;
             }
+            at_rest.rows_solved += island.rows();
             // SAFETY: these are the island's alone, and what was read of them is not held any more.
             unsafe {
                 for (local, &member) in island.members().iter().enumerate() {
@@ -68,6 +84,6 @@ impl<L: Lanes> Group<L> {
             }
             island.remember(&Resting(world));
         }
-        changed
+        at_rest
     }
 }

@@ -1,0 +1,200 @@
+//! Against dense solutions and rows written out one by one, on random graphs and patches.
+
+use nalgebra::{DMatrix, DVector, Matrix3, SVector, UnitQuaternion, Vector3};
+
+use super::cholesky::{Block, BlockMatrix, Part};
+use super::patch::{Motion, Patch, motion, wrench};
+use super::pattern::Pattern;
+use crate::physics::collision::{ContactGeometry, ContactState};
+use crate::physics::constraint::contact::tangents;
+use crate::physics::lanes::Record;
+use crate::physics::testing::Random;
+
+/// A chain with that many further edges.
+fn graph(count: u32, further: usize, random: &mut Random) -> Vec<[u32; 2]> {
+    let mut edges: Vec<[u32; 2]> = (1..count).map(|body| [body - 1, body]).collect();
+    let pick = |random: &mut Random| random.within(0.0, f64::from(count)) as u32;
+    while edges.len() < count as usize - 1 + further {
+        let edge = [pick(random), pick(random)];
+        if edge[0] != edge[1] {
+            edges.push(edge);
+        }
+    }
+    edges
+}
+
+/// A positive definite matrix on the graph, by blocks and dense.
+fn matrix(pattern: &Pattern, edges: &[[u32; 2]], random: &mut Random) -> (BlockMatrix, DMatrix<f64>) {
+    let count = pattern.count();
+    let (mut blocks, mut dense) = (BlockMatrix::default(), DMatrix::identity(6 * count, 6 * count));
+    blocks.clear(pattern);
+    (0..count as u32).for_each(|body| *blocks.diagonal_mut(pattern, body) += Block::identity());
+    for &[a, b] in edges {
+        let rows = [a, b].map(|body| (body, Block::from_fn(|_, _| random.within(-1.0, 1.0)) * 30.0));
+        for (x, of_x) in rows {
+            *blocks.diagonal_mut(pattern, x) += of_x.tr_mul(&of_x);
+            for (y, of_y) in rows {
+                let mut view = dense.view_mut((6 * x as usize, 6 * y as usize), (6, 6));
+                view += of_x.tr_mul(&of_y);
+            }
+        }
+        blocks.add(pattern, a, b, &rows[0].1.tr_mul(&rows[1].1));
+    }
+    (blocks, dense)
+}
+
+#[test]
+fn the_factor_solves_what_a_dense_one_solves() {
+    let mut random = Random(1);
+    for further in [0, 0, 1, 5, 40] {
+        let edges = graph(20, further, &mut random);
+        let pattern = Pattern::new(20, edges.iter().copied(), usize::MAX).unwrap();
+        let (mut blocks, dense) = matrix(&pattern, &edges, &mut random);
+        let b = DVector::from_fn(120, |_, _| random.within(-1.0, 1.0));
+        let expected = dense.cholesky().unwrap().solve(&b);
+        assert!(blocks.factor(&pattern));
+        let mut x = vec![Part::zeros(); 20];
+        for body in 0..20 {
+            x[pattern.place(body) as usize] = b.fixed_rows::<6>(6 * body as usize).into();
+        }
+        blocks.solve(&pattern, &mut x);
+        for body in 0..20 {
+            let error = (x[pattern.place(body) as usize] - expected.fixed_rows::<6>(6 * body as usize)).amax();
+            assert!(error < 1e-9 * expected.amax(), "{further} further edges, body {body}: {error}");
+        }
+    }
+}
+
+#[test]
+fn trees_have_no_fill_and_loops_have_little() {
+    let mut random = Random(2);
+    let edges: Vec<[u32; 2]> = (1..50).map(|body| [random.within(0.0, f64::from(body)) as u32, body]).collect();
+    let tree = Pattern::new(50, edges.iter().copied(), usize::MAX).unwrap();
+    assert_eq!(tree.blocks(), 49);
+    let ring = (0..50).map(|body| [body, (body + 1) % 50]);
+    assert_eq!(Pattern::new(50, ring.clone(), usize::MAX).unwrap().blocks(), 49 + 48);
+    assert_eq!(Pattern::new(50, ring, 100), None, "more products than were allowed");
+}
+
+#[test]
+fn a_matrix_that_is_not_positive_definite_is_refused() {
+    let pattern = Pattern::new(2, [[0, 1]].into_iter(), usize::MAX).unwrap();
+    let mut blocks = BlockMatrix::default();
+    blocks.clear(&pattern);
+    *blocks.diagonal_mut(&pattern, 0) = Block::identity();
+    *blocks.diagonal_mut(&pattern, 1) = Block::identity();
+    blocks.add(&pattern, 0, 1, &(Block::identity() * 2.0));
+    assert!(!blocks.factor(&pattern));
+}
+
+/// A contact with points on A and B in their axes, and what is needed to look at it from outside.
+struct Sample {
+    patch: Patch,
+    normal: Vector3<f64>,
+    friction: [Vector3<f64>; 2],
+    /// Points from A's centre and from B's.
+    points: Vec<[Vector3<f64>; 2]>,
+    middle: [Vector3<f64>; 2],
+    radius: f64,
+}
+
+fn sample(random: &mut Random, impulses: [f32; 8]) -> Sample {
+    let turns: [UnitQuaternion<f64>; 2] = [random.rotation(), random.rotation()];
+    let axes = turns.map(|turn| turn.to_rotation_matrix().into_inner());
+    let apart = random.direction() * 1.5;
+    let local_normal = random.direction();
+    let local_tangent = tangents(&local_normal)[0];
+    let on_a: Vec<Vector3<f64>> = (0..3).map(|_| random.vector()).collect();
+    let points = on_a.iter().map(|&a| (a, axes[1].transpose() * (axes[0] * a - apart)));
+    let geometry = ContactGeometry::new(&local_normal, &local_tangent, 0.7, 3, points);
+    let state = ContactState { geometry, impulses: Record(impulses) };
+    let patch = Patch::new(&state, &axes, &apart, 1.0);
+    let normal = axes[0] * geometry.normal();
+    let tangent = axes[0] * geometry.tangent();
+    let points: Vec<[Vector3<f64>; 2]> = (0..3)
+        .map(|index| {
+            let (a, b) = geometry.point(index);
+            let middle = (axes[0] * a + axes[1] * b + apart) * 0.5;
+            [middle, middle - apart]
+        })
+        .collect();
+    let middle = [0, 1].map(|side| points.iter().map(|point| point[side]).sum::<Vector3<f64>>() / 3.0);
+    let radius = points.iter().map(|point| (point[0] - middle[0]).norm()).sum::<f64>() / 3.0;
+    Sample { patch, normal, friction: [tangent, normal.cross(&tangent)], points, middle, radius }
+}
+
+/// The rows of a sample on (v_A, ω_A, v_B, ω_B), three points, two tangents and twist.
+fn rows(sample: &Sample) -> Vec<SVector<f64, 12>> {
+    let row = |direction: &Vector3<f64>, arms: &[Vector3<f64>; 2]| {
+        let parts = [-direction, -arms[0].cross(direction), *direction, arms[1].cross(direction)];
+        SVector::from_iterator(parts.iter().flat_map(|part| part.iter().copied()))
+    };
+    let points = sample.points.iter().map(|arms| row(&sample.normal, arms));
+    let across = sample.friction.iter().map(|tangent| row(tangent, &sample.middle));
+    let zero = Vector3::zeros();
+    let spin = [zero, -sample.normal, zero, sample.normal];
+    let twist = SVector::from_iterator(spin.iter().flat_map(|part| part.iter().copied())) * sample.radius;
+    points.chain(across).chain([twist]).collect()
+}
+
+#[test]
+fn the_stiffness_of_a_patch_is_that_of_its_rows() {
+    let mut random = Random(3);
+    for _ in 0..20 {
+        let sample = sample(&mut random, [1.0, 2.0, 0.5, 0.1, 0.0, 0.0, 0.0, 0.0]);
+        let weight = random.within(1.0, 5.0);
+        let stiffness = sample.patch.stiffness(weight);
+        let [a, b] = sample.patch.sides.map(|side| side.arm);
+        let v = SVector::<f64, 12>::from_fn(|_, _| random.within(-1.0, 1.0));
+        let (of_a, of_b): (Part, Part) = (v.fixed_rows::<6>(0).into(), v.fixed_rows::<6>(6).into());
+        let energy = of_a.dot(&(stiffness.between(&a, &a) * of_a)) + of_b.dot(&(stiffness.between(&b, &b) * of_b))
+            - 2.0 * of_a.dot(&(stiffness.between(&a, &b) * of_b));
+        let expected: f64 = rows(&sample).iter().map(|row| weight * row.dot(&v).powi(2)).sum();
+        assert!((energy - expected).abs() < 1e-6 * expected, "{energy} instead of {expected}");
+    }
+}
+
+#[test]
+fn impulses_and_motions_are_dual() {
+    // The power of an impulse at the point is that of its wrench on the bodies.
+    let mut random = Random(4);
+    for _ in 0..20 {
+        let (arm, impulse) = (random.vector(), Motion { linear: random.vector(), angular: random.vector() });
+        let part = Part::from_fn(|_, _| random.within(-1.0, 1.0));
+        let there = motion(&part, &arm);
+        let power = there.linear.dot(&impulse.linear) + there.angular.dot(&impulse.angular);
+        let error = (power - part.dot(&wrench(&impulse, &arm))).abs();
+        assert!(error < 1e-12, "{error}");
+    }
+}
+
+#[test]
+fn what_a_patch_takes_in_is_bounded_by_the_cone() {
+    let mut random = Random(5);
+    for _ in 0..50 {
+        let mut sample = sample(&mut random, [1.0, 2.0, 0.5, 0.3, -0.2, 0.1, 0.0, 0.0]);
+        let moving = Motion { linear: random.vector() * 3.0, angular: random.vector() * 3.0 };
+        sample.patch.take(&moving, 1.0, 60.0, 0.0);
+        let Record([p, q, r, s, x, y, twist, _]) = sample.patch.impulses(1.0);
+        let pressed = p + q + r + s;
+        assert!(p >= 0.0 && q >= 0.0 && r >= 0.0 && s == 0.0);
+        assert!(x.hypot(y) <= 0.7 * pressed * 1.000_01, "slips with {} under {pressed}", x.hypot(y));
+        assert!(twist.abs() <= 0.7 * sample.radius as f32 * pressed * 1.000_01);
+    }
+}
+
+#[test]
+fn a_correction_closes_a_share_of_the_depth() {
+    // Two cubes, the upper one 1 cm deep: all four corners ask for a tenth of it in a step.
+    let corners = [(0.5, 0.5), (0.5, -0.5), (-0.5, -0.5), (-0.5, 0.5)];
+    let points = corners.map(|(x, z)| (Vector3::new(x, 0.5, z), Vector3::new(x, -0.5, z)));
+    let geometry = ContactGeometry::new(&Vector3::y(), &Vector3::x(), 0.5, 4, points.into_iter());
+    let state = ContactState { geometry, impulses: Record([1.0; 8]) };
+    let axes = [Matrix3::identity(); 2];
+    let patch = Patch::new(&state, &axes, &Vector3::new(0.0, 0.99, 0.0), 1.0);
+    let push = patch.correction(1.0, 0.1 * 60.0, 1.0);
+    assert!((push.linear - Vector3::y() * 4.0 * 0.01 * 0.1 * 60.0).norm() < 1e-4, "{:?}", push.linear);
+    assert!(push.angular.norm() < 1e-6);
+    let slow = patch.correction(1.0, 0.1 * 60.0, 0.01);
+    assert!((slow.linear.y - 0.04).abs() < 1e-12, "{}", slow.linear.y);
+}
