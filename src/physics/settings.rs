@@ -26,6 +26,14 @@ pub enum Method {
     /// (Catto 2024).
     #[serde(rename = "soft_step")]
     SoftStep,
+    /// Impulses on velocities, warm started, then positions moved out of their errors on their own
+    /// (Catto 2006).
+    #[serde(rename = "sequential_impulses")]
+    SequentialImpulses,
+    /// Positions of small substeps solved with compliance, velocities from how far they moved
+    /// (Müller et al. 2020).
+    #[serde(rename = "xpbd")]
+    Xpbd,
 }
 
 impl Method {

@@ -17,9 +17,6 @@ use crate::physics::solver::joint_tree::{Partition, partition};
 /// Blocks from which on a group is worth more threads than one.
 const LARGE: usize = 96;
 
-/// Turn in a step beyond which rows of joints that stay as they were are wrong by a tenth of a limb, rad.
-const FAR: f64 = 0.1;
-
 /// A joint as a group sees it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GroupJoint {
@@ -64,6 +61,8 @@ struct Outside<'a> {
     bodies: &'a Bodies,
     joints: &'a Joints,
     graph: &'a ContactGraph,
+    /// Whether trees of joints that nothing touches are solved exactly, not by sweeps.
+    exact_trees: bool,
 }
 
 /// The local index of a body; one that does not move here is taken in as a guest.
@@ -131,10 +130,18 @@ impl<L: Lanes> Default for Group<L> {
 
 impl<L: Lanes> Group<L> {
     /// Takes in which bodies and constraints it has, and colours them. To be called whenever the
-    /// islands have changed.
-    pub fn plan(&mut self, group: usize, islands: &Islands, bodies: &Bodies, joints: &Joints, graph: &ContactGraph) {
+    /// islands have changed, or the method.
+    pub fn plan(
+        &mut self,
+        group: usize,
+        islands: &Islands,
+        bodies: &Bodies,
+        joints: &Joints,
+        graph: &ContactGraph,
+        exact_trees: bool,
+    ) {
         let own = islands.bodies(group);
-        let world = Outside { group, islands, bodies, joints, graph };
+        let world = Outside { group, islands, bodies, joints, graph, exact_trees };
         self.place.clear();
         self.place.resize(own.len(), Place::Alone);
         self.find_trees(&world);
@@ -180,7 +187,7 @@ impl<L: Lanes> Group<L> {
     /// Finds out which bodies need sweeps, which joints make trees that nothing touches, and leaves the other
     /// joints in `joints`.
     fn find_trees(&mut self, world: &Outside) {
-        let Outside { group, islands, bodies, joints, graph } = *world;
+        let Outside { group, islands, bodies, joints, graph, exact_trees } = *world;
         let place = &mut self.place;
         let swept = |place: &mut Vec<Place>, body: u32| {
             if let Some(local) = islands.local_of(body, group) {
@@ -218,7 +225,7 @@ impl<L: Lanes> Group<L> {
         let mut old = std::mem::take(&mut self.trees);
         for tree in trees {
             let moving = &tree.bodies()[..tree.moving()];
-            let is_swept = moving.iter().any(|&body| place[body as usize] != Place::Alone);
+            let is_swept = !exact_trees || moving.iter().any(|&body| place[body as usize] != Place::Alone);
             let new_place = if is_swept { Place::Swept(0) } else { Place::InTree };
             moving.iter().for_each(|&body| place[body as usize] = new_place);
             if is_swept {
@@ -261,10 +268,10 @@ impl<L: Lanes> Group<L> {
         self.contact_colors.add(count, grounded as u32, &self.pairs[grounded..], L::COUNT);
     }
 
-    /// Whether bodies on swept joints turn so far in a `step`, s, that its rows should turn with them.
-    pub fn turns_far(&self, bodies: &[Body], step: f64) -> bool {
-        let turns = |&member: &u32| bodies[member as usize].angular.norm() * step > FAR;
-        !self.joint_blocks.is_empty() && self.members[..self.own].iter().any(turns)
+    /// How far a body turns at most in a `step`, s, rad; none where no joint is swept.
+    pub fn turn(&self, bodies: &[Body], step: f64) -> Option<f64> {
+        let turns = self.members[..self.own].iter().map(|&member| bodies[member as usize].angular.norm() * step);
+        (!self.joint_blocks.is_empty()).then(|| turns.fold(0.0, f64::max))
     }
 
     /// Whether any of its contacts may bounce.

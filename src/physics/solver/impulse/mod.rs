@@ -4,7 +4,7 @@
 //! [`bodies`] whitened velocities; [`contact`], [`joint`] the kernels; [`tree`] exact trees of joints, [`free`] bodies
 //! on their own, which need no sweeps; [`coloring`] which
 //! constraints may be solved side by side; [`group`] who belongs together; [`stage`] what is done
-//! to a group. A method is a list of stages.
+//! to a group; [`plan`] the frame of a step. A method is a list of stages.
 
 mod bodies;
 mod coloring;
@@ -12,12 +12,14 @@ mod contact;
 mod free;
 mod group;
 mod joint;
+mod plan;
 mod stage;
 #[cfg(test)]
 mod tests;
 mod tree;
 
-pub(crate) use contact::{SoftTerms, UNLIMITED};
+pub(crate) use contact::{Projection, SoftTerms, UNLIMITED};
+pub(crate) use plan::Plan;
 pub(crate) use stage::{Color, GroupTerms, Stage};
 
 use std::sync::atomic::AtomicBool;
@@ -25,7 +27,7 @@ use std::sync::atomic::AtomicBool;
 use bevy::prelude::*;
 use simba::simd::WideF32x8;
 
-use super::soft_step;
+use super::method;
 use crate::physics::bodies::{Bodies, Joints};
 use crate::physics::body::RigidBody;
 use crate::physics::collision::ContactGraph;
@@ -53,8 +55,8 @@ struct Groups {
 /// Groups that are solved in the same lanes.
 struct GroupsOf<L: Lanes> {
     list: Vec<Numbered<L>>,
-    /// Version of the islands that the groups were planned for.
-    planned: Option<u64>,
+    /// Version of the islands that the groups were planned for, and whether with exact trees.
+    planned: Option<(u64, bool)>,
 }
 
 impl<L: Lanes> Default for GroupsOf<L> {
@@ -96,7 +98,7 @@ fn solve_groups(
     }
     // Three rows a joint, and three of friction a contact.
     stats.rows = stats.contact_points + 3 * (stats.manifolds + stats.joints);
-    stats.row_updates = u64::from(stats.rows) * 2 * u64::from(settings.substeps) * u64::from(settings.iterations);
+    stats.row_updates = u64::from(stats.rows) * u64::from(settings.substeps) * u64::from(method::sweeps(&settings));
 }
 
 impl<L: Lanes> GroupsOf<L> {
@@ -113,23 +115,24 @@ impl<L: Lanes> GroupsOf<L> {
             self.list.resize_with(count, || Numbered { index: 0, group: Group::default(), stages: Vec::new() });
         }
         let groups = &mut self.list[..count];
-        if self.planned != Some(islands.version()) {
-            self.planned = Some(islands.version());
+        let exact_trees = method::solves_trees(settings.method);
+        if self.planned != Some((islands.version(), exact_trees)) {
+            self.planned = Some((islands.version(), exact_trees));
             groups.iter_mut().enumerate().for_each(|(index, group)| group.index = index);
             for_each_block(settings.threads, groups, |Numbered { index, group, .. }| {
-                group.plan(*index, islands, bodies, joints, graph);
+                group.plan(*index, islands, bodies, joints, graph, exact_trees);
             });
         }
         for Numbered { group, stages, .. } in groups.iter_mut() {
-            let plan = soft_step::Plan {
+            let plan = Plan {
                 substeps: settings.substeps,
                 iterations: settings.iterations,
                 notes: graph.recording.is_some() || group.may_bounce(),
-                turns_far: group.turns_far(&bodies.list, settings.step()),
+                turn: group.turn(&bodies.list, settings.step()),
             };
-            plan.stages(group.colors(), stages);
+            method::stages(settings.method, &plan, group.colors(), stages);
         }
-        let terms = soft_step::terms(settings);
+        let terms = method::terms(settings);
         let records = graph.recording.is_some();
         let presses_changed = AtomicBool::new(false);
         let mut none = Vec::new();
