@@ -26,6 +26,14 @@ pub enum Method {
     /// (Catto 2024).
     #[serde(rename = "soft_step")]
     SoftStep,
+    /// Impulses on velocities, warm started, then positions moved out of their errors on their own
+    /// (Catto 2006).
+    #[serde(rename = "sequential_impulses")]
+    SequentialImpulses,
+    /// Positions of small substeps solved with compliance, velocities from how far they moved
+    /// (Müller et al. 2020).
+    #[serde(rename = "xpbd")]
+    Xpbd,
 }
 
 impl Method {
@@ -99,7 +107,7 @@ pub struct SolverSettings {
     pub hz: f64,
     /// How rows are solved.
     pub method: Method,
-    /// How velocities become poses. Of `pgs` only: the soft step has its own way.
+    /// How velocities become poses. Of `pgs` only: the others have their own way.
     pub integrator: Integrator,
     /// Equal parts a step is cut into, at least 1. Collision is found once a step; contact
     /// depths, joints and rows are brought up to date each substep.
@@ -107,7 +115,7 @@ pub struct SolverSettings {
     /// Sweeps over all rows in each (sub)step, at least 1.
     pub iterations: u32,
     /// Whether contact rows start from the forces of the (sub)step before, points found again by
-    /// feature, instead of from zero. Of `pgs` only: the soft step always does.
+    /// feature, instead of from zero. Of `pgs` only: `xpbd` never does, the others always do.
     pub warm_starting: bool,
     /// Whether effort follows need: islands at rest are solved at once and directly, where their bodies
     /// make a tree or nearly one. Of the soft step only.
@@ -115,12 +123,12 @@ pub struct SolverSettings {
     /// Scalar of rows and solver.
     pub precision: Precision,
     /// Share of a position error that one (sub)step aims to remove, 0 to 1 (Baumgarte's β·h,
-    /// or ODE's error reduction parameter). Of `pgs` only: the soft step has springs.
+    /// or ODE's error reduction parameter). Of `pgs` only.
     pub baumgarte: f64,
     /// Depth that contacts leave alone, m, ≥ 0.
     pub slop: f64,
-    /// Greatest speed at which a contact or joint mends a position error, m/s, ≥ 0; contacts
-    /// besides no faster than gravity takes back before the error is gone. None: no limit.
+    /// Greatest speed at which a contact or joint mends a position error, m/s, ≥ 0; contacts of `pgs`
+    /// besides no faster than gravity takes back before the error is gone, joints of `xpbd` at any. None: no limit.
     pub correction_speed: Option<f64>,
     /// How friction is solved.
     pub friction: FrictionModel,
@@ -202,6 +210,17 @@ impl SolverSettings {
     /// The fastest that holds up: the soft step.
     pub fn game() -> Self {
         Self { method: Method::SoftStep, iterations: 1, fitted_effort: true, slop: 0.0, ..Self::steady() }
+    }
+
+    /// Sequential impulses as their kind is used: one substep of many sweeps, and slop that keeps resting contacts in
+    /// touch.
+    pub fn sequential_impulses() -> Self {
+        Self { method: Method::SequentialImpulses, substeps: 1, iterations: 10, slop: 0.005, ..Self::game() }
+    }
+
+    /// Position-based dynamics as its kind is used: many substeps of one sweep.
+    pub fn xpbd() -> Self {
+        Self { method: Method::Xpbd, substeps: 8, ..Self::game() }
     }
 
     /// The presets by name, the default first.

@@ -195,9 +195,7 @@ fn a_joined_pair_that_leans_on_the_ground_stays() {
         let up = rotation * DVec3::Y;
         let foot = DVec3::new(side * lean.sin() * 1.0, 0.05 * lean.sin(), 0.0);
         let place = foot + up * 0.5;
-        world
-            .spawn((RigidBody::Dynamic, Collider::cuboid(0.1, 1.0, 0.5), Position(place), Rotation(rotation)))
-            .id()
+        world.spawn((RigidBody::Dynamic, Collider::cuboid(0.1, 1.0, 0.5), Position(place), Rotation(rotation))).id()
     });
     let anchor = DVec3::Y * 0.5;
     world.spawn(BallJoint::new(rods[0], rods[1]).with_anchors(anchor, anchor));

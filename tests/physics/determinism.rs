@@ -41,7 +41,13 @@ fn heap(settings: SolverSettings) -> World {
 
 #[test]
 fn threads_do_not_change_a_bit() {
-    for settings in [SolverSettings::steady(), SolverSettings::classic()] {
+    for settings in [
+        SolverSettings::game(),
+        SolverSettings::sequential_impulses(),
+        SolverSettings::xpbd(),
+        SolverSettings::steady(),
+        SolverSettings::classic(),
+    ] {
         for precision in [Precision::F32, Precision::F64] {
             let hashes: Vec<Vec<u64>> = [1, 2, 4, 1]
                 .into_iter()
@@ -56,7 +62,11 @@ fn threads_do_not_change_a_bit() {
                 })
                 .collect();
             assert!(ComputeTaskPool::get().thread_num() >= 4, "the pool has too few threads to prove it");
-            assert!(hashes.iter().all(|of_run| *of_run == hashes[0]), "{precision:?}: {hashes:?}");
+            assert!(
+                hashes.iter().all(|of_run| *of_run == hashes[0]),
+                "{:?} {precision:?}: {hashes:?}",
+                settings.method
+            );
             assert!(hashes[0][0] != hashes[0][1] && hashes[0][1] != hashes[0][2], "the hash sees no motion");
         }
     }

@@ -13,6 +13,7 @@ mod hulls;
 mod impact;
 mod lasting_contacts;
 mod messages;
+mod methods;
 mod pendulum;
 mod public_face;
 mod quarantine;

@@ -12,8 +12,10 @@ pub struct Series {
 }
 
 /// All curves, in the order of their colours.
-pub const SERIES: [Series; 4] = [
+pub const SERIES: [Series; 6] = [
     Series { name: "game f32", base: SolverSettings::game },
+    Series { name: "sequential impulses f32", base: SolverSettings::sequential_impulses },
+    Series { name: "xpbd f32", base: SolverSettings::xpbd },
     Series { name: "classic f32", base: SolverSettings::classic },
     Series { name: "steady f32", base: SolverSettings::steady },
     Series {

@@ -68,7 +68,7 @@ pub const ATLAS: [MapInfo; 10] = [
             values: &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5, 1e6],
         },
         about: "sweeps carry a heavy ball's weight up a light chain link by link: the heavier, the more it takes",
-        series: 4,
+        series: 6,
     },
     MapInfo {
         name: "sandwich",
@@ -82,7 +82,7 @@ pub const ATLAS: [MapInfo; 10] = [
             values: &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5, 1e6],
         },
         about: "a heavy slab on light cubes: what the sweeps leave undone pushes the cubes into the ground",
-        series: 4,
+        series: 6,
     },
     MapInfo {
         name: "stack",
@@ -96,7 +96,7 @@ pub const ATLAS: [MapInfo; 10] = [
             values: &[2.0, 4.0, 6.0, 10.0, 15.0, 20.0, 30.0],
         },
         about: "a column settles by what the sweeps leave undone; the higher, the more",
-        series: 4,
+        series: 6,
     },
     MapInfo {
         name: "pyramid",
@@ -110,7 +110,7 @@ pub const ATLAS: [MapInfo; 10] = [
             values: &[2.0, 4.0, 6.0, 10.0, 15.0, 20.0],
         },
         about: "a wall spreads its weight, and stands where a column of its height does not",
-        series: 3,
+        series: 5,
     },
     MapInfo {
         name: "top",
@@ -124,7 +124,7 @@ pub const ATLAS: [MapInfo; 10] = [
             values: &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0],
         },
         about: "a box spinning about its middle axis flips over and over: the faster, the sooner a step turns too far",
-        series: 4,
+        series: 6,
     },
     MapInfo {
         name: "bounce",
@@ -138,7 +138,7 @@ pub const ATLAS: [MapInfo; 10] = [
             values: &[0.5, 1.0, 3.0, 10.0, 30.0, 100.0],
         },
         about: "balls that bounce for ever: the faster they land, the deeper a step takes them into the ground",
-        series: 4,
+        series: 6,
     },
     MapInfo {
         name: "wall",
@@ -152,7 +152,7 @@ pub const ATLAS: [MapInfo; 10] = [
             values: &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3],
         },
         about: "a ball thrown at a wall as thick as its radius: where a step is longer than both, it may pass unseen",
-        series: 4,
+        series: 6,
     },
     MapInfo {
         name: "far",
@@ -166,7 +166,7 @@ pub const ATLAS: [MapInfo; 10] = [
             values: &[1e2, 1e4, 1e5, 1e6, 1e7, 1e8],
         },
         about: "a stack and a chain must do far from the origin what they do at it, to 1e-5 m",
-        series: 4,
+        series: 6,
     },
     MapInfo {
         name: "painleve",
@@ -184,7 +184,7 @@ pub const ATLAS: [MapInfo; 10] = [
             values: &[20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0],
         },
         about: "a rod that slides ahead of its centre: with much friction no rigid motion exists, and none may gain energy",
-        series: 4,
+        series: 6,
     },
     MapInfo {
         name: "card_house",
@@ -194,6 +194,6 @@ pub const ATLAS: [MapInfo; 10] = [
         x: ITERATIONS,
         y: SUBSTEPS,
         about: "a house of cards stands by friction alone: what the sweeps leave undone lets it slide apart",
-        series: 4,
+        series: 6,
     },
 ];

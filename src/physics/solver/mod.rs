@@ -9,10 +9,13 @@ mod impulse;
 mod island_solver;
 mod joint_tree;
 mod lag;
+mod method;
 mod pgs;
 mod rows;
+mod sequential_impulses;
 mod soft_step;
 mod warm_start;
+mod xpbd;
 
 #[cfg(test)]
 mod tests;

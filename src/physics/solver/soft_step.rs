@@ -5,7 +5,7 @@
 //! springs mend position errors without stiffness a sweep cannot follow; the second sweep, *relax*,
 //! takes their push out of the velocities again, so that it adds no energy. Bounces come last.
 
-use super::impulse::{Color, GroupTerms, SoftTerms, Stage, UNLIMITED};
+use super::impulse::{Color, GroupTerms, Plan, SoftTerms, Stage, UNLIMITED};
 use crate::physics::lanes::Lanes;
 use crate::physics::settings::SolverSettings;
 
@@ -29,61 +29,25 @@ pub(crate) fn terms<L: Lanes>(settings: &SolverSettings) -> GroupTerms<L> {
         substeps: settings.substeps,
         joint: soft(JOINT_FREQUENCY, JOINT_DAMPING, 0.0),
         contact: soft(CONTACT_FREQUENCY, CONTACT_DAMPING, settings.slop),
+        projection: None,
         restitution_speed: settings.restitution_speed.unwrap_or(UNLIMITED),
     }
 }
 
-/// What the stages of a group's step depend on.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Plan {
-    pub substeps: u32,
-    pub iterations: u32,
-    /// Whether some contact may bounce, or forces are read.
-    pub notes: bool,
-    /// Whether bodies turn so far that rows must be made anew in each substep.
-    pub turns_far: bool,
-}
+/// Turn in a step beyond which rows of joints that stay as they were are wrong by a tenth of a limb, rad.
+const FAR: f64 = 0.1;
 
-impl Plan {
-    /// All stages of a step, for a group of these colours.
-    pub fn stages(&self, colors: impl Iterator<Item = Color> + Clone, stages: &mut Vec<Stage>) {
-        stages.clear();
-        stages.extend([Stage::Fly, Stage::Swing]);
-        if colors.clone().next().is_none() {
-            return;
-        }
-        let (parts, substeps) = if self.turns_far { (self.substeps, 1) } else { (1, self.substeps) };
-        for _ in 0..parts {
-            self.part(substeps, colors.clone(), stages);
-        }
-    }
-
-    /// Substeps with the rows of the first one's poses.
-    fn part(&self, substeps: u32, colors: impl Iterator<Item = Color> + Clone, stages: &mut Vec<Stage>) {
-        stages.push(Stage::Gather { substeps });
-        stages.extend(colors.clone().map(Stage::Prepare));
-        for substep in 0..substeps {
-            let is_first = substep == 0;
+/// The stages of a step, for a group of these colours.
+pub(crate) fn stages(plan: &Plan, colors: impl Iterator<Item = Color> + Clone, stages: &mut Vec<Stage>) {
+    for part in plan.parts(plan.turns_over(FAR)) {
+        plan.part(part, colors.clone(), stages, |is_first, stages| {
             stages.push(Stage::Begin { is_first });
             if is_first {
                 stages.extend(colors.clone().map(Stage::WarmStart));
             }
-            let sweep = |soft| {
-                let colors = colors.clone();
-                (0..self.iterations).flat_map(move |_| colors.clone().map(move |color| Stage::Solve { color, soft }))
-            };
-            stages.extend(sweep(true));
+            plan.sweeps(true, colors.clone(), stages);
             stages.push(Stage::Drift);
-            stages.extend(sweep(false));
-            if self.notes {
-                stages.extend(colors.clone().map(Stage::Note));
-            }
-            stages.push(Stage::End);
-        }
-        if self.notes {
-            stages.extend(colors.clone().map(Stage::Bounce));
-        }
-        stages.push(Stage::Scatter);
-        stages.extend(colors.map(Stage::Store));
+            plan.sweeps(false, colors.clone(), stages);
+        });
     }
 }

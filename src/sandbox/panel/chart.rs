@@ -256,11 +256,13 @@ impl PresentCost {
 }
 
 /// Shapes and colours by method, as in the pictures of `plumb chart`.
-const MARKERS: [(MarkerShape, [u8; 3]); 4] = [
+const MARKERS: [(MarkerShape, [u8; 3]); SERIES.len()] = [
     (MarkerShape::Circle, palette::SKY),
     (MarkerShape::Up, palette::VERMILION),
     (MarkerShape::Square, palette::GREEN),
     (MarkerShape::Cross, palette::PURPLE),
+    (MarkerShape::Diamond, palette::ORANGE),
+    (MarkerShape::Asterisk, palette::YELLOW),
 ];
 
 fn color([r, g, b]: [u8; 3]) -> egui::Color32 {

@@ -102,8 +102,9 @@ const FIELDS: &[(&str, &[Field])] = &[
                 "method",
                 "method",
                 "How contacts and joints are solved.\n\nSoft Step: impulses with soft constraints, then without, in \
-                 each substep (Catto 2024); trees of joints exactly.\nProjected Gauss Seidel: on force-level rows \
-                 (Catto 2005).",
+                 each substep (Catto 2024); trees of joints exactly.\nSequential Impulses: on velocities, then positions \
+                 on their own (Catto 2006); wants 10 iterations and a slop.\nXpbd: positions of small substeps \
+                 (Müller et al. 2020); wants 8 substeps or more.\nProjected Gauss Seidel: on force-level rows (Catto 2005).",
             ),
             Field::number(
                 "iterations",

@@ -67,6 +67,31 @@ impl<L: Lanes> SoftTerms<L> {
             slop: L::of(slop),
         }
     }
+
+    /// No spring: a share of every error, given as a `rate` in 1/s, is taken back whatever the force.
+    pub fn rigid(rate: f64, push: f64, slop: f64, h: f64) -> Self {
+        Self {
+            rate: L::of(rate),
+            mass: L::one(),
+            impulse: L::zero(),
+            push: L::of(push),
+            per_step: L::of(1.0 / h),
+            slop: L::of(slop),
+        }
+    }
+}
+
+/// How one sweep over positions moves bodies out of their errors, the velocities left as they are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Projection<L> {
+    /// Share of a contact's error.
+    pub contact: L,
+    /// Share of a joint's error.
+    pub joint: L,
+    /// Most that one update mends, m.
+    pub most: L,
+    /// Depth left alone, m.
+    pub slop: L,
 }
 
 /// One point of each pair.
@@ -342,6 +367,90 @@ impl<L: Lanes> ContactBlock<L> {
         unsafe { pair.scatter(self, velocity) };
     }
 
+    /// [`ROUNDS`] updates of the points, with springs, without friction; `anew`, as if nothing had pushed before.
+    ///
+    /// # Safety
+    /// Nobody else may be using the bodies of its pairs.
+    pub unsafe fn press(
+        &mut self,
+        velocity: Shared<Record<L::Scalar>>,
+        moved: Shared<Record<L::Scalar>>,
+        soft: &SoftTerms<L>,
+        anew: bool,
+    ) {
+        // SAFETY: as the caller promises.
+        let mut pair = unsafe { Pair::gather(self, velocity) };
+        if anew {
+            self.points.iter_mut().for_each(|point| point.impulse = L::zero());
+        }
+        let springs = self.springs(moved, soft);
+        for _ in 0..ROUNDS {
+            self.solve_points(&mut pair, |index, point, speed| {
+                let Spring { bias, mass, kept, .. } = springs[index];
+                -(mass * (speed + bias)) - kept * point.impulse
+            });
+        }
+        // SAFETY: as the caller promises.
+        unsafe { pair.scatter(self, velocity) };
+    }
+
+    /// One update of friction alone, from none, bounded by what the points push at hand.
+    ///
+    /// # Safety
+    /// Nobody else may be using the bodies of its pairs.
+    pub unsafe fn rub(&mut self, velocity: Shared<Record<L::Scalar>>) {
+        // SAFETY: as the caller promises.
+        let mut pair = unsafe { Pair::gather(self, velocity) };
+        if let Some(friction) = &mut self.friction {
+            friction.impulse = [L::zero(); 2];
+            friction.twist_impulse = L::zero();
+        }
+        self.solve_friction(&mut pair);
+        // SAFETY: as the caller promises.
+        unsafe { pair.scatter(self, velocity) };
+    }
+
+    /// [`ROUNDS`] updates of points that push, until they neither part nor approach, and of friction.
+    ///
+    /// # Safety
+    /// Nobody else may be using the bodies of its pairs.
+    pub unsafe fn settle(&mut self, velocity: Shared<Record<L::Scalar>>) {
+        // SAFETY: as the caller promises.
+        let mut pair = unsafe { Pair::gather(self, velocity) };
+        for _ in 0..ROUNDS {
+            self.solve_points(&mut pair, |_, point, speed| {
+                (-(point.mass * speed)).select(point.impulse.simd_gt(L::zero()), L::zero())
+            });
+            self.solve_friction(&mut pair);
+        }
+        // SAFETY: as the caller promises.
+        unsafe { pair.scatter(self, velocity) };
+    }
+
+    /// Moves the bodies out of a share of each point's depth.
+    ///
+    /// # Safety
+    /// Nobody else may be using the bodies of its pairs.
+    pub unsafe fn project(&self, moved: Shared<Record<L::Scalar>>, terms: &Projection<L>) {
+        // SAFETY: as the caller promises.
+        let mut pair = unsafe { Pair::gather(self, moved) };
+        let mut pushed = L::zero();
+        let mut shift = dot(&self.normal, &(pair.linear_b - pair.linear_a));
+        let give = pair.give(&self.normal);
+        for point in &self.points[..self.point_count] {
+            let separation = point.separation + shift + dot(&point.angular_b, &pair.angular_b)
+                - dot(&point.angular_a, &pair.angular_a);
+            let error = (separation + terms.slop).simd_clamp(-terms.most, L::zero());
+            let push = -(point.mass * error * terms.contact);
+            pushed += push;
+            shift = give.simd_mul_add(push, shift);
+            pair.turn(&point.angular_a, &point.angular_b, push);
+        }
+        pair.push(&self.normal, pushed);
+        // SAFETY: as the caller promises.
+        unsafe { pair.scatter(self, moved) };
+    }
+
     /// What the springs of the points ask for where the bodies are now.
     #[inline(always)]
     fn springs(&self, moved: Shared<Record<L::Scalar>>, soft: &SoftTerms<L>) -> [Spring<L>; POINTS] {
@@ -384,7 +493,6 @@ impl<L: Lanes> ContactBlock<L> {
         pair.push(&self.normal, pushed);
     }
 
-    #[inline(always)]
     fn solve_friction(&mut self, pair: &mut Pair<L>) {
         let Some(friction) = &mut self.friction else { return };
         let pressed: L = self.points[..self.point_count].iter().fold(L::zero(), |sum, point| sum + point.impulse);

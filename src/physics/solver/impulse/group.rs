@@ -15,17 +15,16 @@ use crate::physics::collision::{ContactGraph, POINTS};
 use crate::physics::disjoint_sets::DisjointSets;
 use crate::physics::island::Islands;
 use crate::physics::lanes::{Lanes, READ_ONLY};
+use crate::physics::settings::{Method, SolverSettings};
 use crate::physics::solver::direct::DirectIsland;
 use crate::physics::solver::joint_tree::{Partition, partition};
+use crate::physics::solver::method;
 
 /// Blocks from which on a group is worth more threads than one.
 const LARGE: usize = 96;
 
 /// Bodies of a group beyond which none of its islands is solved directly.
 const MOST_AT_REST: usize = 512;
-
-/// Turn in a step beyond which rows of joints that stay as they were are wrong by a tenth of a limb, rad.
-const FAR: f64 = 0.1;
 
 /// A joint as a group sees it.
 #[derive(Clone, Copy, Debug)]
@@ -63,6 +62,23 @@ enum Place {
     Swept(u32),
     /// In an island at rest that is solved directly.
     Rests,
+}
+
+/// What needs no sweeps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Exactly {
+    /// Trees of joints that nothing touches.
+    pub trees: bool,
+    /// Islands at rest.
+    pub rest: bool,
+}
+
+impl Exactly {
+    /// As the settings want it.
+    pub fn of(settings: &SolverSettings) -> Self {
+        let rest = settings.fitted_effort && settings.method == Method::SoftStep;
+        Self { trees: method::solves_trees(settings.method), rest }
+    }
 }
 
 /// What a group is planned from.
@@ -146,7 +162,7 @@ impl<L: Lanes> Default for Group<L> {
 
 impl<L: Lanes> Group<L> {
     /// Takes in which bodies and constraints it has, and colours them. To be called whenever the
-    /// islands have changed. `fitted`: islands that rest are to be solved directly.
+    /// islands have changed, or what is solved exactly.
     pub fn plan(
         &mut self,
         group: usize,
@@ -154,13 +170,13 @@ impl<L: Lanes> Group<L> {
         bodies: &Bodies,
         joints: &Joints,
         graph: &ContactGraph,
-        fitted: bool,
+        exactly: Exactly,
     ) {
         let world = Outside { group, islands, bodies, joints, graph };
         self.place.clear();
         self.place.resize(islands.bodies(group).len(), Place::Alone);
-        self.find_trees(&world);
-        if fitted {
+        self.find_trees(&world, exactly.trees);
+        if exactly.rest {
             self.find_islands(&world);
         } else {
             self.islands.clear();
@@ -274,7 +290,7 @@ impl<L: Lanes> Group<L> {
 
     /// Finds out which bodies need sweeps, which joints make trees that nothing touches, and leaves the other
     /// joints in `linked`.
-    fn find_trees(&mut self, world: &Outside) {
+    fn find_trees(&mut self, world: &Outside, exact_trees: bool) {
         let Outside { group, islands, bodies, joints, graph } = *world;
         let place = &mut self.place;
         let swept = |place: &mut Vec<Place>, body: u32| {
@@ -313,7 +329,7 @@ impl<L: Lanes> Group<L> {
         let mut old = std::mem::take(&mut self.trees);
         for tree in trees {
             let moving = &tree.bodies()[..tree.moving()];
-            let is_swept = moving.iter().any(|&body| place[body as usize] != Place::Alone);
+            let is_swept = !exact_trees || moving.iter().any(|&body| place[body as usize] != Place::Alone);
             let new_place = if is_swept { Place::Swept(0) } else { Place::InTree };
             moving.iter().for_each(|&body| place[body as usize] = new_place);
             if is_swept {
@@ -355,10 +371,10 @@ impl<L: Lanes> Group<L> {
         self.contact_colors.add(count, grounded as u32, &self.pairs[grounded..], L::COUNT);
     }
 
-    /// Whether bodies on swept joints turn so far in a `step`, s, that its rows should turn with them.
-    pub fn turns_far(&self, bodies: &[Body], step: f64) -> bool {
-        let turns = |&member: &u32| bodies[member as usize].angular.norm() * step > FAR;
-        !self.joint_blocks.is_empty() && self.members[..self.own].iter().any(turns)
+    /// How far a body turns at most in a `step`, s, rad; none where no joint is swept.
+    pub fn turn(&self, bodies: &[Body], step: f64) -> Option<f64> {
+        let turns = self.members[..self.own].iter().map(|&member| bodies[member as usize].angular.norm() * step);
+        (!self.joint_blocks.is_empty()).then(|| turns.fold(0.0, f64::max))
     }
 
     /// Whether any of its contacts may bounce.

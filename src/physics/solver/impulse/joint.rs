@@ -9,7 +9,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::bodies::Frames;
-use super::contact::{SoftTerms, UNLIMITED};
+use super::contact::{Projection, SoftTerms, UNLIMITED};
 use crate::physics::joint::Softness;
 use crate::physics::lanes::{Lanes, READ_ONLY, Record, WIDTH, add_scaled, dot, inverse, vector};
 use crate::physics::solver::Scalar;
@@ -178,12 +178,7 @@ impl<L: Lanes> JointBlock<L> {
             let rate = soft.rate * (soft.push / speed.simd_max(soft.push));
             parting = add_scaled(&parting, &error, rate) * soft.mass;
         }
-        let [xx, xy, xz, yy, yz, zz] = self.mass;
-        let mut change = -Vector3::new(
-            dot(&Vector3::new(xx, xy, xz), &parting),
-            dot(&Vector3::new(xy, yy, yz), &parting),
-            dot(&Vector3::new(xz, yz, zz), &parting),
-        );
+        let mut change = -self.against(&parting);
         if let Some(soft) = soft {
             change = add_scaled(&change, &self.impulse, -soft.impulse);
         }
@@ -195,6 +190,39 @@ impl<L: Lanes> JointBlock<L> {
         self.apply(&mut pair, &change);
         // SAFETY: as the caller promises.
         unsafe { self.scatter(pair, velocity) };
+    }
+
+    /// Forgets the impulses at hand.
+    pub fn forget(&mut self) {
+        self.impulse = Vector3::repeat(L::zero());
+    }
+
+    /// Moves the bodies out of a share of the error. Springs have none.
+    ///
+    /// # Safety
+    /// Nobody else may be using the bodies of its pairs.
+    pub unsafe fn project(&self, moved: Shared<Record<L::Scalar>>, terms: &Projection<L>) {
+        if self.springs.is_some() {
+            return;
+        }
+        // SAFETY: as the caller promises.
+        let mut pair = unsafe { self.gather(moved) };
+        let error = self.error + self.along(&pair);
+        let share = terms.joint * (terms.most / dot(&error, &error).simd_sqrt().simd_max(terms.most));
+        self.apply(&mut pair, &(self.against(&error) * -share));
+        // SAFETY: as the caller promises.
+        unsafe { self.scatter(pair, moved) };
+    }
+
+    /// K⁻¹ times what the rows see.
+    #[inline(always)]
+    fn against(&self, seen: &Vector3<L>) -> Vector3<L> {
+        let [xx, xy, xz, yy, yz, zz] = self.mass;
+        Vector3::new(
+            dot(&Vector3::new(xx, xy, xz), seen),
+            dot(&Vector3::new(xy, yy, yz), seen),
+            dot(&Vector3::new(xz, yz, zz), seen),
+        )
     }
 
     /// What the rows make of velocities or moves of the two bodies.

@@ -4,7 +4,7 @@
 //! [`bodies`] whitened velocities; [`contact`], [`joint`] the kernels; [`tree`] exact trees of joints, [`free`] bodies
 //! on their own, which need no sweeps; [`coloring`] which
 //! constraints may be solved side by side; [`group`] who belongs together; [`stage`] what is done
-//! to a group. A method is a list of stages.
+//! to a group; [`plan`] the frame of a step. A method is a list of stages.
 
 mod bodies;
 mod coloring;
@@ -12,13 +12,15 @@ mod contact;
 mod free;
 mod group;
 mod joint;
+mod plan;
 mod rest;
 mod stage;
 #[cfg(test)]
 mod tests;
 mod tree;
 
-pub(crate) use contact::{SoftTerms, UNLIMITED};
+pub(crate) use contact::{Projection, SoftTerms, UNLIMITED};
+pub(crate) use plan::Plan;
 pub(crate) use stage::{Color, GroupTerms, Stage};
 
 use std::sync::atomic::AtomicBool;
@@ -26,7 +28,7 @@ use std::sync::atomic::AtomicBool;
 use bevy::prelude::*;
 use simba::simd::WideF32x8;
 
-use super::soft_step;
+use super::method;
 use crate::physics::bodies::{Bodies, Joints};
 use crate::physics::body::RigidBody;
 use crate::physics::collision::ContactGraph;
@@ -36,7 +38,7 @@ use crate::physics::lanes::Lanes;
 use crate::physics::settings::{Precision, SolverSettings, contacts_last};
 use crate::physics::threads::for_each_block;
 use crate::physics::{PhysicsSchedule, PhysicsSystems};
-use group::Group;
+use group::{Exactly, Group};
 use rest::AtRest;
 use stage::WorldParts;
 
@@ -55,8 +57,8 @@ struct Groups {
 /// Groups that are solved in the same lanes.
 struct GroupsOf<L: Lanes> {
     list: Vec<Numbered<L>>,
-    /// Version of the islands that the groups were planned for, and whether effort was to be fitted.
-    planned: Option<(u64, bool)>,
+    /// Version of the islands that the groups were planned for, and what was to be solved exactly.
+    planned: Option<(u64, Exactly)>,
 }
 
 impl<L: Lanes> Default for GroupsOf<L> {
@@ -99,7 +101,7 @@ fn solve_groups(
     }
     // Three rows a joint, and three of friction a contact.
     stats.rows = stats.contact_points + 3 * (stats.manifolds + stats.joints);
-    let sweeps = 2 * u64::from(settings.substeps) * u64::from(settings.iterations);
+    let sweeps = u64::from(settings.substeps) * u64::from(method::sweeps(&settings));
     stats.row_updates = u64::from(stats.rows.saturating_sub(at_rest.rows)) * sweeps + u64::from(at_rest.rows_solved);
     stats.resting = at_rest.bodies;
 }
@@ -123,26 +125,27 @@ impl<L: Lanes> GroupsOf<L> {
             });
         }
         let groups = &mut self.list[..count];
-        let planned = Some((islands.version(), settings.fitted_effort));
+        let exactly = Exactly::of(settings);
+        let planned = Some((islands.version(), exactly));
         if self.planned != planned {
             self.planned = planned;
             groups.iter_mut().enumerate().for_each(|(index, group)| group.index = index);
             for_each_block(settings.threads, groups, |Numbered { index, group, .. }| {
-                group.plan(*index, islands, bodies, joints, graph, settings.fitted_effort);
+                group.plan(*index, islands, bodies, joints, graph, exactly);
             });
         }
         let at_rest = self.rest(bodies, joints, graph, islands, settings);
         let groups = &mut self.list[..count];
         for Numbered { group, stages, .. } in groups.iter_mut() {
-            let plan = soft_step::Plan {
+            let plan = Plan {
                 substeps: settings.substeps,
                 iterations: settings.iterations,
                 notes: graph.recording.is_some() || group.may_bounce(),
-                turns_far: group.turns_far(&bodies.list, settings.step()),
+                turn: group.turn(&bodies.list, settings.step()),
             };
-            plan.stages(group.colors(), stages);
+            method::stages(settings.method, &plan, group.colors(), stages);
         }
-        let terms = soft_step::terms(settings);
+        let terms = method::terms(settings);
         let records = graph.recording.is_some();
         let presses_changed = AtomicBool::new(false);
         let mut none = Vec::new();

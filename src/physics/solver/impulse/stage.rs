@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 
 use super::bodies::SharedBodies;
 use super::coloring::Coloring;
-use super::contact::{ContactBlock, ContactImpulses, ContactSite, SoftTerms};
+use super::contact::{ContactBlock, ContactImpulses, ContactSite, Projection, SoftTerms};
 use super::free;
 use super::group::{Bounce, Group, GroupContact, GroupJoint};
 use super::joint::{JointBlock, JointSite};
@@ -38,9 +38,10 @@ pub(crate) enum Stage {
     /// Bodies that nothing holds or touches, and trees of joints that nothing touches, go their way.
     Fly,
     Swing,
-    /// Bodies are taken in, for a step of so many substeps.
+    /// Bodies are taken in, for so many substeps after those that are done.
     Gather {
         substeps: u32,
+        done: u32,
     },
     /// Rows for the present poses.
     Prepare(Color),
@@ -55,10 +56,21 @@ pub(crate) enum Stage {
         color: Color,
         soft: bool,
     },
+    /// One update with springs, of contacts without friction; the first of a substep begins with nothing.
+    Press {
+        color: Color,
+        is_first: bool,
+    },
+    /// One update of friction alone, from none.
+    Rub(Color),
+    /// One update of contacts that push, until they neither part nor approach.
+    Settle(Color),
     /// What constraints pushed in this substep is taken in, for bounces and for whoever reads forces.
     Note(Color),
     /// Positions follow velocities.
     Drift,
+    /// Positions are moved out of their errors.
+    Project(Color),
     /// What constraints added to the velocities is remembered; drag acts.
     End,
     /// Points that came fast part again.
@@ -77,6 +89,8 @@ pub(crate) struct GroupTerms<L> {
     pub substeps: u32,
     pub joint: SoftTerms<L>,
     pub contact: SoftTerms<L>,
+    /// Of methods with [`Stage::Project`].
+    pub projection: Option<Projection<L>>,
     /// Approach from which a contact bounces, m/s.
     pub restitution_speed: f64,
 }
@@ -193,6 +207,10 @@ impl<L: Lanes> Walk<'_, L> {
             Stage::Prepare(color)
             | Stage::WarmStart(color)
             | Stage::Solve { color, .. }
+            | Stage::Press { color, .. }
+            | Stage::Rub(color)
+            | Stage::Settle(color)
+            | Stage::Project(color)
             | Stage::Note(color)
             | Stage::Bounce(color)
             | Stage::Store(color) => {
@@ -226,11 +244,7 @@ impl<L: Lanes> Walk<'_, L> {
                     free::fly(body, self.terms.h, self.terms.substeps);
                 }),
                 Stage::Swing => items.for_each(|index| self.swing(self.trees.element(index))),
-                Stage::Gather { substeps } => items.for_each(|index| {
-                    let body = self.world.bodies.get(self.members[index] as usize);
-                    let step = self.terms.h * f64::from(substeps);
-                    self.bodies.gather(index, body, step, self.terms.h);
-                }),
+                Stage::Gather { substeps, done } => items.for_each(|index| self.gather(index, substeps, done)),
                 Stage::Begin { is_first } => items.for_each(|index| self.bodies.begin_substep(index, is_first)),
                 Stage::Drift => items.for_each(|index| self.bodies.drift(index, h)),
                 Stage::End => items.for_each(|index| self.bodies.end_substep(index)),
@@ -243,6 +257,10 @@ impl<L: Lanes> Walk<'_, L> {
                 Stage::Prepare(color)
                 | Stage::WarmStart(color)
                 | Stage::Solve { color, .. }
+                | Stage::Press { color, .. }
+                | Stage::Rub(color)
+                | Stage::Settle(color)
+                | Stage::Project(color)
                 | Stage::Note(color)
                 | Stage::Bounce(color)
                 | Stage::Store(color) => {
@@ -256,6 +274,23 @@ impl<L: Lanes> Walk<'_, L> {
                 }
             }
         }
+    }
+
+    /// # Safety
+    /// Nobody else may be using the body.
+    unsafe fn gather(&self, index: usize, substeps: u32, done: u32) {
+        let h = self.terms.h;
+        // SAFETY: as the caller promises.
+        let body = unsafe { self.world.bodies.get(self.members[index] as usize) };
+        let there = (done > 0 && body.kind == RigidBody::Kinematic).then(|| {
+            // Its own pose follows at the end of the step.
+            let since = h * f64::from(done);
+            let mut there = body.clone();
+            there.advance(&(body.linear * since), &(body.angular * since));
+            there
+        });
+        // SAFETY: as the caller promises.
+        unsafe { self.bodies.gather(index, there.as_ref().unwrap_or(body), h * f64::from(substeps), h) };
     }
 
     /// # Safety
@@ -293,6 +328,17 @@ impl<L: Lanes> Walk<'_, L> {
                 }
                 Stage::WarmStart(_) => block.warm_start(velocity),
                 Stage::Solve { soft, .. } => block.solve(velocity, moved, soft.then_some(&self.terms.joint)),
+                Stage::Press { is_first, .. } => {
+                    if is_first {
+                        block.forget();
+                    }
+                    block.solve(velocity, moved, Some(&self.terms.joint));
+                }
+                Stage::Project(_) => {
+                    if let Some(projection) = &self.terms.projection {
+                        block.project(moved, projection);
+                    }
+                }
                 Stage::Store(_) => {
                     for (lane, &joint) in lanes.iter().enumerate() {
                         let joint = self.world.joints.element(self.joints[joint as usize].global as usize);
@@ -339,6 +385,14 @@ impl<L: Lanes> Walk<'_, L> {
                 Stage::WarmStart(_) => block.warm_start(velocity),
                 Stage::Solve { soft: true, .. } => block.solve(velocity, moved, Some(&self.terms.contact)),
                 Stage::Solve { soft: false, .. } => block.solve(velocity, moved, None),
+                Stage::Press { is_first, .. } => block.press(velocity, moved, &self.terms.contact, is_first),
+                Stage::Rub(_) => block.rub(velocity),
+                Stage::Settle(_) => block.settle(velocity),
+                Stage::Project(_) => {
+                    if let Some(projection) = &self.terms.projection {
+                        block.project(moved, projection);
+                    }
+                }
                 Stage::Note(_) => self.note(block, index),
                 Stage::Bounce(_) => {
                     if let Some(Bounce { parting, peak }) = self.bounces.get(index) {

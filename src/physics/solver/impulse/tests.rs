@@ -3,7 +3,7 @@ use simba::simd::WideF32x8;
 
 use super::bodies::GroupBodies;
 use super::coloring::Coloring;
-use super::contact::{ContactBlock, ContactSite, SoftTerms, UNLIMITED};
+use super::contact::{ContactBlock, ContactSite, Projection, SoftTerms, UNLIMITED};
 use super::joint::{JointBlock, JointSite};
 use crate::physics::bodies::{Body, world_inverse_inertia};
 use crate::physics::body::RigidBody;
@@ -239,6 +239,59 @@ fn one_update_stops_points_that_approach_in_any_lanes() {
     contacts_in::<f64>(1e-5);
     contacts_in::<f32>(1e-4);
     contacts_in::<WideF32x8>(1e-4);
+}
+
+fn projection<L: Lanes>(share: f64) -> Projection<L> {
+    Projection { contact: L::of(share), joint: L::of(share), most: L::of(1e3), slop: L::of(0.0) }
+}
+
+/// How far each joint's anchors are apart, by the rows of where the bodies were gathered.
+fn separations_after<L: Lanes>(share: f64) -> Vec<(f64, f64)> {
+    let mut random = Random(6);
+    let bodies = bodies(&mut random);
+    let sites = joint_sites(&bodies, &mut random);
+    let mut group = gather::<L>(&bodies);
+    for sites in sites.chunks(L::COUNT) {
+        let shared = group.share();
+        // SAFETY: one thread.
+        #[allow(unsafe_code)]
+        unsafe {
+            let block = JointBlock::<L>::new(sites, shared.frames, STEP);
+            block.project(shared.moved, &projection(share));
+        }
+    }
+    let after = velocities::<L>(&mut group, &bodies);
+    // Moves are added to poses, with all of a turn in the first order of their rows.
+    let apart = |bodies: &[Body], site: &JointSite, arms: [Vector3<f64>; 2]| {
+        let [a, b] = [site.a, site.b].map(|body| &bodies[(body & !READ_ONLY) as usize]);
+        (b.position + arms[1] - a.position - arms[0]).norm()
+    };
+    sites
+        .iter()
+        .map(|site| {
+            let [a, b] = [site.a, site.b].map(|body| (body & !READ_ONLY) as usize);
+            let arms = [bodies[a].rotation * site.anchor_a, bodies[b].rotation * site.anchor_b];
+            let turned = |body: usize, arm: &Vector3<f64>| {
+                let turn = (after[body].rotation * bodies[body].rotation.inverse()).scaled_axis();
+                arm + turn.cross(arm)
+            };
+            assert_eq!(after[b].linear, velocities::<L>(&mut gather::<L>(&bodies), &bodies)[b].linear);
+            (apart(&bodies, site, arms), apart(&after, site, [turned(a, &arms[0]), turned(b, &arms[1])]))
+        })
+        .collect()
+}
+
+#[test]
+fn projection_takes_its_share_of_a_joints_error_and_leaves_velocities() {
+    for (share, left) in [(1.0, 0.0), (0.25, 0.75)] {
+        let double = separations_after::<f64>(share);
+        let wide = separations_after::<WideF32x8>(share);
+        for (results, tolerance) in [(double, 1e-9), (wide, 1e-4)] {
+            for (before, after) in results {
+                assert!(before > 0.1 && (after - left * before).abs() < tolerance, "{share}: {before} {after}");
+            }
+        }
+    }
 }
 
 #[test]
