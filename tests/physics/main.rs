@@ -17,4 +17,5 @@ mod public_face;
 mod quarantine;
 mod resting;
 mod rig;
+mod sleeping;
 mod transforms;

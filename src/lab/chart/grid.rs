@@ -11,9 +11,10 @@ pub struct Series {
     pub base: fn() -> SolverSettings,
 }
 
-/// All curves, in the order of their colours.
+/// All curves, in the order of their colours. Nothing sleeps in them: what a method does with a scene at rest is to be
+/// seen.
 pub const SERIES: [Series; 4] = [
-    Series { name: "game f32", base: SolverSettings::game },
+    Series { name: "game f32", base: || SolverSettings { sleep_speed: None, ..SolverSettings::game() } },
     Series { name: "classic f32", base: SolverSettings::classic },
     Series { name: "steady f32", base: SolverSettings::steady },
     Series {
