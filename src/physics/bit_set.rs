@@ -83,7 +83,8 @@ pub(crate) fn ones(words: &[u64]) -> impl Iterator<Item = u32> + Clone + '_ {
 
 fn bits(word: u64, offset: u32) -> impl Iterator<Item = u32> + Clone {
     let left = |word: u64| (word != 0).then_some(word);
-    std::iter::successors(left(word), move |&word| left(word & (word - 1))).map(move |word| offset + word.trailing_zeros())
+    std::iter::successors(left(word), move |&word| left(word & (word - 1)))
+        .map(move |word| offset + word.trailing_zeros())
 }
 
 #[cfg(test)]
@@ -93,7 +94,7 @@ mod tests {
     #[test]
     fn it_walks_what_is_in_and_what_is_not() {
         for count in [0, 1, 63, 64, 65, 200] {
-            let in_it = |index: u32| index % 3 == 0 || index % 64 == 63;
+            let in_it = |index: u32| index.is_multiple_of(3) || index % 64 == 63;
             let mut set = BitSet::default();
             (0..count).for_each(|index| set.set(index, in_it(index)));
             let (present, absent): (Vec<u32>, Vec<u32>) = (0..count).partition(|&index| in_it(index));

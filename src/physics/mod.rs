@@ -41,7 +41,8 @@ mod write_back;
 pub(crate) use body::BodySlot;
 pub use body::{
     CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, ObserveContacts,
-    Position, QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, Sleeping, SurfaceMaterial, Velocity,
+    Position, QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, Sleeping, SurfaceMaterial,
+    Velocity,
 };
 pub use collider::{Collider, ConvexHull, HullError, MassProperties, Shape};
 pub use collision::PlacedCollider;

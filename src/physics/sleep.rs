@@ -41,10 +41,7 @@ const GAIN: f64 = 0.01;
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Sleep>()
-        .add_systems(
-            PhysicsSchedule,
-            wake_near.after(PhysicsSystems::BroadPhase).before(PhysicsSystems::NarrowPhase),
-        )
+        .add_systems(PhysicsSchedule, wake_near.after(PhysicsSystems::BroadPhase).before(PhysicsSystems::NarrowPhase))
         .add_systems(
             PhysicsSchedule,
             (wake_touched, find_islands, fall_asleep, find_islands.run_if(contacts_last), mark_sleepers)
@@ -172,7 +169,8 @@ impl Sleep {
     /// Wakes everything with the next [`wake_disturbed`](Self::wake_disturbed), and looks anew at who is calm.
     fn start_over(&mut self) {
         self.calm.fill(Calm::default());
-        self.disturbed.extend((0..).zip(&self.islands).filter(|(_, island)| !island.is_empty()).map(|(place, _)| place));
+        self.disturbed
+            .extend((0..).zip(&self.islands).filter(|(_, island)| !island.is_empty()).map(|(place, _)| place));
     }
 
     /// What was near or pulled by kinematic bodies that move.
@@ -248,9 +246,8 @@ impl Sleep {
     /// Puts the islands found to sleep.
     fn lay_down(&mut self, bodies: &mut Bodies, islands: &Islands, graph: &mut ContactGraph, near: &NearPairs) {
         bodies.sleep_version += 1;
-        let falls_asleep = |&body: &u32| {
-            bodies.list[body as usize].is_dynamic() && !self.restless[islands.root_of(body) as usize]
-        };
+        let falls_asleep =
+            |&body: &u32| bodies.list[body as usize].is_dynamic() && !self.restless[islands.root_of(body) as usize];
         let fallen: Vec<u32> = bodies.awake().filter(falls_asleep).collect();
         for &index in &fallen {
             let root = islands.root_of(index);
@@ -354,9 +351,14 @@ fn mark_sleepers(mut sleep: ResMut<Sleep>, bodies: Res<Bodies>, mut stats: ResMu
         let woken = woken.into_iter().map(|entity| (entity, false));
         for (entity, sleeps) in woken.chain(slept.into_iter().map(|entity| (entity, true))) {
             let Ok(mut body) = world.get_entity_mut(entity) else { continue };
-            if sleeps { body.insert(Sleeping) } else { body.remove::<Sleeping>() };
+            if sleeps {
+                body.insert(Sleeping)
+            } else {
+                body.remove::<Sleeping>()
+            };
             // No reason to gather the body: nobody else did it.
-            if let Some(mut slot) = body.get_mut::<BodySlot>().filter(|slot| slot.gathered_with != BodySlot::TO_GATHER) {
+            if let Some(mut slot) = body.get_mut::<BodySlot>().filter(|slot| slot.gathered_with != BodySlot::TO_GATHER)
+            {
                 slot.gathered_with = Presence(slot.gathered_with).with_sleeping(sleeps).0;
             }
         }

@@ -1,7 +1,10 @@
 //! Islands that rest fall asleep, cost nothing, and go on as they were when something disturbs them.
 
+use std::time::Duration;
+
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
+use bevy::time::{TimePlugin, TimeUpdateStrategy};
 use plumb::physics::{ContactForces, Diagnostics};
 use plumb::prelude::*;
 
@@ -242,7 +245,17 @@ fn a_kinematic_body_wakes_what_it_carries_only_while_it_moves() {
     world.get_mut::<Velocity>(lift).unwrap().linear.y = 0.0;
     run(&mut world, 2.0);
     assert!(sleeps(&world, block), "on a lift that stands");
-    // Slower than what counts as calm, and by hand.
+    // Slower than what counts as calm: by itself, and by hand.
+    let start = position(&world, block).y;
+    world.get_mut::<Velocity>(lift).unwrap().linear.y = 0.01;
+    for _ in 0..120 {
+        step(&mut world);
+        assert!(!sleeps(&world, block));
+    }
+    assert_close(position(&world, block).y, start + 0.02, 1e-3);
+    world.get_mut::<Velocity>(lift).unwrap().linear.y = 0.0;
+    run(&mut world, 2.0);
+    assert!(sleeps(&world, block), "again on a lift that stands");
     for _ in 0..90 {
         world.get_mut::<Position>(lift).unwrap().0.y += 1e-4;
         step(&mut world);
@@ -634,18 +647,23 @@ fn bodies_after_one_that_is_gone_sleep_on() {
 fn what_sleeps_is_drawn_where_it_lies() {
     start_pool();
     let mut app = App::new();
-    app.add_plugins((TaskPoolPlugin::default(), PhysicsPlugin::in_schedule(Update)));
-    app.insert_resource(GAME());
+    // Frames of 7 ms against steps of 1/60 s, and poses drawn in between.
+    app.add_plugins((TaskPoolPlugin::default(), TimePlugin, PhysicsPlugin::default()))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(7)))
+        .insert_resource(GAME());
     app.finish();
     app.cleanup();
-    ground(app.world_mut());
-    let body = block(app.world_mut(), 0.0, 0.501);
-    (0..120).for_each(|_| app.update());
+    let floor = ground(app.world_mut());
+    app.world_mut().entity_mut(floor).insert(SurfaceMaterial { friction: 0.0, restitution: 0.0 });
+    let body = block(app.world_mut(), 0.0, 0.5);
+    // It glides until it sleeps, 0.17 mm a step.
+    app.world_mut().get_mut::<Velocity>(body).unwrap().linear.x = 0.01;
+    (0..150).for_each(|_| app.update());
     let drawn = |app: &App| app.world().get::<Transform>(body).unwrap().translation;
     assert!(sleeps(app.world(), body));
     assert_eq!(drawn(&app), position(app.world(), body).as_vec3());
     app.insert_resource(RenderOrigin(DVec3::X * 4.0));
     app.update();
-    assert_eq!(drawn(&app).x, -4.0);
+    assert_eq!(drawn(&app), (position(app.world(), body) - DVec3::X * 4.0).as_vec3());
     assert!(sleeps(app.world(), body));
 }
