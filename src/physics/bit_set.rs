@@ -51,12 +51,12 @@ impl BitSet {
 
     /// What of 0..count is not in it, ascending.
     pub fn absent(&self, count: u32) -> impl Iterator<Item = u32> + Clone + '_ {
-        (0..count.div_ceil(u64::BITS)).flat_map(move |place| {
+        let words = (0..count.div_ceil(u64::BITS)).map(move |place| {
             let left = count - place * u64::BITS;
             let range = if left < u64::BITS { (1 << left) - 1 } else { u64::MAX };
-            let word = self.words.get(place as usize).copied().unwrap_or(0);
-            bits(!word & range, place * u64::BITS)
-        })
+            !self.words.get(place as usize).copied().unwrap_or(0) & range
+        });
+        Ones::of(words)
     }
 
     /// The words from a multiple of 64 on, for a run of indices: see [`ones`].
@@ -78,13 +78,37 @@ impl BitSet {
 
 /// The places of the ones, ascending.
 pub(crate) fn ones(words: &[u64]) -> impl Iterator<Item = u32> + Clone + '_ {
-    (0..).zip(words).flat_map(|(place, &word)| bits(word, place * u64::BITS))
+    Ones::of(words.iter().copied())
 }
 
-fn bits(word: u64, offset: u32) -> impl Iterator<Item = u32> + Clone {
-    let left = |word: u64| (word != 0).then_some(word);
-    std::iter::successors(left(word), move |&word| left(word & (word - 1)))
-        .map(move |word| offset + word.trailing_zeros())
+/// Walks the ones of words.
+#[derive(Clone)]
+struct Ones<W> {
+    words: W,
+    /// What is left of the present word, and where it ends.
+    word: u64,
+    end: u32,
+}
+
+impl<W: Iterator<Item = u64>> Ones<W> {
+    fn of(words: W) -> Self {
+        Self { words, word: 0, end: 0 }
+    }
+}
+
+impl<W: Iterator<Item = u64>> Iterator for Ones<W> {
+    type Item = u32;
+
+    #[inline]
+    fn next(&mut self) -> Option<u32> {
+        while self.word == 0 {
+            self.word = self.words.next()?;
+            self.end += u64::BITS;
+        }
+        let place = self.end - u64::BITS + self.word.trailing_zeros();
+        self.word &= self.word - 1;
+        Some(place)
+    }
 }
 
 #[cfg(test)]
