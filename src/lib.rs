@@ -16,7 +16,7 @@ pub mod prelude {
         BallJoint, BodyQuarantined, Collider, Collision, CollisionLayers, ContactEnded, ContactModel, ContactStarted,
         ConvexHull, Damping, Density, ExternalForce, FrictionModel, Gravity, GravityScale, Inertia, Integrator,
         JointLoad, LockedAxes, Mass, Method, ObserveContacts, PhysicsPlugin, PhysicsSchedule, PhysicsSystems, Position,
-        Precision, Quarantined, RenderOrigin, ReportCollisions, RigidBody, Rotation, Softness, SolverSettings,
-        StepStats, SurfaceMaterial, Velocity, headless_app, step,
+        Precision, Quarantined, RenderOrigin, ReportCollisions, RigidBody, Rotation, Sleeping, Softness,
+        SolverSettings, StepStats, SurfaceMaterial, Velocity, headless_app, step,
     };
 }

@@ -6,6 +6,7 @@ use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
+use super::bit_set::BitSet;
 use super::body::{CollisionLayers, RigidBody, SurfaceMaterial};
 use super::collider::Geometry;
 
@@ -148,8 +149,24 @@ pub(crate) struct Bodies {
     pub version: u64,
     /// Those that in this step are new, jumped, or changed their shape, layers or kind.
     pub renewed: Vec<u32>,
+    /// Those that sleep: dynamic ones that the step leaves as they are.
+    pub asleep: BitSet,
+    /// Counts every time one fell asleep or woke.
+    pub sleep_version: u64,
     /// When the last step wrote bodies back: what was written then is known here already.
     pub written_back: Option<Tick>,
+}
+
+impl Bodies {
+    /// Those that do not sleep, of all kinds, in their order.
+    pub fn awake(&self) -> impl Iterator<Item = u32> + Clone + '_ {
+        self.asleep.absent(self.list.len() as u32)
+    }
+
+    /// Whether contacts and joints can move a body now.
+    pub fn is_awake_dynamic(&self, body: u32) -> bool {
+        self.list[body as usize].is_dynamic() && !self.asleep.contains(body)
+    }
 }
 
 /// One joint as the step sees it.
@@ -173,4 +190,19 @@ pub(crate) struct Joints {
     pub list: Vec<Joint>,
     /// Counts every time they were packed anew, which is also when a body came, went or changed its kind.
     pub version: u64,
+}
+
+impl Joint {
+    /// Stands for a body that is gone, until the joints are packed anew.
+    pub const GONE: u32 = u32::MAX;
+}
+
+impl Joints {
+    /// Follows bodies to their new indices.
+    pub fn remap(&mut self, new_index: &[Option<u32>]) {
+        let of = |body: u32| new_index.get(body as usize).copied().flatten().unwrap_or(Joint::GONE);
+        for joint in &mut self.list {
+            (joint.a, joint.b) = (of(joint.a), of(joint.b));
+        }
+    }
 }

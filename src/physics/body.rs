@@ -205,6 +205,13 @@ pub struct ReportCollisions;
 #[reflect(Component, Debug, Default)]
 pub struct ObserveContacts;
 
+/// On a body while it sleeps: its island came to rest, and nothing in it is looked at until something disturbs it.
+///
+/// The step puts it on and takes it off. Who takes it off wakes the island; who puts it on achieves nothing.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component, Debug, Default)]
+pub struct Sleeping;
+
 /// Set on a body or joint that the step leaves alone because its state makes no sense; the
 /// reason says what to mend. A quarantined body stands still at its last finite pose and acts
 /// as a static one. Remove the component to let it go again.

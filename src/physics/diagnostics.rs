@@ -35,20 +35,22 @@ pub struct StepStats {
     pub pairs: u32,
     /// Axes along which the separating axis test measured how far two shapes overlap.
     pub axes_tested: u64,
-    /// Pairs that touch.
+    /// Pairs that touch, sleeping ones included.
     pub manifolds: u32,
-    /// Contact points.
+    /// Contact points, sleeping ones included.
     pub contact_points: u32,
     /// Scalar rows solved, in one substep.
     pub rows: u32,
     /// Row updates: rows × iterations × solves, over all substeps.
     pub row_updates: u64,
-    /// Groups of bodies that touch or are joined.
+    /// Groups of bodies that touch or are joined, sleeping ones left out.
     pub islands: u32,
     /// Bodies of islands at rest, which were solved directly or had nothing to solve.
     pub resting: u32,
     /// Bodies quarantined now.
     pub quarantined: u32,
+    /// Bodies asleep now.
+    pub sleeping: u32,
     /// Where `time` was when the step last changed, and the step.
     since: (u64, f64, f64),
 }
@@ -254,8 +256,8 @@ fn collect_joint_forces(joints: Res<Joints>, mut forces: ResMut<JointForces>) {
 }
 
 /// Feeds every bit that the next step depends on to a hasher: poses and velocities of all bodies
-/// in the order in which they became bodies, the warm-start cache, and contacts that wait for a
-/// lagged solve.
+/// in the order in which they became bodies, who sleeps (not how long others have been calm), the
+/// warm-start cache, and contacts that wait for a lagged solve.
 pub fn hash_state<H: Hasher>(world: &World, hasher: &mut H) {
     let mut feed = |value: f64| hasher.write_u64(value.to_bits());
     let Some(bodies) = world.get_resource::<Bodies>() else { return };
@@ -269,6 +271,7 @@ pub fn hash_state<H: Hasher>(world: &World, hasher: &mut H) {
             velocity.angular.to_array().into_iter().for_each(&mut feed);
         }
     }
+    bodies.asleep.iter().map(f64::from).for_each(&mut feed);
     if let Some(cache) = world.get_resource::<ContactCache>() {
         cache.points().iter().flat_map(|(_, force)| force.iter().copied()).for_each(&mut feed);
     }

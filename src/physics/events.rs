@@ -4,7 +4,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::bodies::Bodies;
-use super::body::ObserveContacts;
+use super::body::{ObserveContacts, ReportCollisions};
 use super::collision::{ContactGraph, Contacts, Manifold};
 use super::messages::{Collision, ContactEnded, ContactStarted};
 use super::settings::contacts_last;
@@ -15,7 +15,10 @@ pub(super) fn plugin(app: &mut App) {
         .add_systems(
             PhysicsSchedule,
             // Before the solve, while velocities are those at which the contacts were found.
-            report_collisions.after(PhysicsSystems::NarrowPhase).before(PhysicsSystems::Islands),
+            report_collisions
+                .after(PhysicsSystems::NarrowPhase)
+                .before(PhysicsSystems::Islands)
+                .run_if(any_with_component::<ReportCollisions>),
         )
         .add_systems(
             PhysicsSchedule,
@@ -67,10 +70,13 @@ fn report_presses(mut graph: ResMut<ContactGraph>, mut teller: Teller) {
     for (a, b) in graph.parted.drain(..).map(ordered) {
         teller.end(a, b);
     }
-    if !std::mem::take(&mut graph.presses_changed) {
-        return;
+    let all = std::mem::take(&mut graph.presses_changed);
+    let mut changed = std::mem::take(&mut graph.settled);
+    if all {
+        changed.extend(graph.active());
     }
-    for (slot, state) in graph.slots.iter_mut().zip(&graph.states) {
+    for index in changed.drain(..) {
+        let (slot, state) = (&mut graph.slots[index as usize], &graph.states[index as usize]);
         let pushes = slot.touching && state.pushes();
         if pushes == slot.is_pressed {
             continue;
@@ -79,6 +85,7 @@ fn report_presses(mut graph: ResMut<ContactGraph>, mut teller: Teller) {
         let (a, b) = ordered(slot.entities);
         if pushes { teller.start(a, b) } else { teller.end(a, b) }
     }
+    graph.settled = changed;
 }
 
 fn report_changes(bodies: Res<Bodies>, contacts: Res<Contacts>, mut touching: ResMut<Touching>, mut teller: Teller) {
@@ -104,7 +111,8 @@ fn report_collisions(bodies: Res<Bodies>, contacts: Res<Contacts>, mut collision
     for manifold in &contacts.manifolds {
         let a = &bodies.list[manifold.pair.a as usize];
         let b = &bodies.list[manifold.pair.b as usize];
-        if !a.reports && !b.reports {
+        let is_moved = [manifold.pair.a, manifold.pair.b].into_iter().any(|body| bodies.is_awake_dynamic(body));
+        if (!a.reports && !b.reports) || !is_moved {
             continue;
         }
         for point in contacts.points_of(manifold).iter().filter(|point| point.depth >= 0.0) {

@@ -2,7 +2,8 @@
 //!
 //! Union–find over the bodies that move; static and kinematic bodies connect nobody. Small
 //! islands are packed together into [`Islands`]' groups, so that one unit of work is worth a
-//! claim; a group's constraints keep the order in which contacts and joints were found.
+//! claim; a group's constraints keep the order in which contacts and joints were found. What
+//! sleeps is in no island here: [`super::sleep`] has it.
 
 #[cfg(test)]
 mod tests;
@@ -15,13 +16,12 @@ use super::collision::{ContactGraph, Contacts};
 use super::diagnostics::StepStats;
 use super::settings::SolverSettings;
 use super::solver::LaggedContacts;
-use super::{PhysicsSchedule, PhysicsSystems};
 
 /// Islands are packed until a group has this many bodies.
 const BODIES_PER_GROUP: u32 = 128;
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<Islands>().add_systems(PhysicsSchedule, find_islands.in_set(PhysicsSystems::Islands));
+    app.init_resource::<Islands>();
 }
 
 /// The islands of this step, packed into groups that share no body that moves.
@@ -37,11 +37,13 @@ pub(crate) struct Islands {
     parent: Vec<u32>,
     size: Vec<u32>,
     constrained: Vec<bool>,
-    scratch: Vec<u32>,
+    /// Whether something that does not move by contacts and joints holds or touches an island, by its root.
+    grounded: Vec<bool>,
+    scratch: Vec<(u32, u32)>,
     /// Counts every time they were found anew.
     version: u64,
-    /// What they were found for: versions of contacts that last, and of joints.
-    found_for: Option<(u64, u64)>,
+    /// What they were found for: versions of contacts that last, of joints and of who sleeps.
+    found_for: Option<(u64, u64, u64)>,
 }
 
 /// Items sorted by group, stable.
@@ -53,10 +55,12 @@ struct Grouped {
 }
 
 impl Grouped {
-    fn rebuild(&mut self, groups: u32, group_of_item: &[u32]) {
+    /// From items with their groups, ascending.
+    fn rebuild(&mut self, groups: u32, items: impl Iterator<Item = (u32, u32)> + Clone) {
         self.starts.clear();
         self.starts.resize(groups as usize + 1, 0);
-        for &group in group_of_item.iter().filter(|&&group| group != Islands::NONE) {
+        let items = items.filter(|&(_, group)| group != Islands::NONE);
+        for (_, group) in items.clone() {
             self.starts[group as usize + 1] += 1;
         }
         for group in 0..groups as usize {
@@ -66,9 +70,9 @@ impl Grouped {
         self.items.resize(self.starts[groups as usize] as usize, 0);
         // Filling moves each start to its end; walking backwards would put it back, but a shift
         // afterwards is simpler.
-        for (item, &group) in group_of_item.iter().enumerate().filter(|&(_, &group)| group != Islands::NONE) {
+        for (item, group) in items {
             let slot = &mut self.starts[group as usize];
-            self.items[*slot as usize] = item as u32;
+            self.items[*slot as usize] = item;
             *slot += 1;
         }
         self.starts.rotate_right(1);
@@ -113,6 +117,21 @@ impl Islands {
         (self.group_of[body as usize] == group as u32).then(|| self.local_of[body as usize])
     }
 
+    /// The body of lowest index in the island of a body that is awake.
+    pub fn root_of(&self, body: u32) -> u32 {
+        self.parent[body as usize]
+    }
+
+    /// Whether something that contacts and joints do not move holds or touches the island of that root.
+    pub fn is_grounded(&self, root: u32) -> bool {
+        self.grounded[root as usize]
+    }
+
+    /// Manifolds and joints in all groups.
+    pub fn constraint_count(&self) -> (usize, usize) {
+        (self.manifolds.items.len(), self.joints.items.len())
+    }
+
     fn root(&mut self, mut body: u32) -> u32 {
         while self.parent[body as usize] != body {
             let grandparent = self.parent[self.parent[body as usize] as usize];
@@ -134,8 +153,9 @@ impl Islands {
         let n = bodies.list.len();
         self.size.clear();
         self.size.resize(n, 0);
-        for body in 0..n as u32 {
+        for body in bodies.awake() {
             let root = self.root(body);
+            self.parent[body as usize] = root;
             self.size[root as usize] += 1;
         }
         self.group_of.clear();
@@ -143,11 +163,11 @@ impl Islands {
         self.local_of.clear();
         self.local_of.resize(n, 0);
         let (mut group, mut filled, mut constrained) = (0, 0, 0);
-        for body in 0..n as u32 {
+        for body in bodies.awake() {
             if bodies.list[body as usize].kind == RigidBody::Static {
                 continue;
             }
-            let root = self.root(body);
+            let root = self.parent[body as usize];
             if root == body {
                 constrained += u32::from(self.constrained[body as usize]);
                 let size = self.size[body as usize];
@@ -161,7 +181,7 @@ impl Islands {
             self.group_of[body as usize] = if root == body { group } else { self.group_of[root as usize] };
         }
         let groups = if filled > 0 { group + 1 } else { 0 };
-        self.bodies.rebuild(groups, &self.group_of);
+        self.bodies.rebuild(groups, bodies.awake().map(|body| (body, self.group_of[body as usize])));
         for group in 0..groups as usize {
             for (local, &body) in self.bodies.of(group).iter().enumerate() {
                 self.local_of[body as usize] = local as u32;
@@ -171,7 +191,9 @@ impl Islands {
     }
 }
 
-fn find_islands(
+/// Does nothing where neither contacts that last nor joints nor who sleeps have changed: it may be run again after
+/// islands fell asleep.
+pub(super) fn find_islands(
     bodies: Res<Bodies>,
     joints: Res<Joints>,
     contacts: Res<Contacts>,
@@ -185,46 +207,48 @@ fn find_islands(
     if settings.method.keeps_contacts()
         && let Some(graph) = graph
     {
-        let found_for = Some((graph.version, joints.version));
+        let found_for = Some((graph.version, joints.version, bodies.sleep_version));
         if islands.found_for == found_for {
             return;
         }
         islands.found_for = found_for;
-        let pairs = graph.slots.iter().map(|slot| slot.touching.then_some((slot.pair.a, slot.pair.b)));
-        stats.islands = islands.find(&bodies, &joints, pairs);
+        stats.islands = islands.find(&bodies, &joints, graph.touching());
     } else {
         islands.found_for = None;
         let contacts = lagged.active(&settings, &contacts);
-        let pairs = contacts.manifolds.iter().map(|manifold| Some((manifold.pair.a, manifold.pair.b)));
-        stats.islands = islands.find(&bodies, &joints, pairs);
+        let pairs = contacts.manifolds.iter().map(|manifold| (manifold.pair.a, manifold.pair.b));
+        stats.islands = islands.find(&bodies, &joints, (0..).zip(pairs));
     }
 }
 
 impl Islands {
-    /// Finds and packs the islands that contacts (none: a slot without one) and joints make.
+    /// Finds and packs the islands that contacts, numbered, and joints make of what is awake.
     /// Returns how many have a constraint.
     fn find(
         &mut self,
         bodies: &Bodies,
         joints: &Joints,
-        contacts: impl Iterator<Item = Option<(u32, u32)>> + Clone,
+        contacts: impl Iterator<Item = (u32, (u32, u32))> + Clone,
     ) -> u32 {
         self.version += 1;
         self.parent.clear();
         self.parent.extend(0..bodies.list.len() as u32);
         self.constrained.clear();
         self.constrained.resize(bodies.list.len(), false);
-        let dynamic = |body: u32| bodies.list[body as usize].is_dynamic();
-        let joint_pairs = joints.list.iter().map(|joint| (joint.a, joint.b));
-        for (a, b) in contacts.clone().flatten().chain(joint_pairs.clone()) {
+        self.grounded.clear();
+        self.grounded.resize(bodies.list.len(), false);
+        let dynamic = |body: u32| bodies.is_awake_dynamic(body);
+        let joint_pairs = (0..).zip(joints.list.iter().map(|joint| (joint.a, joint.b)));
+        for (_, (a, b)) in contacts.clone().chain(joint_pairs.clone()) {
             if dynamic(a) && dynamic(b) {
                 self.union(a, b);
             }
         }
-        for (a, b) in contacts.clone().flatten().chain(joint_pairs.clone()) {
+        for (_, (a, b)) in contacts.clone().chain(joint_pairs.clone()) {
             if dynamic(a) || dynamic(b) {
                 let root = self.root(if dynamic(a) { a } else { b });
                 self.constrained[root as usize] = true;
+                self.grounded[root as usize] |= !(dynamic(a) && dynamic(b));
             }
         }
         let constrained = self.pack(bodies);
@@ -235,11 +259,11 @@ impl Islands {
         };
         let mut scratch = std::mem::take(&mut self.scratch);
         scratch.clear();
-        scratch.extend(contacts.map(|pair| pair.map_or(Self::NONE, |pair| group_of_pair(self, pair))));
-        self.manifolds.rebuild(groups, &scratch);
+        scratch.extend(contacts.map(|(item, pair)| (item, group_of_pair(self, pair))));
+        self.manifolds.rebuild(groups, scratch.iter().copied());
         scratch.clear();
-        scratch.extend(joint_pairs.map(|pair| group_of_pair(self, pair)));
-        self.joints.rebuild(groups, &scratch);
+        scratch.extend(joint_pairs.map(|(item, pair)| (item, group_of_pair(self, pair))));
+        self.joints.rebuild(groups, scratch.iter().copied());
         self.scratch = scratch;
         constrained
     }

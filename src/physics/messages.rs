@@ -28,7 +28,8 @@ pub struct ContactEnded {
     pub b: Entity,
 }
 
-/// One contact point of one step, written for bodies with [`super::ReportCollisions`].
+/// One contact point of one step, written for bodies with [`super::ReportCollisions`] while they or what they touch are
+/// awake.
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
 pub struct Collision {
     /// One body.

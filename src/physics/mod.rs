@@ -13,6 +13,7 @@
 //! The schedule runs on the single-threaded executor, because starting systems on several
 //! threads costs more than most scenes take; threads are used inside the heavy phases.
 
+mod bit_set;
 mod bodies;
 mod body;
 pub mod collider;
@@ -29,6 +30,7 @@ mod lanes;
 mod messages;
 mod prepare;
 mod settings;
+mod sleep;
 mod solver;
 #[cfg(test)]
 mod testing;
@@ -40,7 +42,8 @@ mod write_back;
 pub(crate) use body::BodySlot;
 pub use body::{
     CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, ObserveContacts,
-    Position, QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, SurfaceMaterial, Velocity,
+    Position, QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, Sleeping, SurfaceMaterial,
+    Velocity,
 };
 pub use collider::{Collider, ConvexHull, HullError, MassProperties, Shape};
 pub use collision::PlacedCollider;
@@ -132,6 +135,7 @@ impl Plugin for PhysicsPlugin {
                 prepare::plugin,
                 collision::plugin,
                 island::plugin,
+                sleep::plugin,
                 solver::plugin,
                 write_back::plugin,
                 events::plugin,

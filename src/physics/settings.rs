@@ -148,6 +148,11 @@ pub struct SolverSettings {
     /// Steps by which the solver's contacts lag behind the poses: 0, or 1 as in the 2009
     /// engine's threaded loop. Of `pgs` only.
     pub contact_lag: u32,
+    /// Speed under which a body counts as calm, m/s, ≥ 0; none: nothing sleeps. An island of bodies that touch or are
+    /// joined sleeps once all have been calm for half a second and gained no speed, and then stays where it is, at
+    /// rest, until it is disturbed. What creeps more slowly than that is stopped: leave it out where that matters.
+    /// Not of `pgs`: only contacts that last can be woken as they were.
+    pub sleep_speed: Option<f64>,
     /// Most threads a step uses, the calling one included; results do not depend on it.
     /// At least 1.
     pub threads: u32,
@@ -183,6 +188,7 @@ impl SolverSettings {
             merge_opposite_axes: false,
             prune_y: false,
             contact_lag: 0,
+            sleep_speed: None,
             threads: 1,
         }
     }
@@ -209,7 +215,14 @@ impl SolverSettings {
 
     /// The fastest that holds up: the soft step.
     pub fn game() -> Self {
-        Self { method: Method::SoftStep, iterations: 1, fitted_effort: true, slop: 0.0, ..Self::steady() }
+        Self {
+            method: Method::SoftStep,
+            iterations: 1,
+            fitted_effort: true,
+            slop: 0.0,
+            sleep_speed: Some(0.02),
+            ..Self::steady()
+        }
     }
 
     /// Sequential impulses as their kind is used: one substep of many sweeps, and slop that keeps resting contacts in
@@ -256,6 +269,9 @@ impl SolverSettings {
         check("drag", self.drag, "at least 0", self.drag >= 0.0)?;
         if let Some(speed) = self.restitution_speed {
             check("restitution_speed", speed, "at least 0", speed >= 0.0)?;
+        }
+        if let Some(speed) = self.sleep_speed {
+            check("sleep_speed", speed, "at least 0", speed >= 0.0)?;
         }
         check("axis_epsilon", self.axis_epsilon, "0 to 0.5", (0.0..=0.5).contains(&self.axis_epsilon))?;
         check("contact_lag", f64::from(self.contact_lag), "0 or 1", self.contact_lag <= 1)?;

@@ -8,7 +8,7 @@
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 
-use super::body::{Position, RigidBody, Rotation};
+use super::body::{Position, RigidBody, Rotation, Sleeping};
 
 /// The point of the world, m, that is drawn at Bevy's origin. Near the camera, `f32` transforms
 /// stay exact however far from the origin a scene lies.
@@ -39,7 +39,13 @@ fn bits(transform: &Transform) -> [u32; 7] {
 }
 
 /// What a transform is written from and to.
-type Written = (&'static Position, &'static Rotation, &'static mut PoseHistory, &'static mut Transform);
+type Written = (
+    &'static Position,
+    &'static Rotation,
+    &'static mut PoseHistory,
+    &'static mut Transform,
+    Option<Ref<'static, Sleeping>>,
+);
 
 /// Writes transforms between the last two poses; runs after the fixed loop.
 pub(super) fn write_interpolated(
@@ -47,17 +53,21 @@ pub(super) fn write_interpolated(
     origin: Res<RenderOrigin>,
     bodies: Query<Written, With<RigidBody>>,
 ) {
-    write(fixed.map_or(1.0, |fixed| fixed.overstep_fraction_f64()), &origin, bodies);
+    write(fixed.map_or(1.0, |fixed| fixed.overstep_fraction_f64()), origin, bodies);
 }
 
 /// Writes transforms of the last poses; runs after the step.
 pub(super) fn write_latest(origin: Res<RenderOrigin>, bodies: Query<Written, With<RigidBody>>) {
-    write(1.0, &origin, bodies);
+    write(1.0, origin, bodies);
 }
 
 /// `alpha` is 0 at the pose before the last step, 1 at that after it.
-fn write(alpha: f64, origin: &RenderOrigin, mut bodies: Query<Written, With<RigidBody>>) {
-    for (position, rotation, mut history, mut transform) in &mut bodies {
+fn write(alpha: f64, origin: Res<RenderOrigin>, mut bodies: Query<Written, With<RigidBody>>) {
+    for (position, rotation, mut history, mut transform, sleeping) in &mut bodies {
+        // What sleeps lies still: written when it has just fallen asleep, and when all is drawn elsewhere.
+        if sleeping.is_some_and(|sleeping| !sleeping.is_added()) && !origin.is_changed() {
+            continue;
+        }
         if history.is_foreign(&transform) {
             continue; // taken over, and written again, by the next step
         }

@@ -10,12 +10,13 @@ use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::bodies::{Bodies, Body, Joints};
-use super::body::{BodySlot, Position, QuarantineReason, RigidBody, Rotation, Velocity};
+use super::body::{BodySlot, Position, QuarantineReason, RigidBody, Rotation, Sleeping, Velocity};
 use super::columns::{self, Numbers, set_if_other};
 use super::diagnostics::StepStats;
 use super::joint::{JointLoad, JointSlot};
 use super::messages::{BodyQuarantined, set_aside};
 use super::settings::SolverSettings;
+use super::sleep::Sleep;
 use super::transform::PoseHistory;
 use super::{PhysicsSchedule, PhysicsSystems};
 
@@ -38,6 +39,7 @@ pub(super) struct StateQuery {
     rotation: &'static mut Rotation,
     velocity: &'static mut Velocity,
     history: &'static mut PoseHistory,
+    sleeping: Has<Sleeping>,
 }
 
 type StateTable<'w, 's> = StateQueryContiguousItem<'w, 's>;
@@ -73,6 +75,7 @@ fn is_finite(body: &Body) -> bool {
 pub(super) fn write_bodies(
     mut query: Query<StateQuery, With<RigidBody>>,
     mut bodies: ResMut<Bodies>,
+    sleep: Res<Sleep>,
     settings: Res<SolverSettings>,
     mut stats: ResMut<StepStats>,
     mut quarantine: MessageWriter<BodyQuarantined>,
@@ -83,6 +86,10 @@ pub(super) fn write_bodies(
     bodies.written_back = Some(ticks.this_run());
     let list = &mut bodies.list;
     for mut table in query.contiguous_iter_mut().expect("gathered from tables") {
+        // Who woke in this step is still among those that sleep.
+        if table.sleeping && !sleep.has_woken() {
+            continue;
+        }
         for row in 0..table.entity.len() {
             let entity = table.entity[row];
             let slot = table.slot.as_ref()[row];
@@ -128,7 +135,7 @@ pub(super) fn write_joint_loads(joints: Res<Joints>, mut loads: Query<(&JointSlo
     for (slot, mut load) in &mut loads {
         if let Some(joint) = joints.list.get(slot.index as usize) {
             let force = DVec3::from(joint.force);
-            *load = JointLoad { force, torque: DVec3::ZERO, lambda: force.length() };
+            load.set_if_neq(JointLoad { force, torque: DVec3::ZERO, lambda: force.length() });
         }
     }
 }

@@ -19,4 +19,5 @@ mod public_face;
 mod quarantine;
 mod resting;
 mod rig;
+mod sleeping;
 mod transforms;

@@ -16,7 +16,7 @@ fn both_preludes_can_be_glob_imported() {
         named::<(ContactModel, ContactStarted, ConvexHull, Damping, Density, ExternalForce, FrictionModel, Gravity)>(),
         named::<(GravityScale, Inertia, Integrator, JointLoad, LockedAxes, Mass, Method, ObserveContacts)>(),
         named::<(Position, Precision, Quarantined, RenderOrigin, ReportCollisions, RigidBody, Rotation)>(),
-        named::<(Softness, SolverSettings, StepStats, SurfaceMaterial, Velocity, PhysicsPlugin)>(),
+        named::<(Sleeping, Softness, SolverSettings, StepStats, SurfaceMaterial, Velocity, PhysicsPlugin)>(),
         named::<(PhysicsSchedule, PhysicsSystems)>(),
         named::<(App, Entity, Transform, Vec3, Quat, Time<Fixed>, World, Name, GlobalTransform)>(),
     ];
@@ -48,6 +48,7 @@ fn components_and_resources_reflect() {
         ("ReportCollisions", is_component::<ReportCollisions>(registry)),
         ("RigidBody", is_component::<RigidBody>(registry)),
         ("Rotation", is_component::<Rotation>(registry)),
+        ("Sleeping", is_component::<Sleeping>(registry)),
         ("SurfaceMaterial", is_component::<SurfaceMaterial>(registry)),
         ("Velocity", is_component::<Velocity>(registry)),
     ] {

@@ -39,13 +39,14 @@ impl Engine for Plumb {
     }
 }
 
-/// A preset at the asked rate. Substeps are the preset's own unless asked for.
+/// A preset at the asked rate, with sleep off as in the other engines. Substeps are the preset's own unless asked for.
 pub fn settings(preset: &str, asked: &Settings) -> SolverSettings {
     let preset = SolverSettings::preset(preset).unwrap_or_default();
     SolverSettings {
         hz: asked.hz,
         substeps: asked.substeps.unwrap_or(preset.substeps),
         threads: asked.threads,
+        sleep_speed: None,
         ..preset
     }
 }

@@ -11,11 +11,17 @@ pub struct Series {
     pub base: fn() -> SolverSettings,
 }
 
-/// All curves, in the order of their colours.
+/// The same without sleep.
+fn awake(settings: SolverSettings) -> SolverSettings {
+    SolverSettings { sleep_speed: None, ..settings }
+}
+
+/// All curves, in the order of their colours. Nothing sleeps in them: what a method does with a scene at rest is to be
+/// seen.
 pub const SERIES: [Series; 6] = [
-    Series { name: "game f32", base: SolverSettings::game },
-    Series { name: "sequential impulses f32", base: SolverSettings::sequential_impulses },
-    Series { name: "xpbd f32", base: SolverSettings::xpbd },
+    Series { name: "game f32", base: || awake(SolverSettings::game()) },
+    Series { name: "sequential impulses f32", base: || awake(SolverSettings::sequential_impulses()) },
+    Series { name: "xpbd f32", base: || awake(SolverSettings::xpbd()) },
     Series { name: "classic f32", base: SolverSettings::classic },
     Series { name: "steady f32", base: SolverSettings::steady },
     Series {

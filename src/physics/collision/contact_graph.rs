@@ -13,6 +13,7 @@ use super::contact_pair::{self, PairSearch};
 use super::near_pairs::NearPairs;
 use super::pair_slots::PairSlot;
 use super::{ContactPoint, Contacts, FeatureId, Manifold, Pair};
+use crate::physics::bit_set::{BitSet, ones};
 use crate::physics::bodies::{Bodies, Body};
 use crate::physics::body::RigidBody;
 use crate::physics::constraint::contact::tangents;
@@ -30,13 +31,16 @@ const MARGIN: f64 = 0.01;
 /// Share of the smaller bounding radius within which a point without a namesake takes over from an old one.
 const NEAR: f64 = 0.1;
 
+/// Stands for a body that is gone, until its pairs are dropped.
+pub(crate) const GONE: u32 = u32::MAX;
+
 /// Most points of a manifold.
 pub(crate) const POINTS: usize = 4;
 
 /// Records that hold the geometry of one pair's contact.
 pub(crate) const GEOMETRY: usize = 4;
 
-/// Slots that one thread works through at a time.
+/// Slots that one thread works through at a time: whole words of a bit set.
 const CHUNK: usize = 128;
 
 /// What the rows of one pair's contact are made from, in the body axes of A (normal, tangent,
@@ -188,9 +192,14 @@ pub(crate) struct ContactGraph {
     pub version: u64,
     /// Whether any slot's `is_pressed` may be out of date.
     pub presses_changed: bool,
-    /// Pairs that touch, and their points.
+    /// The slots that a step looks at: not those of pairs in which nothing awake can be moved.
+    active: BitSet,
+    /// Slots that fell asleep in this step.
+    pub settled: Vec<u32>,
+    /// Pairs that touch, and their points; of the latter, those of slots that sleep.
     manifolds: i64,
     point_count: i64,
+    points_asleep: i64,
     /// Pairs that pressed on each other until they were no pairs any more.
     pub parted: Vec<(Entity, Entity)>,
     /// While somebody reads contact forces.
@@ -234,8 +243,13 @@ pub(super) fn update_graph(
     }
     let chunks = graph.slots.len().div_ceil(CHUNK);
     finders.resize_with(chunks, Finder::default);
-    let slots = graph.slots.chunks_mut(CHUNK).zip(graph.states.chunks_mut(CHUNK)).zip(finders.iter_mut());
-    let work = slots.map(|((slots, states), finder)| Chunk { slots, states, finder });
+    let active = &graph.active;
+    let slots = graph.slots.chunks_mut(CHUNK).zip(graph.states.chunks_mut(CHUNK)).zip(finders.iter_mut()).enumerate();
+    let work = slots.filter_map(|(chunk, ((slots, states), finder))| {
+        let active = active.words(chunk * CHUNK, CHUNK);
+        let is_idle = active.iter().all(|&word| word == 0);
+        (!is_idle).then_some(Chunk { slots, states, active, finder })
+    });
     let update = |chunk: &mut Chunk| chunk.update(&bodies.list, &settings);
     if settings.threads > 1 {
         for_each_block(settings.threads, &mut work.collect::<Vec<_>>(), update);
@@ -251,6 +265,7 @@ pub(super) fn update_graph(
         graph.manifolds += std::mem::take(&mut finder.manifolds);
         graph.point_count += std::mem::take(&mut finder.point_count);
     }
+    stats.pairs = graph.active.len();
     stats.manifolds = graph.manifolds as u32;
     stats.contact_points = graph.point_count as u32;
 }
@@ -260,14 +275,45 @@ impl ContactGraph {
     pub fn remap(&mut self, new_index: &[Option<u32>]) {
         for slot in self.slots.iter_mut().filter(|slot| slot.is_used) {
             let of = |body: u32| new_index.get(body as usize).copied().flatten();
-            if let (Some(a), Some(b)) = (of(slot.pair.a), of(slot.pair.b)) {
-                slot.pair = Pair { a, b };
-            }
+            slot.pair = Pair { a: of(slot.pair.a).unwrap_or(GONE), b: of(slot.pair.b).unwrap_or(GONE) };
         }
+    }
+
+    /// Whether a step looks at a slot.
+    pub fn is_active(&self, slot: PairSlot) -> bool {
+        self.active.contains(slot.0)
+    }
+
+    /// The slots that a step looks at, ascending.
+    pub fn active(&self) -> impl Iterator<Item = u32> + Clone + '_ {
+        self.active.iter()
+    }
+
+    /// Has steps look at a slot, or not.
+    pub fn set_active(&mut self, PairSlot(slot): PairSlot, is_active: bool) {
+        if self.active.contains(slot) == is_active {
+            return;
+        }
+        self.active.set(slot, is_active);
+        let points = self.states.get(slot as usize).map_or(0, |state| state.geometry.point_count() as i64);
+        self.points_asleep += if is_active { -points } else { points };
+    }
+
+    /// The pairs that touch and are looked at, by slot, ascending.
+    pub fn touching(&self) -> impl Iterator<Item = (u32, (u32, u32))> + Clone + '_ {
+        let touching = self.active.iter().filter(|&slot| self.slots[slot as usize].touching);
+        touching.map(|slot| (slot, (self.slots[slot as usize].pair.a, self.slots[slot as usize].pair.b)))
+    }
+
+    /// Contact points of slots that are looked at.
+    pub fn active_points(&self) -> u32 {
+        (self.point_count - self.points_asleep) as u32
     }
 
     fn take_pairs(&mut self, near: &NearPairs, bodies: &[Body]) {
         for (PairSlot(index), _) in &near.changes.removed {
+            self.set_active(PairSlot(*index), true);
+            self.active.set(*index, false);
             if let Some(slot) = self.slots.get_mut(*index as usize) {
                 if slot.touching {
                     self.version += 1;
@@ -278,6 +324,7 @@ impl ContactGraph {
                     self.parted.push(slot.entities);
                 }
                 *slot = Slot::default();
+                self.states[*index as usize] = ContactState::default();
             }
         }
         self.slots.resize(near.slot_count(), Slot::default());
@@ -297,6 +344,7 @@ impl ContactGraph {
                 ..Slot::default()
             };
             self.states[index] = ContactState::default();
+            self.active.set(slot.0, true);
         }
     }
 }
@@ -305,13 +353,15 @@ impl ContactGraph {
 struct Chunk<'a> {
     slots: &'a mut [Slot],
     states: &'a mut [ContactState],
+    active: &'a [u64],
     finder: &'a mut Finder,
 }
 
 impl Chunk<'_> {
     fn update(&mut self, bodies: &[Body], settings: &SolverSettings) {
         let Finder { search, points, changed, manifolds, point_count } = &mut *self.finder;
-        for (slot, state) in self.slots.iter_mut().zip(&mut *self.states).filter(|(slot, _)| slot.is_used) {
+        for index in ones(self.active) {
+            let (slot, state) = (&mut self.slots[index as usize], &mut self.states[index as usize]);
             let (a, b) = (&bodies[slot.pair.a as usize], &bodies[slot.pair.b as usize]);
             let pose = RelativePose::of(a, b);
             if slot.found_at.is_some_and(|found| found.moved(&pose, slot.reach) <= RECYCLED * slot.size) {
@@ -438,14 +488,15 @@ pub(super) fn export_contacts(
     bodies: Res<Bodies>,
     mut graph: ResMut<ContactGraph>,
     stats: Res<StepStats>,
+    settings: Res<SolverSettings>,
     forces: Option<Res<ContactForces>>,
     mut contacts: ResMut<Contacts>,
 ) {
     let contacts = contacts.bypass_change_detection();
     let graph = graph.bypass_change_detection();
-    let mut recording = forces.map(|_| graph.recording.take().unwrap_or_default());
+    let mut recording = forces.map(|_| graph.recording.take().unwrap_or_else(|| graph.begin_recording(&settings)));
     if let Some(recording) = &mut recording {
-        recording.totals.clear();
+        // What touches and is awake is written over in the solve.
         recording.totals.resize(graph.slots.len(), Record::default());
         recording.tangents.clear();
     }
@@ -482,6 +533,12 @@ pub(super) fn export_contacts(
 }
 
 impl ContactGraph {
+    /// A recording that begins: of those that sleep already the last substep stands for all.
+    fn begin_recording(&self, settings: &SolverSettings) -> Recording {
+        let all = |state: &ContactState| Record(state.impulses.0.map(|impulse| impulse * settings.substeps as f32));
+        Recording { totals: self.states.iter().map(all).collect(), tangents: Vec::new() }
+    }
+
     /// The force on B at each contact point, as (manifold, point within it, its mean over a step of `h` and that
     /// of its last substep, of `h_last`, N). Friction of a patch is shared out as the points press.
     pub fn contact_forces(

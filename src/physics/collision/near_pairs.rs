@@ -101,7 +101,7 @@ pub(super) fn update_pairs(
     joined: Res<JoinedPairs>,
     settings: Res<SolverSettings>,
     mut near: ResMut<NearPairs>,
-    mut stats: ResMut<StepStats>,
+    stats: Res<StepStats>,
 ) {
     let near = near.bypass_change_detection();
     let NearPairs { persistent, changes, dropped, known_steps, joined: joined_before, joints_version } = near;
@@ -116,19 +116,23 @@ pub(super) fn update_pairs(
         joined_before.clone_from(&joined);
     }
     let in_step = InStep { bodies: &bodies.list, joined: &joined, h: settings.step() };
-    let moving = (0..bodies.list.len() as u32).filter(|&body| bodies.list[body as usize].kind != RigidBody::Static);
+    let moving = bodies.awake().filter(|&body| bodies.list[body as usize].kind != RigidBody::Static);
     persistent.update(&in_step, moving, changes);
     if !dropped.is_empty() {
         dropped.append(&mut changes.removed);
         std::mem::swap(dropped, &mut changes.removed);
     }
-    stats.pairs = persistent.pairs().len() as u32;
 }
 
 impl NearPairs {
     /// The pair of a slot.
     pub fn pair(&self, slot: PairSlot) -> Option<Pair> {
         self.persistent.pairs().get(slot)
+    }
+
+    /// The pairs of a body: slots, and who is at the other end.
+    pub fn of_body(&self, body: u32) -> impl Iterator<Item = (PairSlot, u32)> {
+        self.persistent.pairs().of_body(body)
     }
 
     /// How many slots there are, free ones included.

@@ -6,12 +6,13 @@ use bevy::prelude::*;
 
 use super::gather_body::{freeze, gather_body, teleport};
 use super::table::{BodyQuery, BodyTable, Watch};
-use crate::physics::bodies::{Bodies, Body};
-use crate::physics::body::{BodySlot, QuarantineReason, RigidBody};
+use crate::physics::bodies::{Bodies, Body, Joints};
+use crate::physics::body::{BodySlot, QuarantineReason, RigidBody, Sleeping};
 use crate::physics::collision::{ContactGraph, NearPairs};
 use crate::physics::diagnostics::StepStats;
 use crate::physics::messages::{BodyQuarantined, set_aside};
 use crate::physics::settings::{Gravity, SolverSettings};
+use crate::physics::sleep::Sleep;
 use crate::physics::solver::{ContactCache, LaggedContacts};
 use crate::physics::transform::RenderOrigin;
 
@@ -29,12 +30,14 @@ pub(super) struct Gathering {
     summed: Option<(DVec3, f64)>,
 }
 
-/// What a jump of a body's pose makes worthless.
-struct Contacts<'a> {
+/// What a jump of a body's pose, or its end, makes worthless.
+struct Known<'a> {
     lagged: &'a mut LaggedContacts,
     cache: &'a mut ContactCache,
     near: &'a mut NearPairs,
     graph: &'a mut ContactGraph,
+    joints: &'a mut Joints,
+    sleep: &'a mut Sleep,
 }
 
 pub(super) fn gather_bodies(
@@ -43,6 +46,7 @@ pub(super) fn gather_bodies(
     mut lagged: ResMut<LaggedContacts>,
     mut cache: ResMut<ContactCache>,
     (mut near, mut graph): (ResMut<NearPairs>, ResMut<ContactGraph>),
+    (mut joints, mut sleep): (ResMut<Joints>, ResMut<Sleep>),
     gravity: Res<Gravity>,
     settings: Res<SolverSettings>,
     origin: Res<RenderOrigin>,
@@ -56,8 +60,15 @@ pub(super) fn gather_bodies(
     let bodies = &mut *bodies;
     bodies.renewed.clear();
     if !is_list_complete(&query, bodies, new) {
-        let mut contacts = Contacts { lagged: &mut lagged, cache: &mut cache, near: &mut near, graph: &mut graph };
-        update_list(&mut query, bodies, new, &mut contacts, &mut commands);
+        let mut known = Known {
+            lagged: &mut lagged,
+            cache: &mut cache,
+            near: &mut near,
+            graph: &mut graph,
+            joints: &mut joints,
+            sleep: &mut sleep,
+        };
+        update_list(&mut query, bodies, new, &mut known, &mut commands);
     }
     stats.bodies = bodies.list.len() as u32;
     stats.quarantined = 0;
@@ -81,6 +92,10 @@ pub(super) fn gather_bodies(
                 cache.drop_body(index);
                 bodies.renewed.push(index);
             }
+            if table.sleeping && !bodies.asleep.contains(index) {
+                sleep.is_no_sleeper(table.entity[row]);
+            }
+            sleep.disturb(index, bodies);
             let Some(reason) = gather_row(&mut table, row, bodies, &watch, &gravity, &settings, &mut commands) else {
                 continue;
             };
@@ -90,6 +105,8 @@ pub(super) fn gather_bodies(
             }
         }
     }
+    // Before the broad phase, that must see what has moved.
+    sleep.wake_disturbed(bodies, &mut graph, &near);
 }
 
 /// Gathers one body, or freezes it and says why.
@@ -154,7 +171,7 @@ fn update_list(
     query: &mut Query<BodyQuery>,
     bodies: &mut Bodies,
     new: &mut [(u64, Entity)],
-    contacts: &mut Contacts,
+    known: &mut Known,
     commands: &mut Commands,
 ) {
     bodies.version += 1;
@@ -163,8 +180,8 @@ fn update_list(
         .map(|(index, body)| query.get(body.entity).is_ok_and(|item| item.slot.index == index))
         .collect();
     if seen.contains(&false) {
-        contacts.cache.clear();
-        drop_gone_bodies(&seen, bodies, contacts, query, commands);
+        known.cache.clear();
+        drop_gone_bodies(&seen, bodies, known, query, commands);
     }
     new.sort_unstable();
     for &(_, entity) in new.iter() {
@@ -180,7 +197,7 @@ fn update_list(
 fn drop_gone_bodies(
     seen: &[bool],
     bodies: &mut Bodies,
-    contacts: &mut Contacts,
+    known: &mut Known,
     query: &mut Query<BodyQuery>,
     commands: &mut Commands,
 ) {
@@ -194,9 +211,11 @@ fn drop_gone_bodies(
             })
         })
         .collect();
-    contacts.lagged.remap(&new_index);
-    contacts.near.remap(&new_index);
-    contacts.graph.remap(&new_index);
+    known.lagged.remap(&new_index);
+    known.near.remap(&new_index);
+    known.graph.remap(&new_index);
+    known.joints.remap(&new_index);
+    known.sleep.remap(&new_index, bodies);
     for (body, _) in bodies.list.iter().zip(seen).filter(|(_, seen)| !**seen) {
         if !query.contains(body.entity) {
             forget_place(body.entity, commands);
@@ -217,5 +236,6 @@ fn forget_place(entity: Entity, commands: &mut Commands) {
         if let Some(mut slot) = entity.get_mut::<BodySlot>() {
             slot.index = u32::MAX;
         }
+        entity.remove::<Sleeping>();
     });
 }

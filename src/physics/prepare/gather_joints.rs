@@ -9,6 +9,7 @@ use crate::physics::body::{BodySlot, QuarantineReason, Quarantined, RigidBody};
 use crate::physics::diagnostics::StepStats;
 use crate::physics::joint::{BallJoint, JoinedPairs, JointSlot, Softness};
 use crate::physics::messages::{BodyQuarantined, set_aside};
+use crate::physics::sleep::Sleep;
 
 /// What the joints were packed for. Counts tell that one is gone or was let go; events would be lost
 /// in an app that runs many frames without a step.
@@ -33,11 +34,12 @@ pub(super) fn joints_changed(
 
 /// Packs the joints.
 pub(super) fn gather_joints(
-    mut query: Query<(Entity, &BallJoint, &mut JointSlot, Has<Quarantined>)>,
+    mut query: Query<(Entity, Ref<BallJoint>, &mut JointSlot, Has<Quarantined>)>,
     members: Query<(&BodySlot, &RigidBody)>,
     bodies: Res<Bodies>,
     mut joints: ResMut<Joints>,
     mut joined: ResMut<JoinedPairs>,
+    mut sleep: ResMut<Sleep>,
     mut packed_for: ResMut<PackedFor>,
     mut stats: ResMut<StepStats>,
     mut quarantine: MessageWriter<BodyQuarantined>,
@@ -47,6 +49,7 @@ pub(super) fn gather_joints(
     let member = |entity| {
         members.get(entity).ok().filter(|(slot, _)| slot.index != u32::MAX).map(|(slot, &kind)| (slot.index, kind))
     };
+    let mut stays = vec![false; joints.list.len()];
     let mut packed: Vec<(u64, Joint, bool)> = Vec::with_capacity(query.iter().len());
     for (entity, joint, mut slot, is_quarantined) in &mut query {
         let index_before = std::mem::replace(&mut slot.index, u32::MAX);
@@ -59,7 +62,7 @@ pub(super) fn gather_joints(
             packed_for.quarantined += 1;
             continue;
         }
-        if let Err(reason) = check_joint(joint, [kind_a, kind_b]) {
+        if let Err(reason) = check_joint(&joint, [kind_a, kind_b]) {
             set_aside(entity, reason, &mut commands, &mut quarantine);
             packed_for.quarantined += 1;
             continue;
@@ -67,12 +70,21 @@ pub(super) fn gather_joints(
         // A joint that stays goes on from what it carried.
         let known = joints.list.get(index_before as usize).filter(|known| known.entity == entity);
         let force = known.map_or_else(Vector3::zeros, |known| known.force);
+        if known.is_some() && !joint.is_changed() {
+            stays[index_before as usize] = true;
+        } else {
+            [a, b].into_iter().for_each(|body| sleep.disturb(body, &bodies));
+        }
         let (anchor_a, anchor_b) = (joint.anchor_a.into(), joint.anchor_b.into());
         packed.push((
             slot.born,
             Joint { entity, a, b, anchor_a, anchor_b, softness: joint.softness, force },
             joint.collide,
         ));
+    }
+    for (joint, _) in joints.list.iter().zip(stays).filter(|(_, stays)| !stays) {
+        let ends = [joint.a, joint.b].into_iter().filter(|&body| body != Joint::GONE);
+        ends.for_each(|body| sleep.disturb(body, &bodies));
     }
     packed.sort_unstable_by_key(|&(born, ..)| born);
     joined.rebuild(packed.iter().filter(|(.., collide)| !collide).map(|(_, joint, _)| (joint.a, joint.b)));

@@ -18,6 +18,8 @@ mod tests;
 
 use bevy::prelude::*;
 
+pub(super) use table::Presence;
+
 use gather_bodies::gather_bodies;
 use gather_joints::{PackedFor, gather_joints, joints_changed};
 

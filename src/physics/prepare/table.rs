@@ -16,7 +16,7 @@ use bevy::prelude::*;
 
 use crate::physics::body::{
     BodySlot, CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, Position,
-    QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, SurfaceMaterial, Velocity,
+    QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, Sleeping, SurfaceMaterial, Velocity,
 };
 use crate::physics::collider::Collider;
 use crate::physics::transform::PoseHistory;
@@ -45,6 +45,7 @@ pub(super) struct BodyQuery {
     pub reports: Has<ReportCollisions>,
     pub quarantined: Option<&'static Quarantined>,
     pub parent: Has<ChildOf>,
+    pub sleeping: Has<Sleeping>,
 }
 
 /// All bodies with the same components, a slice each.
@@ -52,10 +53,16 @@ pub(super) type BodyTable<'w, 's> = BodyQueryContiguousItem<'w, 's>;
 
 /// The optional components of a body, one bit each.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) struct Presence(pub u32);
+pub(in crate::physics) struct Presence(pub u32);
 
 impl Presence {
     const DENSITY: u32 = 1 << 1;
+    const SLEEPING: u32 = 1 << 13;
+
+    /// The same body asleep or awake.
+    pub fn with_sleeping(self, sleeping: bool) -> Self {
+        Self(if sleeping { self.0 | Self::SLEEPING } else { self.0 & !Self::SLEEPING })
+    }
 
     /// Whether the body lost its density.
     pub fn lost_density(self, before: u32) -> bool {
@@ -142,6 +149,7 @@ impl BodyTable<'_, '_> {
             self.reports,
             self.quarantined.is_some(),
             self.parent,
+            self.sleeping,
         ];
         Presence((0..).zip(present).map(|(bit, present)| u32::from(present) << bit).sum())
     }

@@ -195,8 +195,8 @@ pub(super) fn show(
     legend(ui);
     let cost = cost.follow(&settings, &stats);
     if let Some(picked) = draw(ui, &dots, &settings, cost, &mut pressed) {
-        // The number of threads is the machine's, not the point's.
-        *settings = SolverSettings { threads: settings.threads, ..picked };
+        // The number of threads is the machine's, not the point's, and nothing sleeps where it is measured.
+        *settings = SolverSettings { threads: settings.threads, sleep_speed: settings.sleep_speed, ..picked };
         *notice = Notice::Info("took over the settings of a point of the chart".into());
     }
 }
@@ -286,7 +286,10 @@ fn draw(
     cost: Option<f64>,
     pressed: &mut Option<String>,
 ) -> Option<SolverSettings> {
-    let alike = |dot: &&Dot| dot.settings == SolverSettings { threads: dot.settings.threads, ..*settings };
+    let alike = |dot: &&Dot| {
+        let SolverSettings { threads, sleep_speed, .. } = dot.settings;
+        dot.settings == SolverSettings { threads, sleep_speed, ..*settings }
+    };
     let present = dots.iter().find(alike);
     let plot = Plot::new("chart")
         .height(190.0)

@@ -14,7 +14,7 @@ pub(super) fn show(
     stats: Res<StepStats>,
     quarantined: Query<(Entity, Option<&Name>, &Quarantined)>,
 ) {
-    let counts: [(&str, u64, &str); 8] = [
+    let counts: [(&str, u64, &str); 10] = [
         ("bodies", stats.bodies.into(), "bodies of all kinds"),
         ("joints", stats.joints.into(), "joints, the one that drags included"),
         ("pairs", stats.pairs.into(), "pairs that the broad phase handed on"),
@@ -22,8 +22,9 @@ pub(super) fn show(
         ("contacts", stats.contact_points.into(), "contact points"),
         ("rows", stats.rows.into(), "scalar constraints solved in one substep"),
         ("row updates", stats.row_updates, "rows × iterations × solves, over all substeps: a cost without a clock"),
-        ("islands", stats.islands.into(), "groups of bodies that touch or are joined"),
-        ("at rest", stats.resting.into(), "bodies of islands at rest: solved directly, or nothing to solve"),
+        ("islands", stats.islands.into(), "groups of awake bodies that touch or are joined"),
+        ("at rest", stats.resting.into(), "awake bodies of islands at rest: solved directly, or nothing to solve"),
+        ("asleep", stats.sleeping.into(), "bodies that sleep"),
     ];
     egui::Grid::new("read-outs").num_columns(4).spacing([14.0, 3.0]).show(ui, |ui| {
         for pair in counts.chunks(2) {
@@ -31,7 +32,10 @@ pub(super) fn show(
                 ui.label(*label).on_hover_text(*about);
                 ui.monospace(format!("{:>9}", grouped(*count))).on_hover_text(*about);
             }
-            ui.end_row();
+            // An odd last row has room for the time.
+            if pair.len() == 2 {
+                ui.end_row();
+            }
         }
         ui.label("step time").on_hover_text("wall-clock time of the last step");
         ui.monospace(format!("{:>9}", Quantity::text(stats.step_seconds, "s")));

@@ -215,6 +215,16 @@ const FIELDS: &[(&str, &[Field])] = &[
                  loop.",
             ),
             Field::number(
+                "sleep_speed",
+                "sleep below",
+                " m/s",
+                0.0..=0.5,
+                0.0..=1e6,
+                "Speed under which a body counts as calm. Bodies that touch or are joined sleep once all have been calm \
+                 for half a second, until something disturbs them. Off: nothing sleeps.",
+            )
+            .or_none(0.02),
+            Field::number(
                 "threads",
                 "threads",
                 "",

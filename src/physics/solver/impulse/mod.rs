@@ -95,12 +95,18 @@ fn solve_groups(
             double.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings)
         }
     };
-    for body in bodies.list.iter_mut().filter(|body| body.kind == RigidBody::Kinematic) {
+    let Bodies { list, asleep, .. } = &mut *bodies;
+    for index in asleep.absent(list.len() as u32) {
+        let body = &mut list[index as usize];
+        if body.kind != RigidBody::Kinematic {
+            continue;
+        }
         let (moved, turned) = (body.linear * settings.step(), body.angular * settings.step());
         body.advance(&moved, &turned);
     }
     // Three rows a joint, and three of friction a contact.
-    stats.rows = stats.contact_points + 3 * (stats.manifolds + stats.joints);
+    let (manifolds, joints) = islands.constraint_count();
+    stats.rows = graph.active_points() + 3 * (manifolds + joints) as u32;
     let sweeps = u64::from(settings.substeps) * u64::from(method::sweeps(&settings));
     stats.row_updates = u64::from(stats.rows.saturating_sub(at_rest.rows)) * sweeps + u64::from(at_rest.rows_solved);
     stats.resting = at_rest.bodies;

@@ -1,0 +1,142 @@
+//! Sets of small numbers, one bit each: walked in order, at the price of a word where 64 are absent.
+
+/// A set of indices.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BitSet {
+    words: Vec<u64>,
+}
+
+/// Numbers in a word.
+pub(crate) const WORD: usize = u64::BITS as usize;
+
+impl BitSet {
+    /// Whether it has the index.
+    #[inline]
+    pub fn contains(&self, index: u32) -> bool {
+        let word = self.words.get(index as usize / WORD).copied().unwrap_or(0);
+        word >> (index % u64::BITS) & 1 != 0
+    }
+
+    /// Puts an index in or takes it out.
+    pub fn set(&mut self, index: u32, is_in: bool) {
+        let place = index as usize / WORD;
+        if place >= self.words.len() {
+            if !is_in {
+                return;
+            }
+            self.words.resize(place + 1, 0);
+        }
+        let bit = 1 << (index % u64::BITS);
+        if is_in {
+            self.words[place] |= bit;
+        } else {
+            self.words[place] &= !bit;
+        }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> u32 {
+        self.words.iter().map(|word| word.count_ones()).sum()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.words.iter().all(|&word| word == 0)
+    }
+
+    /// All of it, ascending.
+    pub fn iter(&self) -> impl Iterator<Item = u32> + Clone + '_ {
+        ones(&self.words)
+    }
+
+    /// What of 0..count is not in it, ascending.
+    pub fn absent(&self, count: u32) -> impl Iterator<Item = u32> + Clone + '_ {
+        let words = (0..count.div_ceil(u64::BITS)).map(move |place| {
+            let left = count - place * u64::BITS;
+            let range = if left < u64::BITS { (1 << left) - 1 } else { u64::MAX };
+            !self.words.get(place as usize).copied().unwrap_or(0) & range
+        });
+        Ones::of(words)
+    }
+
+    /// The words from a multiple of 64 on, for a run of indices: see [`ones`].
+    pub fn words(&self, first: usize, count: usize) -> &[u64] {
+        debug_assert_eq!(first % WORD, 0);
+        let start = (first / WORD).min(self.words.len());
+        &self.words[start..(start + count.div_ceil(WORD)).min(self.words.len())]
+    }
+
+    /// Follows indices to new ones; those without are left out.
+    pub fn remap(&mut self, new_index: &[Option<u32>]) {
+        let mut renamed = Self::default();
+        for index in self.iter().filter_map(|index| new_index.get(index as usize).copied().flatten()) {
+            renamed.set(index, true);
+        }
+        *self = renamed;
+    }
+}
+
+/// The places of the ones, ascending.
+pub(crate) fn ones(words: &[u64]) -> impl Iterator<Item = u32> + Clone + '_ {
+    Ones::of(words.iter().copied())
+}
+
+/// Walks the ones of words.
+#[derive(Clone)]
+struct Ones<W> {
+    words: W,
+    /// What is left of the present word, and where it ends.
+    word: u64,
+    end: u32,
+}
+
+impl<W: Iterator<Item = u64>> Ones<W> {
+    fn of(words: W) -> Self {
+        Self { words, word: 0, end: 0 }
+    }
+}
+
+impl<W: Iterator<Item = u64>> Iterator for Ones<W> {
+    type Item = u32;
+
+    #[inline]
+    fn next(&mut self) -> Option<u32> {
+        while self.word == 0 {
+            self.word = self.words.next()?;
+            self.end += u64::BITS;
+        }
+        let place = self.end - u64::BITS + self.word.trailing_zeros();
+        self.word &= self.word - 1;
+        Some(place)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::BitSet;
+
+    #[test]
+    fn it_walks_what_is_in_and_what_is_not() {
+        for count in [0, 1, 63, 64, 65, 200] {
+            let in_it = |index: u32| index.is_multiple_of(3) || index % 64 == 63;
+            let mut set = BitSet::default();
+            (0..count).for_each(|index| set.set(index, in_it(index)));
+            let (present, absent): (Vec<u32>, Vec<u32>) = (0..count).partition(|&index| in_it(index));
+            assert_eq!(set.iter().collect::<Vec<_>>(), present);
+            assert_eq!(set.absent(count).collect::<Vec<_>>(), absent);
+            assert_eq!((set.len() as usize, set.is_empty()), (present.len(), present.is_empty()));
+            assert!((0..count + 99).all(|index| set.contains(index) == (index < count && in_it(index))));
+            present.iter().for_each(|&index| set.set(index, false));
+            assert_eq!((set.len(), set.absent(count).count()), (0, count as usize));
+        }
+    }
+
+    #[test]
+    fn indices_follow_what_they_stand_for() {
+        let mut set = BitSet::default();
+        [2, 3, 70].into_iter().for_each(|index| set.set(index, true));
+        let new_index: Vec<Option<u32>> = (0..80).map(|index: u32| (index != 3).then_some(index / 2)).collect();
+        set.remap(&new_index);
+        assert_eq!(set.iter().collect::<Vec<_>>(), [1, 35]);
+    }
+}
