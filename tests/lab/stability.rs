@@ -106,6 +106,19 @@ fn the_default_holds_what_its_maps_claim() {
     border(default, "top", "spin", 3.0, [10.0, 1000.0]).check();
 }
 
+/// Their sweeps carry joints and contacts, as far as sweeps go.
+#[test]
+fn sequential_impulses_and_xpbd_hold_what_their_maps_claim() {
+    let sequential = SolverSettings::sequential_impulses();
+    border(sequential, "chain", "r", 4.0, [10.0, 1000.0]).check();
+    border(sequential, "sandwich", "r", 4.0, [100.0, 1e5]).check();
+    border(sequential, "stack", "n", 5.0, [10.0, 40.0]).check();
+    let xpbd = SolverSettings::xpbd();
+    border(xpbd, "chain", "r", 4.0, [10.0, 1e4]).check();
+    border(xpbd, "sandwich", "r", 4.0, [100.0, 1e5]).check();
+    border(xpbd, "stack", "n", 5.0, [10.0, 60.0]).check();
+}
+
 /// Contacts are found as far ahead as a body comes in the step.
 #[test]
 fn the_default_stops_balls_of_any_speed() {

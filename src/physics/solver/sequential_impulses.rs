@@ -13,6 +13,12 @@
 //! contact's point and the whole of a joint's separation. Nothing is accumulated and no velocity learns of it.
 //! Where bodies on joints turn, rows are made anew for the poses after the drift, so that what a turn θ of an arm r
 //! parts to second order, ½ r θ², is seen.
+//!
+//! **Good at** loops and grids of joints at rest (`joint_grid 30` ends closed), little sinking for many sweeps (30
+//! sweeps: `stack 10` 1.6 mm, `sandwich 100` 2 mm, of which the slop is most), houses of cards, and momentum: with one
+//! substep a collision without bounce keeps it to rounding. **Bad at** whatever a sweep must carry far: with 10 sweeps
+//! `stack 30` falls and `pyramid 40` spreads by metres, with 30 by 0.7 m; a chain under 100 times its links' weight
+//! parts by 0.2 m; what swings loses energy, `chain 100` a sixth in 4 s.
 
 use super::impulse::{Color, GroupTerms, Plan, Projection, SoftTerms, Stage, UNLIMITED};
 use crate::physics::lanes::Lanes;

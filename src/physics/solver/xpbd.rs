@@ -9,15 +9,26 @@
 //! with rows of the start of the substep, C(x) = C(x_before) + h J v: to move by Δx is to change v by Δx/h, and with
 //! the impulse Λ = λ/h the update reads, for α = 0, Λ ← max(0, Λ − m (J v + C(x_before)/h)). That is the row of
 //! [`super::impulse`] with the bias C/h and Λ from zero, and the drift after it is the prediction and all moves at
-//! once. What is deep already is pushed out no faster than the settings' `correction_speed`.
+//! once. What is deep already is pushed out no faster than the settings' `correction_speed`. Gradients are those of
+//! the start of the substep, not of the prediction, as in SHAKE.
 //!
 //! **Compliance.** A soft joint of frequency f and damping ratio ζ has α = 1/(m ω²) and dissipates at 2ζ/ω, taken
 //! implicitly (Macklin et al. 2016, eq. 26): from Λ = 0 that is the impulse of the implicit spring
 //! ([`SoftTerms`]).
 //!
-//! **Contacts settle** (their velocity solve): points that pushed neither part nor approach, friction up to its
-//! bound. That takes out what the way out of an overlap left in the velocities. Bounces follow once a step, as of all
-//! methods here. Static friction is in the position solve: no bias, no slip since the start of the substep.
+//! **Friction.** Static friction is positional: no slip since the start of the substep. It is solved before the normals,
+//! bounded by what they pushed in the substep before. After or among normals that start from zero, it would hold
+//! against tilts that the next normal takes back, and boxes walk apart (`pyramid 20` by 2 m in 10 s
+//! with 16 substeps, which so drifts by 1 mm in 5 s).
+//!
+//! **Contacts settle** (their velocity solve): points that pushed neither part nor approach, friction up to its bound.
+//! That takes out what the way out of an overlap left in the velocities. Bounces follow once a step, as of all methods
+//! here.
+//!
+//! **Good at** walls and loads for its cost: with 8 substeps `pyramid 40` sinks by 20 mm and drifts by 80 mm in 10 s,
+//! `limbs` part by 7 mm, `sandwich 100` sinks by 1 mm; 4, 8 and 16 substeps part `chain 100` by 117, 38 and 12 mm in
+//! 5 s. **Bad at** few substeps: with 4, `stack 30` falls. Nothing is carried over, so that slopes creep, by 1.5 mm/s
+//! at 30°, and `card_house` falls.
 
 use super::impulse::{Color, GroupTerms, Plan, SoftTerms, Stage, UNLIMITED};
 use crate::physics::lanes::Lanes;
