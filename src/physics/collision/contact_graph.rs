@@ -238,6 +238,7 @@ pub(super) fn update_graph(
 ) {
     let graph = graph.bypass_change_detection();
     graph.take_pairs(&near, &bodies.list);
+    graph.forget_renewed(&bodies.renewed);
     if settings.is_changed() {
         graph.slots.iter_mut().for_each(|slot| slot.found_at = None);
     }
@@ -308,6 +309,20 @@ impl ContactGraph {
     /// Contact points of slots that are looked at.
     pub fn active_points(&self) -> u32 {
         (self.point_count - self.points_asleep) as u32
+    }
+
+    /// Has contacts found anew of bodies of which something else than their motion changed.
+    fn forget_renewed(&mut self, renewed: &[u32]) {
+        if renewed.is_empty() {
+            return;
+        }
+        let mut among = BitSet::default();
+        renewed.iter().for_each(|&body| among.set(body, true));
+        for slot in self.slots.iter_mut().filter(|slot| slot.is_used) {
+            if among.contains(slot.pair.a) || among.contains(slot.pair.b) {
+                slot.found_at = None;
+            }
+        }
     }
 
     fn take_pairs(&mut self, near: &NearPairs, bodies: &[Body]) {

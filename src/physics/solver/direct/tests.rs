@@ -193,8 +193,8 @@ fn a_correction_closes_a_share_of_the_depth() {
     let axes = [Matrix3::identity(); 2];
     let patch = Patch::new(&state, &axes, &Vector3::new(0.0, 0.99, 0.0), 1.0);
     let push = patch.correction(1.0, 0.1 * 60.0, 1.0);
-    assert!((push.linear - Vector3::y() * 4.0 * 0.01 * 0.1 * 60.0).norm() < 1e-4, "{:?}", push.linear);
+    assert!((push.linear - Vector3::y() * 4.0 * 0.01 * 0.1 * 60.0).norm() < 1e-3, "{:?}", push.linear);
     assert!(push.angular.norm() < 1e-6);
     let slow = patch.correction(1.0, 0.1 * 60.0, 0.01);
-    assert!((slow.linear.y - 0.04).abs() < 1e-12, "{}", slow.linear.y);
+    assert!((slow.linear.y - 0.04).abs() < 1e-6, "{}", slow.linear.y);
 }
