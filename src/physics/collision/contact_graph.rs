@@ -19,7 +19,7 @@ use crate::physics::constraint::contact::tangents;
 use crate::physics::diagnostics::{ContactForces, StepStats};
 use crate::physics::lanes::{Record, WIDTH};
 use crate::physics::settings::{FrictionModel, SolverSettings};
-use crate::physics::threads::for_each_block;
+use crate::physics::threads::for_each_of;
 
 /// Share of the smaller bounding radius by which a pair may move before its manifold is found anew.
 const RECYCLED: f64 = 1e-3;
@@ -233,12 +233,7 @@ pub(super) fn update_graph(
     finders.resize_with(chunks, Finder::default);
     let slots = graph.slots.chunks_mut(CHUNK).zip(graph.states.chunks_mut(CHUNK)).zip(finders.iter_mut());
     let work = slots.map(|((slots, states), finder)| Chunk { slots, states, finder });
-    let update = |chunk: &mut Chunk| chunk.update(&bodies.list, &settings);
-    if settings.threads > 1 {
-        for_each_block(settings.threads, &mut work.collect::<Vec<_>>(), update);
-    } else {
-        work.for_each(|mut chunk| update(&mut chunk));
-    }
+    for_each_of(settings.threads, work, |mut chunk| chunk.update(&bodies.list, &settings));
     stats.axes_tested = 0;
     for finder in finders.iter_mut() {
         stats.axes_tested += u64::from(std::mem::take(&mut finder.search.axes));

@@ -13,6 +13,7 @@ use crate::physics::collision::{ContactGraph, POINTS};
 use crate::physics::island::Islands;
 use crate::physics::lanes::{Lanes, READ_ONLY};
 use crate::physics::solver::joint_tree::{Partition, partition};
+use crate::physics::threads::Stages;
 
 /// Blocks from which on a group is worth more threads than one.
 const LARGE: usize = 96;
@@ -103,6 +104,7 @@ pub(crate) struct Group<L: Lanes> {
     pub(super) bounces: Vec<Option<Bounce<L>>>,
     /// While somebody reads contact forces: what each contact pushed over the substeps, N·s.
     pub(super) totals: Vec<ContactImpulses>,
+    pub(super) progress: Stages,
 }
 
 impl<L: Lanes> Default for Group<L> {
@@ -125,6 +127,7 @@ impl<L: Lanes> Default for Group<L> {
             contact_blocks: Vec::new(),
             bounces: Vec::new(),
             totals: Vec::new(),
+            progress: Stages::default(),
         }
     }
 }
@@ -191,6 +194,11 @@ impl<L: Lanes> Group<L> {
             let pair = graph.slots[slot as usize].pair;
             [pair.a, pair.b].into_iter().for_each(|body| swept(place, body));
         }
+        self.joints.clear();
+        if islands.joints(group).is_empty() {
+            self.trees.clear();
+            return;
+        }
         let is_spring = |global: &u32| joints.list[*global as usize].softness.is_some();
         for &global in islands.joints(group).iter().filter(|global| is_spring(global)) {
             let Joint { a, b, .. } = joints.list[global as usize];
@@ -236,7 +244,6 @@ impl<L: Lanes> Group<L> {
         }
         let springs = islands.joints(group).iter().copied().filter(is_spring);
         let global = left_over.iter().map(|&joint| rigid[joint as usize]).chain(springs);
-        self.joints.clear();
         self.joints.extend(global.map(|global| GroupJoint { global, a: 0, b: 0 }));
     }
 
