@@ -321,9 +321,20 @@ impl Chunk<'_> {
 }
 
 /// The gap up to which a pair gets contact points: a margin, and what it may close in one step.
-fn reachable_gap(a: &Body, b: &Body, size: f64, settings: &SolverSettings) -> f64 {
-    let approach = (a.linear - b.linear).norm() + a.angular.norm() * a.radius.min(1e6) + b.angular.norm() * b.radius;
+pub(super) fn reachable_gap(a: &Body, b: &Body, size: f64, settings: &SolverSettings) -> f64 {
+    let approach = (a.linear - b.linear).norm() + turning_speed(a) + turning_speed(b);
     MARGIN * size + approach * settings.step()
+}
+
+/// A body's own part of that: those of two bodies together are no less than their gap.
+pub(super) fn own_reachable_gap(body: &Body, settings: &SolverSettings) -> f64 {
+    let margin = if body.radius.is_finite() { MARGIN * body.radius } else { 0.0 };
+    margin + (body.linear.norm() + turning_speed(body)) * settings.step()
+}
+
+/// Greatest speed that turning gives a point of the body, m/s; on a half-space, one that reaches far.
+fn turning_speed(body: &Body) -> f64 {
+    body.angular.norm() * body.radius.min(1e6)
 }
 
 impl Slot {
