@@ -76,6 +76,8 @@ struct Point<L: Lanes> {
     angular_b: Vector3<L>,
     separation: L,
     mass: L,
+    /// Effective mass when relaxed: 0 where the surfaces are still apart.
+    relaxed: L,
     impulse: L,
 }
 
@@ -87,6 +89,8 @@ struct Spring<L> {
     mass: L,
     /// ι.
     kept: L,
+    /// m when relaxed, if nothing is pushed.
+    relaxed: L,
 }
 
 /// Friction of the patch.
@@ -145,7 +149,7 @@ impl<L: Lanes> ContactBlock<L> {
     /// One that does nothing.
     pub fn idle() -> Self {
         let (zero, none) = (L::zero(), Vector3::repeat(L::zero()));
-        let point = Point { angular_a: none, angular_b: none, separation: zero, mass: zero, impulse: zero };
+        let point = Point { angular_a: none, angular_b: none, separation: zero, mass: zero, relaxed: zero, impulse: zero };
         Self {
             a: [READ_ONLY; WIDTH],
             b: [READ_ONLY; WIDTH],
@@ -223,7 +227,7 @@ impl<L: Lanes> ContactBlock<L> {
             middle.a = add_scaled(&middle.a, &arm_a, share * active);
             middle.b = add_scaled(&middle.b, &arm_b, share * active);
             arms[index] = arm_a;
-            Point { angular_a, angular_b, separation, mass, impulse: impulses[index] * active }
+            Point { angular_a, angular_b, separation, mass, relaxed: mass, impulse: impulses[index] * active }
         });
         let friction = frictional.then(|| {
             let mut radius = L::zero();
@@ -320,12 +324,18 @@ impl<L: Lanes> ContactBlock<L> {
         for _ in 0..ROUNDS {
             match &soft {
                 Some(springs) => self.solve_points(&mut pair, |index, point, speed| {
-                    let Spring { bias, mass, kept } = springs[index];
+                    let Spring { bias, mass, kept, .. } = springs[index];
                     -(mass * (speed + bias)) - kept * point.impulse
                 }),
-                None => self.solve_points(&mut pair, |_, point, speed| -(point.mass * speed)),
+                None => self.solve_points(&mut pair, |_, point, speed| -(point.relaxed * speed)),
             }
             self.solve_friction(&mut pair);
+        }
+        if let Some(springs) = &soft {
+            for (point, spring) in self.points[..self.point_count].iter_mut().zip(springs) {
+                let pushes = point.impulse.simd_gt(L::zero());
+                point.relaxed = point.mass.select(pushes, spring.relaxed);
+            }
         }
         // SAFETY: as the caller promises.
         unsafe { pair.scatter(self, velocity) };
@@ -339,7 +349,7 @@ impl<L: Lanes> ContactBlock<L> {
         let shift = dot(&self.normal, &(vector(&moved_b) - vector(&moved_a)));
         let (turned_a, turned_b) = (vector(&moved_a[3..]), vector(&moved_b[3..]));
         let zero = L::zero();
-        let mut springs = [Spring { bias: zero, mass: zero, kept: zero }; POINTS];
+        let mut springs = [Spring { bias: zero, mass: zero, kept: zero, relaxed: zero }; POINTS];
         for (spring, point) in springs.iter_mut().zip(&self.points[..self.point_count]) {
             let separation =
                 point.separation + shift + dot(&point.angular_b, &turned_b) - dot(&point.angular_a, &turned_a);
@@ -349,6 +359,7 @@ impl<L: Lanes> ContactBlock<L> {
                 bias: (separation * soft.per_step).select(apart, (sunk * soft.rate).simd_max(-soft.push)),
                 mass: point.mass.select(apart, point.mass * soft.mass),
                 kept: zero.select(apart, soft.impulse),
+                relaxed: zero.select(apart, point.mass),
             };
         }
         springs
