@@ -13,10 +13,10 @@ pub mod scene;
 /// What a game that uses Plumb needs, without a clash with `bevy::prelude`.
 pub mod prelude {
     pub use crate::physics::{
-        BallJoint, BodyQuarantined, Collider, Collision, CollisionLayers, ContactEnded, ContactModel, ContactStarted,
-        ConvexHull, Damping, Density, ExternalForce, FrictionModel, Gravity, GravityScale, Inertia, Integrator,
-        JointLoad, LockedAxes, Mass, Method, ObserveContacts, PhysicsPlugin, PhysicsSchedule, PhysicsSystems, Position,
-        Precision, Quarantined, RenderOrigin, ReportCollisions, RigidBody, Rotation, Sleeping, Softness,
-        SolverSettings, StepStats, SurfaceMaterial, Velocity, headless_app, step,
+        BallJoint, BodyQuarantined, BroadPhase, Collider, Collision, CollisionLayers, ContactEnded, ContactModel,
+        ContactStarted, ConvexHull, Damping, Density, ExternalForce, FrictionModel, Gravity, GravityScale, Inertia,
+        Integrator, JointLoad, LockedAxes, Mass, Method, ObserveContacts, PhysicsPlugin, PhysicsSchedule,
+        PhysicsSystems, Position, Precision, Quarantined, RenderOrigin, ReportCollisions, RigidBody, Rotation,
+        Sleeping, Softness, SolverSettings, StepStats, SurfaceMaterial, Velocity, headless_app, step,
     };
 }

@@ -49,6 +49,18 @@ pub(crate) fn contacts_last(settings: Res<SolverSettings>) -> bool {
     settings.method.keeps_contacts()
 }
 
+/// How pairs of bodies that may touch are found.
+#[derive(Reflect, Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[serde(rename_all = "snake_case")]
+pub enum BroadPhase {
+    /// Bounding spheres swept along x and sorted, in each step: the 2009 engine's. Its cost follows
+    /// the number of bodies, and of those side by side along x and z.
+    SweepAndSort,
+    /// A tree of boxes a little larger than their bodies: its cost follows what moves.
+    #[default]
+    BoundingTree,
+}
+
 /// How velocities become poses.
 #[derive(Reflect, Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[serde(rename_all = "snake_case")]
@@ -143,7 +155,9 @@ pub struct SolverSettings {
     pub axis_epsilon: f64,
     /// Whether n and −n count as one candidate axis. Of extreme-vertex contacts only.
     pub merge_opposite_axes: bool,
-    /// Whether the broad phase also prunes on y. Of `pgs` only.
+    /// How pairs that may touch are found. Of contacts that last only: `pgs` always sweeps and sorts.
+    pub broad_phase: BroadPhase,
+    /// Whether sweep and sort also prunes on y.
     pub prune_y: bool,
     /// Steps by which the solver's contacts lag behind the poses: 0, or 1 as in the 2009
     /// engine's threaded loop. Of `pgs` only.
@@ -186,6 +200,7 @@ impl SolverSettings {
             contacts: ContactModel::ExtremeVertices,
             axis_epsilon: 1e-3,
             merge_opposite_axes: false,
+            broad_phase: BroadPhase::SweepAndSort,
             prune_y: false,
             contact_lag: 0,
             sleep_speed: None,
@@ -220,6 +235,7 @@ impl SolverSettings {
             iterations: 1,
             fitted_effort: true,
             slop: 0.0,
+            broad_phase: BroadPhase::BoundingTree,
             sleep_speed: Some(0.02),
             ..Self::steady()
         }

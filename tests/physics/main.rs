@@ -1,5 +1,6 @@
 //! Headless system tests of the physics plugin, one module a subject.
 
+mod allocations;
 mod arrows;
 mod at_rest;
 mod classic;

@@ -20,7 +20,7 @@ use crate::physics::constraint::contact::tangents;
 use crate::physics::diagnostics::{ContactForces, StepStats};
 use crate::physics::lanes::{Record, WIDTH};
 use crate::physics::settings::{FrictionModel, SolverSettings};
-use crate::physics::threads::for_each_block;
+use crate::physics::threads::for_each_of;
 
 /// Share of the smaller bounding radius by which a pair may move before its manifold is found anew.
 const RECYCLED: f64 = 1e-3;
@@ -246,17 +246,11 @@ pub(super) fn update_graph(
     finders.resize_with(chunks, Finder::default);
     let active = &graph.active;
     let slots = graph.slots.chunks_mut(CHUNK).zip(graph.states.chunks_mut(CHUNK)).zip(finders.iter_mut()).enumerate();
-    let work = slots.filter_map(|(chunk, ((slots, states), finder))| {
+    let work = slots.map(|(chunk, ((slots, states), finder))| {
         let active = active.words(chunk * CHUNK, CHUNK);
-        let is_idle = active.iter().all(|&word| word == 0);
-        (!is_idle).then_some(Chunk { slots, states, active, finder })
+        Chunk { slots, states, active, finder }
     });
-    let update = |chunk: &mut Chunk| chunk.update(&bodies.list, &settings);
-    if settings.threads > 1 {
-        for_each_block(settings.threads, &mut work.collect::<Vec<_>>(), update);
-    } else {
-        work.for_each(|mut chunk| update(&mut chunk));
-    }
+    for_each_of(settings.threads, work, |mut chunk| chunk.update(&bodies.list, &settings));
     stats.axes_tested = 0;
     for finder in finders.iter_mut() {
         stats.axes_tested += u64::from(std::mem::take(&mut finder.search.axes));
@@ -395,9 +389,20 @@ impl Chunk<'_> {
 }
 
 /// The gap up to which a pair gets contact points: a margin, and what it may close in one step.
-fn reachable_gap(a: &Body, b: &Body, size: f64, settings: &SolverSettings) -> f64 {
-    let approach = (a.linear - b.linear).norm() + a.angular.norm() * a.radius.min(1e6) + b.angular.norm() * b.radius;
+pub(super) fn reachable_gap(a: &Body, b: &Body, size: f64, settings: &SolverSettings) -> f64 {
+    let approach = (a.linear - b.linear).norm() + turning_speed(a) + turning_speed(b);
     MARGIN * size + approach * settings.step()
+}
+
+/// A body's own part of that: those of two bodies together are no less than their gap.
+pub(super) fn own_reachable_gap(body: &Body, settings: &SolverSettings) -> f64 {
+    let margin = if body.radius.is_finite() { MARGIN * body.radius } else { 0.0 };
+    margin + (body.linear.norm() + turning_speed(body)) * settings.step()
+}
+
+/// Greatest speed that turning gives a point of the body, m/s; on a half-space, one that reaches far.
+fn turning_speed(body: &Body) -> f64 {
+    body.angular.norm() * body.radius.min(1e6)
 }
 
 impl Slot {

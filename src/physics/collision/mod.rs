@@ -1,6 +1,7 @@
 //! Collision detection: which bodies may touch, where, along which normal and how deep.
 //!
-//! 1. [`sweep_and_sort`] finds the pairs whose bounding spheres overlap: [`CandidatePairs`].
+//! 1. [`sweep_and_sort`] finds the pairs whose bounding spheres overlap: [`CandidatePairs`]. Contacts that last have
+//!    [`near_pairs`] instead, from [`persistent_pairs`] or, by the same sweep, [`swept_pairs`].
 //! 2. [`narrow_phase`] takes each pair to one of two ways to [`Contacts`]:
 //!    - [`contact_pair`], with a routine for each kind of pair: [`plane`], [`ball`], [`boxes`],
 //!      [`polyhedra`], [`cone_polyhedron`], [`cone_cone`], which share [`feature_sat`],
@@ -38,6 +39,7 @@ mod polyhedron;
 mod probe;
 mod sat;
 mod sweep_and_sort;
+mod swept_pairs;
 pub(crate) mod vector_set;
 
 #[cfg(all(test, feature = "lab"))]

@@ -1,4 +1,4 @@
-//! The broad phase of contacts that last: keeps the [`PersistentPairs`] of the bodies.
+//! The broad phase of contacts that last: keeps the [`PersistentPairs`] or [`SweptPairs`] of the bodies.
 //!
 //! Tells them what a change of a body or joint means, and bounds each shape by its own box.
 
@@ -7,20 +7,63 @@ use nalgebra::Vector3;
 
 use super::bounding_tree::BoundingBox;
 use super::fat_box::{Extent, Placement};
-use super::pair_slots::PairSlot;
+use super::pair_slots::{PairSlot, PairSlots};
 use super::persistent_pairs::{BoundedBodies, Bounds, PairChanges, PersistentPairs};
+use super::swept_pairs::SweptPairs;
 use super::{CONTACT_TOLERANCE, Pair};
 use crate::physics::bodies::{Bodies, Body, Joints};
 use crate::physics::body::RigidBody;
 use crate::physics::collider::Geometry;
 use crate::physics::diagnostics::StepStats;
 use crate::physics::joint::JoinedPairs;
-use crate::physics::settings::SolverSettings;
+use crate::physics::settings::{BroadPhase, SolverSettings};
+
+/// Who keeps the pairs.
+enum Search {
+    Tree(PersistentPairs),
+    Sweep(SweptPairs),
+}
+
+impl Default for Search {
+    fn default() -> Self {
+        Self::of(BroadPhase::default())
+    }
+}
+
+impl Search {
+    fn of(broad_phase: BroadPhase) -> Self {
+        match broad_phase {
+            BroadPhase::BoundingTree => Self::Tree(PersistentPairs::default()),
+            BroadPhase::SweepAndSort => Self::Sweep(SweptPairs::default()),
+        }
+    }
+
+    fn kind(&self) -> BroadPhase {
+        match self {
+            Self::Tree(_) => BroadPhase::BoundingTree,
+            Self::Sweep(_) => BroadPhase::SweepAndSort,
+        }
+    }
+
+    fn pairs(&self) -> &PairSlots {
+        match self {
+            Self::Tree(tree) => tree.pairs(),
+            Self::Sweep(sweep) => sweep.pairs(),
+        }
+    }
+
+    fn renew(&mut self, body: u32) {
+        match self {
+            Self::Tree(tree) => tree.renew(body),
+            Self::Sweep(sweep) => sweep.renew(body),
+        }
+    }
+}
 
 /// Pairs near each other, and what changed about them in this step.
 #[derive(Resource, Default)]
 pub(crate) struct NearPairs {
-    persistent: PersistentPairs,
+    search: Search,
     pub changes: PairChanges,
     /// Pairs of bodies that are gone, under the indices they had.
     dropped: Vec<(PairSlot, Pair)>,
@@ -33,7 +76,10 @@ pub(crate) struct NearPairs {
 impl NearPairs {
     /// Follows bodies to their new indices.
     pub fn remap(&mut self, new_index: &[Option<u32>]) {
-        self.persistent.remap(new_index, &mut self.dropped);
+        match &mut self.search {
+            Search::Tree(tree) => tree.remap(new_index, &mut self.dropped),
+            Search::Sweep(sweep) => sweep.remap(new_index, &mut self.dropped),
+        }
         self.joined.remap(new_index);
     }
 }
@@ -104,20 +150,32 @@ pub(super) fn update_pairs(
     stats: Res<StepStats>,
 ) {
     let near = near.bypass_change_detection();
-    let NearPairs { persistent, changes, dropped, known_steps, joined: joined_before, joints_version } = near;
+    let NearPairs { search, changes, dropped, known_steps, joined: joined_before, joints_version } = near;
+    if search.kind() != settings.broad_phase {
+        dropped.extend(search.pairs().iter());
+        *search = Search::of(settings.broad_phase);
+        *known_steps = None;
+    }
     if known_steps.replace(stats.steps + 1) == Some(stats.steps) {
-        bodies.renewed.iter().for_each(|&body| persistent.renew(body));
+        bodies.renewed.iter().for_each(|&body| search.renew(body));
     } else {
-        (0..bodies.list.len() as u32).for_each(|body| persistent.renew(body));
+        (0..bodies.list.len() as u32).for_each(|body| search.renew(body));
     }
     if *joints_version != joints.version {
         *joints_version = joints.version;
-        joined.differences(joined_before, |a, b| persistent.reconsider(a, b));
+        if let Search::Tree(tree) = search {
+            joined.differences(joined_before, |a, b| tree.reconsider(a, b));
+        }
         joined_before.clone_from(&joined);
     }
-    let in_step = InStep { bodies: &bodies.list, joined: &joined, h: settings.step() };
-    let moving = bodies.awake().filter(|&body| bodies.list[body as usize].kind != RigidBody::Static);
-    persistent.update(&in_step, moving, changes);
+    match search {
+        Search::Tree(tree) => {
+            let in_step = InStep { bodies: &bodies.list, joined: &joined, h: settings.step() };
+            let moving = bodies.awake().filter(|&body| bodies.list[body as usize].kind != RigidBody::Static);
+            tree.update(&in_step, moving, changes);
+        }
+        Search::Sweep(sweep) => sweep.update(&bodies.list, &joined, &settings, changes),
+    }
     if !dropped.is_empty() {
         dropped.append(&mut changes.removed);
         std::mem::swap(dropped, &mut changes.removed);
@@ -127,16 +185,16 @@ pub(super) fn update_pairs(
 impl NearPairs {
     /// The pair of a slot.
     pub fn pair(&self, slot: PairSlot) -> Option<Pair> {
-        self.persistent.pairs().get(slot)
+        self.search.pairs().get(slot)
     }
 
     /// The pairs of a body: slots, and who is at the other end.
     pub fn of_body(&self, body: u32) -> impl Iterator<Item = (PairSlot, u32)> {
-        self.persistent.pairs().of_body(body)
+        self.search.pairs().of_body(body)
     }
 
     /// How many slots there are, free ones included.
     pub fn slot_count(&self) -> usize {
-        self.persistent.pairs().slot_count()
+        self.search.pairs().slot_count()
     }
 }

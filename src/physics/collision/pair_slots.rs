@@ -66,7 +66,6 @@ impl PairSlots {
     }
 
     /// All pairs in the order of their slots.
-    #[cfg(all(test, feature = "lab"))]
     pub fn iter(&self) -> impl Iterator<Item = (PairSlot, Pair)> {
         let all = self.pairs.iter().enumerate().filter(|(_, pair)| pair.a != NONE);
         all.map(|(slot, pair)| (PairSlot(slot as u32), *pair))
@@ -91,6 +90,11 @@ impl PairSlots {
             (of_a, of_b) = (self.after(at_a), self.after(at_b));
         }
         None
+    }
+
+    /// The bodies that there is room for.
+    pub(super) fn body_count(&self) -> usize {
+        self.heads.len()
     }
 
     pub(super) fn set_body_count(&mut self, count: usize) {
@@ -157,6 +161,13 @@ impl PairSlots {
         self.free = slot.0;
         self.count -= 1;
         pair
+    }
+
+    /// Takes out all pairs of a body.
+    pub(super) fn drop_all_of(&mut self, body: u32, removed: &mut Vec<(PairSlot, Pair)>) {
+        while let Some(at) = self.first_of(body) {
+            removed.push((at.slot, self.remove(at.slot)));
+        }
     }
 
     /// Renames the bodies; those without a new name must have no pairs. The order of names stays.

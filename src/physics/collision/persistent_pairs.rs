@@ -136,7 +136,7 @@ impl PersistentPairs {
     pub fn remap(&mut self, new_index: &[Option<u32>], removed: &mut Vec<(PairSlot, Pair)>) {
         let known = self.fat.len().min(new_index.len());
         for gone in (0..known).filter(|&body| new_index[body].is_none()) {
-            self.drop_pairs(gone as u32, removed);
+            self.pairs.drop_all_of(gone as u32, removed);
             self.withdraw(gone as u32);
         }
         let renamed = |body: u32| new_index.get(body as usize).copied().flatten();
@@ -192,7 +192,7 @@ impl PersistentPairs {
             self.grow(last as usize + 1);
         }
         for body in renewed.drain(..) {
-            self.drop_pairs(body, removed);
+            self.pairs.drop_all_of(body, removed);
             let bounds = bodies.bounds(body);
             if !matches!(bounds, Bounds::Within(_)) || self.leaves[body as usize].is_none() {
                 self.withdraw(body);
@@ -222,12 +222,6 @@ impl PersistentPairs {
             self.tree.remove(leaf);
         }
         self.half_spaces.retain(|plane| plane.body != body);
-    }
-
-    fn drop_pairs(&mut self, body: u32, removed: &mut Vec<(PairSlot, Pair)>) {
-        while let Some(at) = self.pairs.first_of(body) {
-            removed.push((at.slot, self.pairs.remove(at.slot)));
-        }
     }
 
     /// Gives a body its room, and a new fat box if it has left the one it has.

@@ -10,6 +10,8 @@
 //! dynamic body whose sphere reaches its plane. Bodies that share a joint, whose layers do not
 //! interact, or of which neither is dynamic make no pair.
 //!
+//! Spheres of contacts that last reach as far as the body can get in the step.
+//!
 //! The order is kept from step to step and mended by insertion, for bodies move little in a
 //! step; it is always the one order by (begin, body), so that nothing depends on the past.
 
@@ -19,6 +21,7 @@ use std::ops::Range;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
+use super::contact_graph::own_reachable_gap;
 use super::{CONTACT_TOLERANCE, CandidatePairs, Pair, speculative_gap};
 use crate::physics::bodies::{Bodies, Body};
 use crate::physics::body::CollisionLayers;
@@ -90,9 +93,20 @@ fn is_swept(body: &Body) -> bool {
         && body.layers.filters != 0
 }
 
-/// The bounding radius, and what rounding may take from a gap of zero.
-fn reach(body: &Body) -> f64 {
-    body.radius * (1.0 + CONTACT_TOLERANCE)
+/// The bounding radius, and what rounding may take from a gap of zero; where contacts last, also the body's part of
+/// the gap up to which pairs get contact points.
+fn reach(body: &Body, settings: &SolverSettings) -> f64 {
+    let touching = body.radius * (1.0 + CONTACT_TOLERANCE);
+    if settings.method.keeps_contacts() { touching + own_reachable_gap(body, settings) } else { touching }
+}
+
+/// What a half-space adds to the reach of a body.
+fn plane_gap(plane: &Body, body: &Body, normal: &Vector3<f64>, settings: &SolverSettings) -> f64 {
+    if settings.method.keeps_contacts() {
+        own_reachable_gap(plane, settings)
+    } else {
+        speculative_gap(plane, body, normal, settings)
+    }
 }
 
 impl SweepAndSort {
@@ -108,8 +122,8 @@ impl SweepAndSort {
             return;
         }
         self.half_space_pairs(bodies, joined, settings, pairs);
-        self.sort(bodies, swept);
-        self.project(bodies);
+        self.sort(bodies, swept, settings);
+        self.project(bodies, settings);
         let block_count = self.spheres.len().div_ceil(BLOCK);
         self.blocks.resize_with(block_count, Block::default);
         for (index, block) in self.blocks.iter_mut().enumerate() {
@@ -155,7 +169,7 @@ impl SweepAndSort {
                 if is_swept(body)
                     && body.is_dynamic()
                     && normal.dot(&(body.position - plane.position))
-                        <= reach(body) + speculative_gap(plane, body, &normal, settings)
+                        <= reach(body, settings) + plane_gap(plane, body, &normal, settings)
                     && plane.layers.interact(body.layers)
                     && !joined.contains(a, b as u32)
                 {
@@ -166,7 +180,7 @@ impl SweepAndSort {
     }
 
     /// Brings the order of the bodies on x up to date.
-    fn sort(&mut self, bodies: &[Body], swept: usize) {
+    fn sort(&mut self, bodies: &[Body], swept: usize, settings: &SolverSettings) {
         self.order.retain(|begin| bodies.get(begin.body as usize).is_some_and(is_swept));
         if self.order.len() != swept {
             self.order.clear();
@@ -175,18 +189,18 @@ impl SweepAndSort {
         }
         for begin in &mut self.order {
             let body = &bodies[begin.body as usize];
-            begin.x = body.position.x - reach(body);
+            begin.x = body.position.x - reach(body, settings);
         }
         if !sort_by_insertion(&mut self.order, MOVES_PER_BODY * bodies.len()) {
             self.order.sort_unstable_by(Begin::compare);
         }
     }
 
-    fn project(&mut self, bodies: &[Body]) {
+    fn project(&mut self, bodies: &[Body], settings: &SolverSettings) {
         self.spheres.clear();
         self.spheres.extend(self.order.iter().map(|begin| {
             let body = &bodies[begin.body as usize];
-            let reach = reach(body);
+            let reach = reach(body, settings);
             let interval = |middle: f64| [middle - reach, middle + reach];
             Projection {
                 x: interval(body.position.x),

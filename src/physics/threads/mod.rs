@@ -4,7 +4,7 @@ mod shared;
 mod stages;
 
 pub(crate) use shared::Shared;
-pub(crate) use stages::walk_stages;
+pub(crate) use stages::Stages;
 
 use std::sync::Mutex;
 
@@ -17,13 +17,22 @@ use bevy::tasks::ComputeTaskPool;
 /// The calling thread works too and can finish alone: a worker that starts late finds nothing
 /// left to claim.
 pub(crate) fn for_each_block<T: Send>(threads: u32, blocks: &mut [T], work: impl Fn(&mut T) + Sync) {
+    for_each_of(threads, blocks.iter_mut(), work);
+}
+
+/// As [`for_each_block`], of blocks that are made as they are claimed.
+pub(crate) fn for_each_of<T: Send>(
+    threads: u32,
+    blocks: impl ExactSizeIterator<Item = T> + Send,
+    work: impl Fn(T) + Sync,
+) {
     let workers = (threads as usize).min(blocks.len());
     let pool = if workers > 1 { ComputeTaskPool::try_get() } else { None };
     let Some(pool) = pool else {
-        blocks.iter_mut().for_each(work);
+        blocks.for_each(work);
         return;
     };
-    let unclaimed = Mutex::new(blocks.iter_mut());
+    let unclaimed = Mutex::new(blocks);
     let claim = || unclaimed.lock().expect("a worker panicked").next();
     let work_through = || {
         while let Some(block) = claim() {

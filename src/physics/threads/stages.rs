@@ -15,39 +15,58 @@ use bevy::tasks::ComputeTaskPool;
 const SPINS: u32 = 2000;
 
 /// Where everybody is in one stage.
-#[derive(Default)]
-struct Progress {
+#[derive(Debug, Default)]
+struct Stage {
+    chunks: usize,
     claimed: AtomicUsize,
     done: AtomicUsize,
 }
 
-/// Calls `work(stage, chunk)` once for every chunk of every stage; a stage begins when the one
-/// before it is done. `chunks[s]` is the number of chunks of stage s. With one thread, everything
-/// runs in order on the calling thread.
-pub(crate) fn walk_stages(threads: u32, chunks: &[usize], work: impl Fn(usize, usize) + Sync) {
-    let most = chunks.iter().copied().max().unwrap_or(0);
-    let workers = (threads as usize).min(most);
-    let pool = if workers > 1 { ComputeTaskPool::try_get() } else { None };
-    let Some(pool) = pool else {
-        for (stage, &count) in chunks.iter().enumerate() {
-            (0..count).for_each(|chunk| work(stage, chunk));
-        }
-        return;
-    };
-    let progress: Vec<Progress> = chunks.iter().map(|_| Progress::default()).collect();
-    let walk = || {
-        for (stage, (&count, progress)) in chunks.iter().zip(&progress).enumerate() {
+/// Stages to walk, each of so many chunks. Kept from step to step for its memory.
+#[derive(Debug, Default)]
+pub(crate) struct Stages(Vec<Stage>);
+
+impl Stages {
+    /// Begins anew, with the number of chunks of each stage.
+    pub fn begin(&mut self, chunks: impl Iterator<Item = usize>) {
+        self.0.clear();
+        self.0.extend(chunks.map(|chunks| Stage { chunks, ..Stage::default() }));
+    }
+
+    /// Calls `work(stage, chunk)` once for every chunk of every stage; a stage begins when the one
+    /// before it is done. With one thread, everything runs in order on the calling thread.
+    pub fn walk(&self, threads: u32, work: impl Fn(usize, usize) + Sync) {
+        let most = self.0.iter().map(|stage| stage.chunks).max().unwrap_or(0);
+        let workers = (threads as usize).min(most);
+        let pool = if workers > 1 { ComputeTaskPool::try_get() } else { None };
+        let Some(pool) = pool else {
+            for (stage, &Stage { chunks, .. }) in self.0.iter().enumerate() {
+                (0..chunks).for_each(|chunk| work(stage, chunk));
+            }
+            return;
+        };
+        pool.scope(|scope| {
+            for _ in 1..workers {
+                scope.spawn(async { self.walk_along(&work) });
+            }
+            self.walk_along(&work);
+        });
+    }
+
+    /// One worker's way.
+    fn walk_along(&self, work: &impl Fn(usize, usize)) {
+        for (index, stage) in self.0.iter().enumerate() {
             loop {
-                let chunk = progress.claimed.fetch_add(1, Ordering::Relaxed);
-                if chunk >= count {
+                let chunk = stage.claimed.fetch_add(1, Ordering::Relaxed);
+                if chunk >= stage.chunks {
                     break;
                 }
-                work(stage, chunk);
+                work(index, chunk);
                 // Whoever sees the stage done sees what was written in it.
-                progress.done.fetch_add(1, Ordering::Release);
+                stage.done.fetch_add(1, Ordering::Release);
             }
             let mut spins = 0;
-            while progress.done.load(Ordering::Acquire) < count {
+            while stage.done.load(Ordering::Acquire) < stage.chunks {
                 spins += 1;
                 if spins < SPINS {
                     std::hint::spin_loop();
@@ -56,18 +75,12 @@ pub(crate) fn walk_stages(threads: u32, chunks: &[usize], work: impl Fn(usize, u
                 }
             }
         }
-    };
-    pool.scope(|scope| {
-        for _ in 1..workers {
-            scope.spawn(async { walk() });
-        }
-        walk();
-    });
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::walk_stages;
+    use super::Stages;
     use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
     use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -75,9 +88,11 @@ mod tests {
     fn every_chunk_is_done_once_and_after_the_stage_before() {
         ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(4).build());
         let chunks = [3, 0, 40, 1, 7, 100, 2];
+        let mut stages = Stages::default();
         for threads in [1, 2, 4, 9] {
             let counts: Vec<AtomicUsize> = chunks.iter().map(|_| AtomicUsize::new(0)).collect();
-            walk_stages(threads, &chunks, |stage, chunk| {
+            stages.begin(chunks.into_iter());
+            stages.walk(threads, |stage, chunk| {
                 assert!(chunk < chunks[stage]);
                 for before in 0..stage {
                     assert_eq!(counts[before].load(Ordering::SeqCst), chunks[before], "stage {stage}");

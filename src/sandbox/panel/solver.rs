@@ -193,7 +193,14 @@ const FIELDS: &[(&str, &[Field])] = &[
     (
         "Collision",
         &[
-            Field::choice("prune_y", "prune on y", "Whether the broad phase also prunes on y."),
+            Field::choice(
+                "broad_phase",
+                "broad phase",
+                "How pairs that may touch are found; projected Gauss–Seidel always sweeps and sorts.\n\nSweep And Sort: \
+                 bounding spheres along x, in each step (the 2009 engine's).\nBounding Tree: a tree of boxes a little \
+                 larger than their bodies, whose cost follows what moves.",
+            ),
+            Field::choice("prune_y", "prune on y", "Whether sweep and sort also prunes on y."),
             Field::number(
                 "axis_epsilon",
                 "axis merging ε",

@@ -19,6 +19,7 @@ use crate::physics::settings::{Method, SolverSettings};
 use crate::physics::solver::direct::DirectIsland;
 use crate::physics::solver::joint_tree::{Partition, partition};
 use crate::physics::solver::method;
+use crate::physics::threads::Stages;
 
 /// Blocks from which on a group is worth more threads than one.
 const LARGE: usize = 96;
@@ -132,6 +133,7 @@ pub(crate) struct Group<L: Lanes> {
     pub(super) bounces: Vec<Option<Bounce<L>>>,
     /// While somebody reads contact forces: what each contact pushed over the substeps, N·s.
     pub(super) totals: Vec<ContactImpulses>,
+    pub(super) progress: Stages,
 }
 
 impl<L: Lanes> Default for Group<L> {
@@ -156,6 +158,7 @@ impl<L: Lanes> Default for Group<L> {
             contact_blocks: Vec::new(),
             bounces: Vec::new(),
             totals: Vec::new(),
+            progress: Stages::default(),
         }
     }
 }
@@ -301,6 +304,11 @@ impl<L: Lanes> Group<L> {
         for &slot in islands.manifolds(group) {
             let pair = graph.slots[slot as usize].pair;
             [pair.a, pair.b].into_iter().for_each(|body| swept(place, body));
+        }
+        self.joints.clear();
+        if islands.joints(group).is_empty() {
+            self.trees.clear();
+            return;
         }
         let is_spring = |global: &u32| joints.list[*global as usize].softness.is_some();
         for &global in islands.joints(group).iter().filter(|global| is_spring(global)) {

@@ -18,7 +18,7 @@ use crate::physics::body::RigidBody;
 use crate::physics::collision::{ContactGraph, ContactState, POINTS, Slot};
 use crate::physics::lanes::{Lanes, READ_ONLY};
 use crate::physics::solver::Scalar;
-use crate::physics::threads::{Shared, walk_stages};
+use crate::physics::threads::Shared;
 
 /// Bodies that one thread takes at a time.
 const BODIES: usize = 64;
@@ -161,10 +161,10 @@ impl<L: Lanes> Group<L> {
             terms,
             world,
         };
-        let chunks: Vec<usize> = stages.iter().map(|&stage| walk.count(stage).div_ceil(walk.chunk(stage))).collect();
+        self.progress.begin(stages.iter().map(|&stage| walk.count(stage).div_ceil(walk.chunk(stage))));
         // SAFETY: a stage's items are worked on by one thread each; those of a colour share no body that moves,
         // and what does not move is not written. Stages follow one another.
-        walk_stages(threads, &chunks, |stage, chunk| unsafe { walk.work(stages[stage], chunk) });
+        self.progress.walk(threads, |stage, chunk| unsafe { walk.work(stages[stage], chunk) });
     }
 }
 

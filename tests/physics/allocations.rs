@@ -1,0 +1,151 @@
+//! A steady step allocates nothing: all that a step needs is kept from the steps before. And what is
+//! kept, by body, contact and joint.
+//!
+//! Steady is a step in which no contact begins or ends: where one does, the trees of joints of its
+//! group are planned anew, which allocates.
+//!
+//! With more threads than one, Bevy's pool allocates for every scope that a step opens: the task of
+//! each worker and the list of them; two more where the calling thread waits for a worker; and every
+//! 31st task a block of the queue that the pool's threads take them from.
+
+use std::process::Command;
+
+use bevy::math::DVec3;
+use bevy::prelude::*;
+use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
+use plumb::prelude::*;
+use plumb::scene::load;
+
+use crate::rig::*;
+
+/// What one scope of two threads allocates, at least and at most.
+const OF_SCOPE: [u64; 2] = [2, 4];
+
+/// A scene after that many steps.
+fn settled(scene: &str, parameters: &[(&str, f64)], threads: u32, steps: u32) -> World {
+    let parameters: Vec<_> = parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
+    let mut world = std::mem::take(headless_app().world_mut());
+    world.insert_resource(SolverSettings { threads, ..SolverSettings::game() });
+    load(scene, &parameters).unwrap().spawn(&mut world);
+    (0..steps).for_each(|_| step(&mut world));
+    world
+}
+
+/// The scenes, with the steps after which they are steady, and how many scopes a step of theirs
+/// opens with two threads: one to find contacts where there is more than one chunk of pairs, one
+/// for each large group of bodies, one for the small groups where there are several.
+const SCENES: [(&str, &[(&str, f64)], u32, u64); 6] = [
+    ("stack", &[("n", 10.0)], 300, 0),
+    ("pyramid", &[("n", 12.0)], 400, 1),
+    ("pyramids", &[("n", 2.0)], 400, 2),
+    ("joint_grid", &[("n", 30.0)], 100, 1),
+    ("chain", &[], 100, 0),
+    ("limbs", &[], 900, 0),
+];
+
+/// Allocations of this thread in each steady one of a hundred steps.
+fn of_steady_steps(world: &mut World) -> Vec<u64> {
+    let touching = |world: &World| {
+        let stats = world.resource::<StepStats>();
+        (stats.pairs, stats.manifolds, stats.contact_points, stats.islands)
+    };
+    let counts = (0..100).filter_map(|_| {
+        let before = touching(world);
+        let used = allocation_counter::measure(|| step(world));
+        (touching(world) == before).then_some(used.count_total)
+    });
+    counts.collect()
+}
+
+#[test]
+fn a_steady_step_allocates_nothing() {
+    start_pool();
+    for (scene, parameters, steps, _) in SCENES {
+        let counts = of_steady_steps(&mut settled(scene, parameters, 1, steps));
+        assert!(counts.len() > 80, "{scene}: only {} steps were steady", counts.len());
+        assert!(counts.iter().all(|&count| count == 0), "{scene}: {counts:?}");
+    }
+}
+
+/// In a process of its own: a thread that waits for its scope works for other tests meanwhile.
+#[test]
+fn a_steady_step_of_two_threads_allocates_its_tasks_alone() {
+    let me = std::env::current_exe().unwrap();
+    let alone = Command::new(me).args(["--exact", "allocations::of_two_threads", "--ignored"]).output().unwrap();
+    let said = String::from_utf8_lossy(&alone.stdout);
+    assert!(alone.status.success() && said.contains("1 passed"), "{said}");
+}
+
+#[test]
+#[ignore = "run by the test above, alone"]
+fn of_two_threads() {
+    ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(1).build());
+    for (scene, parameters, steps, scopes) in SCENES {
+        let counts = of_steady_steps(&mut settled(scene, parameters, 2, steps));
+        assert!(counts.len() > 80, "{scene}: only {} steps were steady", counts.len());
+        let [least, most] = OF_SCOPE.map(|count| count * scopes);
+        let queue_block = u64::from(scopes > 0);
+        assert!(counts.iter().all(|count| (least..=most + queue_block).contains(count)), "{scene}: {counts:?}");
+    }
+}
+
+/// Bytes allocated, and not freed again, to make a world of that many bodies and to take ten steps.
+fn kept(bodies: u32, make: impl Fn(&mut World, u32)) -> f64 {
+    let mut world = None;
+    let used = allocation_counter::measure(|| {
+        let world = world.insert(weightless(SolverSettings::game()));
+        (0..bodies).for_each(|index| make(world, index));
+        steps(world, 10);
+    });
+    used.bytes_current as f64
+}
+
+/// Bytes more for each more body of that kind. Powers of two: that many fill what grows by doubling.
+fn bytes_per_body(make: impl Fn(&mut World, u32) + Copy) -> f64 {
+    (kept(8192, make) - kept(4096, make)) / 4096.0
+}
+
+/// The numbers that `docs/performance.md` states under *Memory*.
+#[test]
+fn memory_by_body_contact_and_joint_is_as_stated() {
+    let apart = |index: u32| DVec3::new(3.0 * f64::from(index), 0.0, 0.0);
+    let alone = |world: &mut World, index| _ = body(world, Collider::sphere(0.5), apart(index));
+    // Each in contact with one that does not move, or held by it.
+    let fixed = |world: &mut World, index| {
+        alone(world, index);
+        world.spawn((RigidBody::Static, Collider::sphere(0.5), Position(apart(index) + DVec3::Y * 1.5)));
+    };
+    let touching = |world: &mut World, index| {
+        alone(world, index);
+        world.spawn((RigidBody::Static, Collider::sphere(0.5), Position(apart(index) + DVec3::Y * 0.999)));
+    };
+    let held = |world: &mut World, index| {
+        let ball = body(world, Collider::sphere(0.5), apart(index));
+        let post =
+            world.spawn((RigidBody::Static, Collider::sphere(0.5), Position(apart(index) + DVec3::Y * 1.5))).id();
+        world.spawn(BallJoint::new(post, ball).with_anchors(DVec3::ZERO, DVec3::Y * 1.5));
+    };
+    // Two joints between two bodies are a loop.
+    let looped = |world: &mut World, index| {
+        let [one, other] = [0.0, 1.5].map(|y| body(world, Collider::sphere(0.5), apart(index) + DVec3::Y * y));
+        for x in [-0.1, 0.1] {
+            let anchors = [DVec3::new(x, 0.75, 0.0), DVec3::new(x, -0.75, 0.0)];
+            world.spawn(BallJoint::new(one, other).with_anchors(anchors[0], anchors[1]));
+        }
+    };
+    let of_body = bytes_per_body(alone);
+    let of_fixed = bytes_per_body(fixed) - of_body;
+    let of_contact = bytes_per_body(touching) - of_body - of_fixed;
+    let of_tree_joint = bytes_per_body(held) - of_body - of_fixed;
+    let of_swept_joint = (bytes_per_body(looped) - 2.0 * of_body) / 2.0;
+    for (what, bytes, stated) in [
+        ("body", of_body, 2000.0),
+        ("fixed body", of_fixed, 1350.0),
+        ("contact", of_contact, 1590.0),
+        ("joint of a tree", of_tree_joint, 3570.0),
+        ("swept joint", of_swept_joint, 980.0),
+    ] {
+        // Maps that grow by doubling have any load.
+        assert!((bytes - stated).abs() <= 0.02 * stated, "{bytes} bytes a {what} instead of {stated}");
+    }
+}
