@@ -98,12 +98,24 @@ fn the_default_holds_any_load_on_a_chain() {
     }
 }
 
+/// Islands at rest are solved directly: there is no border.
 #[test]
-fn the_default_holds_what_its_maps_claim() {
-    let default = SolverSettings::default();
-    border(default, "sandwich", "r", 4.0, [300.0, 1e4]).check();
-    border(default, "stack", "n", 5.0, [20.0, 60.0]).check();
-    border(default, "top", "spin", 3.0, [10.0, 1000.0]).check();
+fn the_default_holds_any_load_at_rest() {
+    let default = SolverSettings { sleep_speed: None, ..SolverSettings::default() };
+    for (scene, parameter, value) in
+        [("sandwich", "r", 1e4), ("sandwich", "r", 1e6), ("stack", "n", 60.0)]
+    {
+        let (verdict, reason) = border(default, scene, parameter, 4.0, [value; 2]).verdict(value);
+        assert_eq!(verdict, Verdict::Holds, "{scene} {parameter}={value}: {reason}");
+    }
+}
+
+#[test]
+fn the_soft_step_at_full_effort_holds_what_its_maps_claim() {
+    let full = SolverSettings { fitted_effort: false, ..SolverSettings::default() };
+    border(full, "sandwich", "r", 4.0, [300.0, 1e4]).check();
+    border(full, "stack", "n", 5.0, [20.0, 60.0]).check();
+    border(full, "top", "spin", 3.0, [10.0, 1000.0]).check();
 }
 
 /// Their sweeps carry joints and contacts, as far as sweeps go.

@@ -93,6 +93,7 @@ impl EngineKind {
         #[cfg(feature = "box3d")]
         all.insert(2, Self::Box3d);
         all.extend(&presets[1..]);
+        all.push(Self::Plumb { preset: plumb::FULL_EFFORT });
         all
     }
 

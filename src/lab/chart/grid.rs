@@ -18,7 +18,7 @@ fn awake(settings: SolverSettings) -> SolverSettings {
 
 /// All curves, in the order of their colours. Nothing sleeps in them: what a method does with a scene at rest is to be
 /// seen.
-pub const SERIES: [Series; 6] = [
+pub const SERIES: [Series; 7] = [
     Series { name: "game f32", base: || awake(SolverSettings::game()) },
     Series { name: "sequential impulses f32", base: || awake(SolverSettings::sequential_impulses()) },
     Series { name: "xpbd f32", base: || awake(SolverSettings::xpbd()) },
@@ -31,6 +31,10 @@ pub const SERIES: [Series; 6] = [
             precision: Precision::F64,
             ..SolverSettings::steady()
         },
+    },
+    Series {
+        name: "game, full effort f32",
+        base: || SolverSettings { fitted_effort: false, ..awake(SolverSettings::game()) },
     },
 ];
 

@@ -263,6 +263,7 @@ const MARKERS: [(MarkerShape, [u8; 3]); SERIES.len()] = [
     (MarkerShape::Cross, palette::PURPLE),
     (MarkerShape::Diamond, palette::ORANGE),
     (MarkerShape::Asterisk, palette::YELLOW),
+    (MarkerShape::Down, palette::SKY),
 ];
 
 fn color([r, g, b]: [u8; 3]) -> egui::Color32 {
