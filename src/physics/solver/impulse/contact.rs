@@ -149,7 +149,8 @@ impl<L: Lanes> ContactBlock<L> {
     /// One that does nothing.
     pub fn idle() -> Self {
         let (zero, none) = (L::zero(), Vector3::repeat(L::zero()));
-        let point = Point { angular_a: none, angular_b: none, separation: zero, mass: zero, relaxed: zero, impulse: zero };
+        let point =
+            Point { angular_a: none, angular_b: none, separation: zero, mass: zero, relaxed: zero, impulse: zero };
         Self {
             a: [READ_ONLY; WIDTH],
             b: [READ_ONLY; WIDTH],
