@@ -102,9 +102,7 @@ fn the_default_holds_any_load_on_a_chain() {
 #[test]
 fn the_default_holds_any_load_at_rest() {
     let default = SolverSettings { sleep_speed: None, ..SolverSettings::default() };
-    for (scene, parameter, value) in
-        [("sandwich", "r", 1e4), ("sandwich", "r", 1e6), ("stack", "n", 60.0)]
-    {
+    for (scene, parameter, value) in [("sandwich", "r", 1e4), ("sandwich", "r", 1e6), ("stack", "n", 60.0)] {
         let (verdict, reason) = border(default, scene, parameter, 4.0, [value; 2]).verdict(value);
         assert_eq!(verdict, Verdict::Holds, "{scene} {parameter}={value}: {reason}");
     }

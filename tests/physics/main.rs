@@ -8,6 +8,7 @@ mod cones;
 mod determinism;
 mod endurance;
 mod far;
+mod fast_bodies;
 mod free_motion;
 mod friction;
 mod hulls;

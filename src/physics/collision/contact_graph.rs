@@ -10,9 +10,11 @@ use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::contact_pair::{self, PairSearch};
+use super::hold_back::FastPair;
 use super::near_pairs::NearPairs;
 use super::pair_slots::PairSlot;
-use super::{ContactPoint, Contacts, FeatureId, Manifold, Pair};
+use super::time_of_impact::{self, Course, Impact};
+use super::{ContactPoint, Contacts, FeatureId, Manifold, Overlap, Pair};
 use crate::physics::bit_set::{BitSet, ones};
 use crate::physics::bodies::{Bodies, Body};
 use crate::physics::body::RigidBody;
@@ -151,8 +153,12 @@ pub(crate) struct Slot {
     pub restitution: f32,
     /// Counts how often the manifold was found.
     pub times_found: u32,
+    /// How B moves to A until the contact found ahead, world axes, m: its points are where they will touch then.
+    pub ahead: Vector3<f64>,
     features: [FeatureId; POINTS],
     found_at: Option<RelativePose>,
+    /// Up to which gap it was looked for, m.
+    found_within: f64,
     /// Smaller bounding radius.
     size: f64,
     /// Bounding radius of B, or what its points can be from its centre.
@@ -173,8 +179,10 @@ impl Default for Slot {
             entities: (Entity::PLACEHOLDER, Entity::PLACEHOLDER),
             restitution: 0.0,
             times_found: 0,
+            ahead: Vector3::zeros(),
             features: [FeatureId::default(); POINTS],
             found_at: None,
+            found_within: 0.0,
             size: 0.0,
             reach: 0.0,
             origin: Vector3::zeros(),
@@ -200,6 +208,8 @@ pub(crate) struct ContactGraph {
     manifolds: i64,
     point_count: i64,
     points_asleep: i64,
+    /// Pairs in which a body may move farther than it is thick in this step, by slot.
+    pub fast: Vec<FastPair>,
     /// Pairs that pressed on each other until they were no pairs any more.
     pub parted: Vec<(Entity, Entity)>,
     /// While somebody reads contact forces.
@@ -225,6 +235,7 @@ pub(super) struct Finder {
     /// Change of the number of touching pairs, and of their points.
     manifolds: i64,
     point_count: i64,
+    fast: Vec<FastPair>,
 }
 
 /// Takes in which pairs are near and finds their contacts.
@@ -252,6 +263,7 @@ pub(super) fn update_graph(
     });
     for_each_of(settings.threads, work, |mut chunk| chunk.update(&bodies.list, &settings));
     stats.axes_tested = 0;
+    graph.fast.clear();
     for finder in finders.iter_mut() {
         stats.axes_tested += u64::from(std::mem::take(&mut finder.search.axes));
         let changed = std::mem::take(&mut finder.changed);
@@ -259,6 +271,7 @@ pub(super) fn update_graph(
         graph.presses_changed |= changed;
         graph.manifolds += std::mem::take(&mut finder.manifolds);
         graph.point_count += std::mem::take(&mut finder.point_count);
+        graph.fast.append(&mut finder.fast);
     }
     stats.pairs = graph.active.len();
     stats.manifolds = graph.manifolds as u32;
@@ -368,19 +381,21 @@ struct Chunk<'a> {
 
 impl Chunk<'_> {
     fn update(&mut self, bodies: &[Body], settings: &SolverSettings) {
-        let Finder { search, points, changed, manifolds, point_count } = &mut *self.finder;
+        let Finder { search, points, changed, manifolds, point_count, fast } = &mut *self.finder;
         for index in ones(self.active) {
             let (slot, state) = (&mut self.slots[index as usize], &mut self.states[index as usize]);
             let (a, b) = (&bodies[slot.pair.a as usize], &bodies[slot.pair.b as usize]);
             let pose = RelativePose::of(a, b);
-            if slot.found_at.is_some_and(|found| found.moved(&pose, slot.reach) <= RECYCLED * slot.size) {
+            if slot.found_at.is_some_and(|found| found.moved(&pose, slot.reach) <= RECYCLED * slot.size)
+                && (slot.touching || reachable_gap(a, b, 0.0, settings) <= slot.found_within - RECYCLED * slot.size)
+            {
                 continue;
             }
             slot.found_at = Some(pose);
             slot.times_found = slot.times_found.wrapping_add(1);
             points.clear();
             let (touched, had) = (slot.touching, state.geometry.point_count());
-            slot.find(state, a, b, settings, search, points);
+            fast.extend(slot.find(state, a, b, settings, search, points));
             *changed |= slot.touching != touched;
             *manifolds += i64::from(slot.touching) - i64::from(touched);
             *point_count += state.geometry.point_count() as i64 - had as i64;
@@ -401,7 +416,7 @@ pub(super) fn own_reachable_gap(body: &Body, settings: &SolverSettings) -> f64 {
 }
 
 /// Greatest speed that turning gives a point of the body, m/s; on a half-space, one that reaches far.
-fn turning_speed(body: &Body) -> f64 {
+pub(super) fn turning_speed(body: &Body) -> f64 {
     body.angular.norm() * body.radius.min(1e6)
 }
 
@@ -411,7 +426,7 @@ impl Slot {
         a.rotation * self.origin
     }
 
-    /// Finds the manifold for the present poses.
+    /// Finds the manifold for the present poses or, if the pair is fast, those at its impact. Returns it if it is.
     fn find(
         &mut self,
         state: &mut ContactState,
@@ -420,43 +435,75 @@ impl Slot {
         settings: &SolverSettings,
         search: &mut PairSearch,
         points: &mut Vec<ContactPoint>,
+    ) -> Option<FastPair> {
+        let h = settings.step();
+        self.found_within = reachable_gap(a, b, self.size, settings);
+        search.last = None;
+        let is_fast = time_of_impact::moves_far(a, b, h) || time_of_impact::moves_far(b, a, h);
+        let course = if is_fast { time_of_impact::course(a, b, h, search, points) } else { Course::Touching };
+        let meeting =
+            match course {
+                Course::Touching => contact_pair::touch(a, b, self.found_within, search, points)
+                    .map(|overlap| Impact { time: 0.0, at: [a.position, b.position], overlap }),
+                Course::Impact(impact) => {
+                    // To be found again in the next step, however little is left of the approach.
+                    self.found_at = None;
+                    Some(impact)
+                }
+                Course::Apart => None,
+            };
+        if let Some(meeting) = &meeting {
+            points.truncate(POINTS);
+            self.take_in(state, a, b, meeting, settings, points);
+        } else {
+            *state = ContactState::default();
+        }
+        self.touching = meeting.is_some();
+        is_fast.then(|| FastPair::new(self.pair, a, b, h, meeting.map(|meeting| meeting.time)))
+    }
+
+    /// Takes in the points found where the bodies meet.
+    fn take_in(
+        &mut self,
+        state: &mut ContactState,
+        a: &Body,
+        b: &Body,
+        &Impact { time, at, overlap: Overlap { normal, .. } }: &Impact,
+        settings: &SolverSettings,
+        points: &[ContactPoint],
     ) {
         let mut material = a.material.pair(b.material);
         if settings.friction == FrictionModel::Off {
             material.friction = 0.0;
         }
-        let gap = reachable_gap(a, b, self.size, settings);
-        search.last = None;
-        let Some(overlap) = contact_pair::touch(a, b, gap, search, points) else {
-            self.touching = false;
-            *state = ContactState::default();
-            return;
-        };
-        points.truncate(POINTS);
         let old = std::mem::take(state);
-        let normal = a.rotation.inverse_transform_vector(&overlap.normal);
-        let [tangent, _] = tangents(&normal);
+        let normal_in_a = a.rotation.inverse_transform_vector(&normal);
+        let [tangent, _] = tangents(&normal_in_a);
+        let apart = at[1] - at[0];
+        self.ahead = apart - (b.position - a.position);
         self.origin = match a.kind {
-            RigidBody::Static => a.rotation.inverse_transform_vector(&(b.position - a.position)),
+            RigidBody::Static => a.rotation.inverse_transform_vector(&apart),
             RigidBody::Dynamic | RigidBody::Kinematic => Vector3::zeros(),
         };
         let origin = self.origin;
         let places = points.iter().map(|point| {
-            let half = overlap.normal * (0.5 * point.depth);
-            let on_a = a.rotation.inverse_transform_vector(&(point.point + half - a.position)) - origin;
-            let on_b = b.rotation.inverse_transform_vector(&(point.point - half - b.position));
+            let [arm_a, arm_b] = at.map(|center| point.point - center);
+            // Rows are straight: points that meet later are as far apart now as their speed then will close.
+            let approach = (a.point_velocity(&arm_a) - b.point_velocity(&arm_b)).dot(&normal);
+            let half = normal * (0.5 * (point.depth - approach.max(0.0) * time));
+            let on_a = a.rotation.inverse_transform_vector(&(arm_a + half)) - origin;
+            let on_b = b.rotation.inverse_transform_vector(&(arm_b - half));
             (on_a, on_b)
         });
-        state.geometry = ContactGeometry::new(&normal, &tangent, material.friction, points.len(), places);
+        state.geometry = ContactGeometry::new(&normal_in_a, &tangent, material.friction, points.len(), places);
         self.restitution = material.restitution as f32;
         if self.touching {
             self.carry_pushes(&old, state, points);
             self.carry_friction(&old, state);
         }
-        for (kept, point) in self.features.iter_mut().zip(&*points) {
+        for (kept, point) in self.features.iter_mut().zip(points) {
             *kept = point.feature;
         }
-        self.touching = true;
     }
 
     /// Each point takes over what the old point of its feature pushed. Where edges lie on edges, rounding decides
@@ -530,7 +577,8 @@ pub(super) fn export_contacts(
         let first = contacts.points.len();
         for index in 0..state.geometry.point_count() {
             let (on_a, on_b) = state.geometry.point(index);
-            let (on_a, on_b) = (a.rotation * (on_a + slot.origin), b.rotation * on_b + (b.position - a.position));
+            let apart = b.position - a.position + slot.ahead;
+            let (on_a, on_b) = (a.rotation * (on_a + slot.origin), b.rotation * on_b + apart);
             contacts.points.push(ContactPoint {
                 point: a.position + (on_a + on_b) * 0.5,
                 depth: normal.dot(&(on_a - on_b)),

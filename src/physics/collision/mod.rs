@@ -28,6 +28,7 @@ mod ellipse;
 mod extreme_vertices;
 mod fat_box;
 mod feature_sat;
+mod hold_back;
 mod narrow_phase;
 mod near_pairs;
 mod pair_slots;
@@ -40,6 +41,7 @@ mod probe;
 mod sat;
 mod sweep_and_sort;
 mod swept_pairs;
+mod time_of_impact;
 pub(crate) mod vector_set;
 
 #[cfg(all(test, feature = "lab"))]
@@ -190,6 +192,10 @@ pub(super) fn plugin(app: &mut App) {
                 near_pairs::update_pairs.in_set(PhysicsSystems::BroadPhase).run_if(contacts_last),
                 narrow_phase::find_contacts.in_set(PhysicsSystems::NarrowPhase).run_if(not(contacts_last)),
                 contact_graph::update_graph.in_set(PhysicsSystems::NarrowPhase).run_if(contacts_last),
+                hold_back::hold_back
+                    .after(PhysicsSystems::Solve)
+                    .before(PhysicsSystems::WriteBack)
+                    .run_if(contacts_last),
                 contact_graph::export_contacts
                     .after(PhysicsSystems::NarrowPhase)
                     .before(PhysicsSystems::Islands)

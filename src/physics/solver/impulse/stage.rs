@@ -422,9 +422,9 @@ impl<L: Lanes> Walk<'_, L> {
         let GroupContact { slot, a, b } = self.contacts[contact as usize];
         // SAFETY: a contact is its group's own.
         let state = unsafe { self.world.states.get(slot as usize) };
-        let mut apart = self.apart(a, b);
+        let slot = &self.world.slots[slot as usize];
+        let mut apart = self.apart(a, b) + slot.ahead;
         if a & READ_ONLY != 0 {
-            let slot = &self.world.slots[slot as usize];
             // SAFETY: nobody writes bodies while rows are made from them.
             apart -= slot.origin_in_world(unsafe { self.world.bodies.get(slot.pair.a as usize) });
         }

@@ -1,0 +1,162 @@
+//! What is fast does not get through, whatever turns it aside.
+//!
+//! The contacts of a step are found on the way that bodies would take alone. One that is turned aside, by
+//! the first of two walls or by a joint, or that spins on about the corner it struck with, may get
+//! beyond a body that was not in its way. So of pairs in which a body moves farther than it is thick (see
+//! [`time_of_impact`]) the way that it did take is followed after the solve, with its *core* in its place: the
+//! shape with half of its thickness taken off. The way is steady up to the first impact of either, as it was
+//! found, and steady again from there to the pose after the solve. Where the core touches, the body is held back:
+//! what takes it there goes out of its velocity, and the next step finds a contact.
+
+use std::f64::consts::TAU;
+
+use bevy::prelude::*;
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::contact_graph::ContactGraph;
+use super::contact_pair::PairSearch;
+use super::time_of_impact::{self, Course, Impact, advanced, inner_radius};
+use super::{ContactPoint, Pair};
+use crate::physics::bodies::{Bodies, Body, world_inverse_inertia};
+use crate::physics::collider::Geometry;
+use crate::physics::settings::SolverSettings;
+
+/// Share of the radius of the ball that a body holds that its core has.
+const CORE: f64 = 0.5;
+
+/// How a body moves from the start of the step.
+#[derive(Clone, Copy, Debug)]
+struct Start {
+    position: Vector3<f64>,
+    rotation: UnitQuaternion<f64>,
+    linear: Vector3<f64>,
+    angular: Vector3<f64>,
+}
+
+impl Start {
+    fn of(&Body { position, rotation, linear, angular, .. }: &Body) -> Self {
+        Self { position, rotation, linear, angular }
+    }
+
+    /// The body at a time, with the steady velocity that takes it to where it is now, a time `left` later.
+    fn onwards(&self, body: &Body, time: f64, left: f64) -> Body {
+        let Self { position, rotation, linear, angular } = *self;
+        let (position, rotation) = advanced(&Body { position, rotation, linear, angular, ..body.clone() }, time);
+        let mut turn = (body.rotation * rotation.inverse()).scaled_axis();
+        // Of all turns between the two poses the one nearest to what the angular velocity makes.
+        if let Some(axis) = turn.try_normalize(1e-9) {
+            let missing = body.angular.dot(&axis) * left - turn.norm();
+            turn += axis * ((missing / TAU).round() * TAU);
+        }
+        let linear = (body.position - position) / left;
+        Body { position, rotation, linear, angular: turn / left, ..body.clone() }
+    }
+}
+
+/// A pair in which a body may move farther than it is thick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FastPair {
+    pair: Pair,
+    starts: [Start; 2],
+    /// Which of them are fast.
+    fast: [bool; 2],
+    /// When they meet if nothing else is met before, s.
+    impact: Option<f64>,
+}
+
+impl FastPair {
+    pub fn new(pair: Pair, a: &Body, b: &Body, h: f64, impact: Option<f64>) -> Self {
+        let fast = [time_of_impact::moves_far(a, b, h), time_of_impact::moves_far(b, a, h)];
+        Self { pair, starts: [Start::of(a), Start::of(b)], fast, impact }
+    }
+}
+
+/// The body with its core for its shape.
+fn core(body: Body) -> Body {
+    let inner = inner_radius(&body);
+    let geometry = match &body.geometry {
+        Some(Geometry::Cuboid { half }) => Geometry::Cuboid { half: half.add_scalar(-CORE * inner) },
+        Some(Geometry::Cone { radius, height, hull }) => {
+            Geometry::Cone { radius: CORE * radius, height: CORE * height, hull: hull.clone() }
+        }
+        _ => Geometry::Sphere { radius: CORE * inner },
+    };
+    let radius = match &geometry {
+        Geometry::Cuboid { half } => half.norm(),
+        Geometry::Sphere { radius } => *radius,
+        _ => CORE * body.radius,
+    };
+    Body { geometry: Some(geometry), radius, ..body }
+}
+
+/// Follows the fast pairs of this step, in the order of their slots. Who is held back once is followed no farther.
+pub(super) fn hold_back(
+    graph: Res<ContactGraph>,
+    mut bodies: ResMut<Bodies>,
+    settings: Res<SolverSettings>,
+    mut search: Local<PairSearch>,
+    mut points: Local<Vec<ContactPoint>>,
+    mut first_impacts: Local<Vec<(u32, f64)>>,
+) {
+    let h = settings.step();
+    first_impacts.clear();
+    let both = |fast: &FastPair| fast.impact.map(|time| [(fast.pair.a, time), (fast.pair.b, time)]);
+    first_impacts.extend(graph.fast.iter().filter_map(both).flatten());
+    first_impacts.sort_unstable_by(|one, other| one.0.cmp(&other.0).then(one.1.total_cmp(&other.1)));
+    let first_impact = |body: u32| {
+        let first = first_impacts.partition_point(|&(known, _)| known < body);
+        first_impacts.get(first).filter(|(known, _)| *known == body).map_or(h, |(_, time)| *time)
+    };
+    for &FastPair { pair: Pair { a, b }, starts, fast, .. } in &graph.fast {
+        let turned_aside = first_impact(a).min(first_impact(b));
+        let since = if turned_aside < h { turned_aside } else { 0.0 };
+        let pair = [a as usize, b as usize];
+        let ways: [Body; 2] = std::array::from_fn(|one| starts[one].onwards(&bodies.list[pair[one]], since, h - since));
+        let [one, other] =
+            std::array::from_fn(|one| if fast[one] { core(ways[one].clone()) } else { ways[one].clone() });
+        search.last = None;
+        let course = time_of_impact::course(&one, &other, h - since, &mut search, &mut points);
+        if let Course::Impact(impact) = course {
+            hold(&mut bodies.list, pair, &ways, fast, impact.time);
+            stop(&mut bodies.list, pair, &impact, &points);
+        }
+    }
+}
+
+/// Puts the fast ones of two bodies where they are on their ways at a time, s. One that is not fast, or goes where it is
+/// told, goes on and takes along what it has met.
+fn hold(bodies: &mut [Body], pair: [usize; 2], ways: &[Body; 2], fast: [bool; 2], time: f64) {
+    let held = [0, 1].map(|one| fast[one] && bodies[pair[one]].is_dynamic());
+    for one in (0..2).filter(|&one| held[one]) {
+        let (mut position, mut rotation) = advanced(&ways[one], time);
+        let other = 1 - one;
+        if !held[other] {
+            let (met_at, met_turned) = advanced(&ways[other], time);
+            let end = &bodies[pair[other]];
+            let turned = end.rotation * met_turned.inverse();
+            (position, rotation) = (end.position + turned * (position - met_at), turned * rotation);
+        }
+        let body = &mut bodies[pair[one]];
+        (body.position, body.rotation) = (position, rotation);
+    }
+}
+
+/// Takes the approach out of two bodies where they met, by an impulse along the normal at the first point: what is left
+/// of it would press soft contacts in by as much as a core is thick.
+fn stop(bodies: &mut [Body], pair: [usize; 2], impact: &Impact, points: &[ContactPoint]) {
+    let (Some(point), n) = (points.first(), impact.overlap.normal) else { return };
+    let arms = impact.at.map(|center| point.point - center);
+    let turning = |one: usize| {
+        let body = &bodies[pair[one]];
+        world_inverse_inertia(&body.inverse_inertia_body, &body.rotation, &body.rotation_freedom) * arms[one].cross(&n)
+    };
+    let (turns, pushes) = ([turning(0), turning(1)], pair.map(|body| bodies[body].inverse_mass.component_mul(&n)));
+    let give: f64 = (0..2).map(|one| n.dot(&(pushes[one] + turns[one].cross(&arms[one])))).sum();
+    let [a, b] = std::array::from_fn(|one| bodies[pair[one]].point_velocity(&arms[one]).dot(&n));
+    if a > b && give > 0.0 {
+        for (one, impulse) in [(a - b) / -give, (a - b) / give].into_iter().enumerate() {
+            bodies[pair[one]].linear += pushes[one] * impulse;
+            bodies[pair[one]].angular += turns[one] * impulse;
+        }
+    }
+}
