@@ -51,8 +51,7 @@ fn reachable(bodies: &[Body], joined: &JoinedPairs) -> BTreeSet<Pair> {
         if may_pair(ground, other) && other.position.y - ground.position.y <= gap {
             pairs.insert(Pair { a: 0, b: b as u32 });
         }
-        for a in 1..b {
-            let one = &bodies[a];
+        for (a, one) in bodies.iter().enumerate().take(b).skip(1) {
             let gap = reachable_gap(one, other, one.radius.min(other.radius), &settings());
             let distance = (one.position - other.position).norm() - one.radius - other.radius;
             if may_pair(one, other) && distance <= gap && !joined.contains(a as u32, b as u32) {

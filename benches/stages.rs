@@ -1,0 +1,80 @@
+//! What each phase of a step costs, on three scenes that have settled.
+//!
+//! `cargo bench --profile measure --no-default-features --features lab --bench stages`
+//!
+//! Whole steps run, with a clock read between the sets of the schedule: a phase alone would find
+//! its data in other caches than it does in a step. A reading takes some 30 ns.
+
+use std::time::{Duration, Instant};
+
+use bevy::prelude::*;
+use criterion::{Criterion, criterion_group, criterion_main};
+use plumb::prelude::PhysicsSystems::{BroadPhase, Diagnose, Events, Islands, NarrowPhase, Prepare, Solve, WriteBack};
+use plumb::prelude::*;
+
+/// The phases, in the order of [`PhysicsSystems`].
+const PHASES: [&str; 7] = ["gather", "broad phase", "narrow phase", "islands", "solve", "write-back", "events"];
+
+/// When each phase of the last step began, and the last one ended.
+#[derive(Resource)]
+struct Marks([Instant; PHASES.len() + 1]);
+
+fn mark<const INDEX: usize>(mut marks: ResMut<Marks>) {
+    marks.0[INDEX] = Instant::now();
+}
+
+/// A scene that has run for a second, with a clock in its schedule.
+fn settled(scene: &str, parameters: &[(&str, f64)], threads: u32) -> App {
+    let parameters: Vec<_> = parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
+    let mut app = headless_app();
+    app.insert_resource(SolverSettings { threads, ..SolverSettings::game() });
+    app.insert_resource(Marks([Instant::now(); PHASES.len() + 1]));
+    app.add_systems(
+        PhysicsSchedule,
+        (
+            mark::<0>.before(Prepare),
+            mark::<1>.after(Prepare).before(BroadPhase),
+            mark::<2>.after(BroadPhase).before(NarrowPhase),
+            mark::<3>.after(NarrowPhase).before(Islands),
+            mark::<4>.after(Islands).before(Solve),
+            mark::<5>.after(Solve).before(WriteBack),
+            mark::<6>.after(WriteBack).before(Events),
+            mark::<7>.after(Events).before(Diagnose),
+        ),
+    );
+    plumb::scene::load(scene, &parameters).expect("a built-in scene").spawn(app.world_mut());
+    for _ in 0..60 {
+        step(app.world_mut());
+    }
+    app
+}
+
+/// What a phase takes in so many steps.
+fn spent(world: &mut World, phase: usize, steps: u64) -> Duration {
+    let one_step = |_| {
+        step(world);
+        let marks = &world.resource::<Marks>().0;
+        marks[phase + 1] - marks[phase]
+    };
+    (0..steps).map(one_step).sum()
+}
+
+fn phases(criterion: &mut Criterion) {
+    for (scene, parameters) in [("pyramid", [("n", 40.0)]), ("pyramids", [("n", 8.0)]), ("joint_grid", [("n", 100.0)])]
+    {
+        for threads in [1, 2] {
+            let mut app = settled(scene, &parameters, threads);
+            let mut group = criterion.benchmark_group(format!("{scene} {}, threads {threads}", parameters[0].1));
+            group.sample_size(10).measurement_time(Duration::from_secs(2)).warm_up_time(Duration::from_millis(300));
+            for (phase, name) in PHASES.into_iter().enumerate() {
+                group.bench_function(name, |bencher| {
+                    bencher.iter_custom(|steps| spent(app.world_mut(), phase, steps));
+                });
+            }
+            group.finish();
+        }
+    }
+}
+
+criterion_group!(benches, phases);
+criterion_main!(benches);
