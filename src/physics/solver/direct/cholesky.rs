@@ -128,7 +128,7 @@ fn invert(block: &Block) -> Option<Block> {
     let (mut factor, mut inverse) = (*block, Block::identity());
     for pivot in 0..6 {
         let square = factor[(pivot, pivot)];
-        if !(square > 0.0) {
+        if square.is_nan() || square <= 0.0 {
             return None;
         }
         let scale = 1.0 / square.sqrt();

@@ -250,6 +250,10 @@ impl DirectIsland {
         if !self.members.iter().all(is_calm) || !self.joints.iter().all(is_rigid) {
             return false;
         }
+        // One that meets something fast within the step has its points where they will be then.
+        if self.contacts.iter().any(|&slot| world.slot(slot).ahead != Vector3::zeros()) {
+            return false;
+        }
         if self.pause_left > 0 {
             self.pause_left -= 1;
             return false;

@@ -194,7 +194,7 @@ impl Patch {
             normal: self.normal,
             levers: self.points.map(|point| point.lever),
             acts: self.points.map(|point| point.pushes),
-            gives: [self.slides, self.twists],
+            gives: [self.slides, self.twists].map(|gives| gives || self.coefficient == 0.0),
         }
     }
 

@@ -305,7 +305,7 @@ impl<L: Lanes> Group<L> {
             let pair = graph.slots[slot as usize].pair;
             [pair.a, pair.b].into_iter().for_each(|body| swept(place, body));
         }
-        self.joints.clear();
+        self.linked.clear();
         if islands.joints(group).is_empty() {
             self.trees.clear();
             return;
@@ -354,7 +354,6 @@ impl<L: Lanes> Group<L> {
             [a, b].into_iter().for_each(|body| swept(place, body));
         }
         let springs = islands.joints(group).iter().copied().filter(is_spring);
-        self.linked.clear();
         self.linked.extend(left_over.iter().map(|&joint| rigid[joint as usize]).chain(springs));
     }
 
@@ -388,6 +387,11 @@ impl<L: Lanes> Group<L> {
     /// Whether any of its contacts may bounce.
     pub fn may_bounce(&self) -> bool {
         self.may_bounce
+    }
+
+    /// Whether anything is left to do when islands at rest are done.
+    pub fn has_work(&self) -> bool {
+        self.own > 0 || !self.flying.is_empty() || !self.trees.is_empty()
     }
 
     /// Whether it is worth more threads than one.

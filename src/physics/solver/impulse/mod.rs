@@ -154,7 +154,7 @@ impl<L: Lanes> GroupsOf<L> {
         let terms = method::terms(settings);
         let records = graph.recording.is_some();
         let presses_changed = AtomicBool::new(false);
-        let mut none = Vec::new();
+        let mut none = [];
         let world = WorldParts::new(bodies, joints, graph, &presses_changed, &mut none);
         let step = |Numbered { group, stages, .. }: &mut Numbered<L>, threads: u32| {
             group.run(stages, &terms, world, records, threads);
@@ -162,11 +162,14 @@ impl<L: Lanes> GroupsOf<L> {
         // Large groups get all threads, one after the other; of the others each thread takes some.
         if settings.threads > 1 {
             groups.iter_mut().filter(|group| group.group.is_large()).for_each(|group| step(group, settings.threads));
-            for_each_block(settings.threads, groups, |group| {
-                if !group.group.is_large() {
-                    step(group, 1);
-                }
-            });
+            let is_small = |group: &Numbered<L>| !group.group.is_large() && group.group.has_work();
+            if groups.iter().any(is_small) {
+                for_each_block(settings.threads, groups, |group| {
+                    if is_small(group) {
+                        step(group, 1);
+                    }
+                });
+            }
         } else {
             groups.iter_mut().for_each(|group| step(group, 1));
         }
@@ -189,7 +192,7 @@ impl<L: Lanes> GroupsOf<L> {
             return total;
         }
         let presses_changed = AtomicBool::new(false);
-        let mut none = Vec::new();
+        let mut none = [];
         let world = WorldParts::new(bodies, joints, graph, &presses_changed, &mut none);
         let h = settings.step() / f64::from(settings.substeps);
         for_each_block(settings.threads, groups, |Numbered { group, at_rest, .. }| {

@@ -115,7 +115,7 @@ impl<'a> WorldParts<'a> {
         joints: &'a mut Joints,
         graph: &'a mut ContactGraph,
         presses_changed: &'a AtomicBool,
-        none: &'a mut Vec<ContactImpulses>,
+        none: &'a mut [ContactImpulses],
     ) -> Self {
         Self {
             bodies: Shared::new(&mut bodies.list),
@@ -123,7 +123,7 @@ impl<'a> WorldParts<'a> {
             states: Shared::new(&mut graph.states),
             slots: &graph.slots,
             presses_changed,
-            totals: Shared::new(graph.recording.as_mut().map_or(none, |recording| &mut recording.totals)),
+            totals: Shared::new(graph.recording.as_mut().map_or(none, |recording| recording.totals.as_mut_slice())),
         }
     }
 }
