@@ -151,8 +151,8 @@ pub(crate) struct Slot {
     pub is_pressed: bool,
     pub entities: (Entity, Entity),
     pub restitution: f32,
-    /// Counts how often the manifold was found.
-    pub times_found: u32,
+    /// In which of the graph's updates the manifold was found.
+    pub found_in: u64,
     /// How B moves to A until the contact found ahead, world axes, m: its points are where they will touch then.
     pub ahead: Vector3<f64>,
     features: [FeatureId; POINTS],
@@ -178,7 +178,7 @@ impl Default for Slot {
             is_pressed: false,
             entities: (Entity::PLACEHOLDER, Entity::PLACEHOLDER),
             restitution: 0.0,
-            times_found: 0,
+            found_in: 0,
             ahead: Vector3::zeros(),
             features: [FeatureId::default(); POINTS],
             found_at: None,
@@ -198,6 +198,8 @@ pub(crate) struct ContactGraph {
     pub states: Vec<ContactState>,
     /// Counts every change of which pairs touch.
     pub version: u64,
+    /// Counts updates.
+    updates: u64,
     /// Whether any slot's `is_pressed` may be out of date.
     pub presses_changed: bool,
     /// The slots that a step looks at: not those of pairs in which nothing awake can be moved.
@@ -255,11 +257,12 @@ pub(super) fn update_graph(
     }
     let chunks = graph.slots.len().div_ceil(CHUNK);
     finders.resize_with(chunks, Finder::default);
-    let active = &graph.active;
+    graph.updates += 1;
+    let (active, update) = (&graph.active, graph.updates);
     let slots = graph.slots.chunks_mut(CHUNK).zip(graph.states.chunks_mut(CHUNK)).zip(finders.iter_mut()).enumerate();
     let work = slots.map(|(chunk, ((slots, states), finder))| {
         let active = active.words(chunk * CHUNK, CHUNK);
-        Chunk { slots, states, active, finder }
+        Chunk { slots, states, active, update, finder }
     });
     for_each_of(settings.threads, work, |mut chunk| chunk.update(&bodies.list, &settings));
     stats.axes_tested = 0;
@@ -376,6 +379,8 @@ struct Chunk<'a> {
     slots: &'a mut [Slot],
     states: &'a mut [ContactState],
     active: &'a [u64],
+    /// Which one of the graph's this is.
+    update: u64,
     finder: &'a mut Finder,
 }
 
@@ -392,7 +397,7 @@ impl Chunk<'_> {
                 continue;
             }
             slot.found_at = Some(pose);
-            slot.times_found = slot.times_found.wrapping_add(1);
+            slot.found_in = self.update;
             points.clear();
             let (touched, had) = (slot.touching, state.geometry.point_count());
             fast.extend(slot.find(state, a, b, settings, search, points));

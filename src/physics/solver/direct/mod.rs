@@ -135,7 +135,7 @@ pub(crate) struct DirectIsland {
     partners: Vec<u32>,
     /// Members, then partners, after a step that changed nothing; else empty.
     seen: Vec<Seen>,
-    /// Step, and how often the manifolds had been found.
+    /// Step, and the sum of when the manifolds were found.
     seen_with: (f64, u64),
 }
 
@@ -218,7 +218,7 @@ impl DirectIsland {
     /// Tries a step of length `step`, s, of which the impulses of contacts are kept for `substeps` parts.
     /// `may_skip`: nobody wants to know what pushes where nothing changes.
     pub fn solve(&mut self, world: &impl World, step: f64, substeps: u32, may_skip: bool) -> Outcome {
-        let seen_with = (step * f64::from(substeps), self.times_found(world));
+        let seen_with = (step * f64::from(substeps), self.found_in(world));
         if may_skip && self.seen_with == seen_with && self.is_as_seen(world) {
             return Outcome::Still;
         }
@@ -264,8 +264,8 @@ impl DirectIsland {
         self.analysis == Analysis::Done
     }
 
-    fn times_found(&self, world: &impl World) -> u64 {
-        self.contacts.iter().map(|&slot| u64::from(world.slot(slot).times_found)).sum()
+    fn found_in(&self, world: &impl World) -> u64 {
+        self.contacts.iter().map(|&slot| world.slot(slot).found_in).sum()
     }
 
     /// Whether the last step changed nothing, nor anybody since. Joints are not looked at, so with them it is not.
