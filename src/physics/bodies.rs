@@ -188,6 +188,8 @@ pub(crate) struct Joint {
 #[derive(Resource, Default)]
 pub(crate) struct Joints {
     pub list: Vec<Joint>,
+    /// The bodies that they hold.
+    pub joined: BitSet,
     /// Counts every time they were packed anew, which is also when a body came, went or changed its kind.
     pub version: u64,
 }

@@ -62,6 +62,30 @@ fn the_house_of_cards_stands() {
     assert!(error(&metrics) < 0.02, "{} m", error(&metrics));
 }
 
+/// At the default settings nothing sleeps in the lab: what stands still is held by the solver.
+#[test]
+fn arch_and_house_of_cards_do_not_creep_in_a_minute() {
+    for scene in ["arch", "card_house"] {
+        let mut simulation = Simulation::new(load(scene, &[]).unwrap(), awake());
+        let places = |simulation: &Simulation| -> Vec<DVec3> {
+            simulation.sample().bodies.iter().map(|body| body.position).collect()
+        };
+        let touching = places(&simulation);
+        (0..60).for_each(|_| simulation.step());
+        let settled = places(&simulation);
+        (60..3600).for_each(|_| simulation.step());
+        let farthest = |from: &[DVec3]| {
+            places(&simulation).iter().zip(from).map(|(now, then)| now.distance(*then)).fold(0.0, f64::max)
+        };
+        let (crept, moved) = (farthest(&settled), farthest(&touching));
+        assert!(crept < 1e-4 && moved < 1e-3, "{scene} creeps by {crept} m and has moved by {moved} m");
+    }
+}
+
+fn awake() -> SolverSettings {
+    SolverSettings { sleep_speed: None, ..SolverSettings::game() }
+}
+
 /// The decks of the outer pairs hang on to 0.319 of their weight (see the scene).
 #[test]
 fn the_house_of_cards_falls_without_enough_friction() {

@@ -13,6 +13,7 @@ mod free_motion;
 mod friction;
 mod hulls;
 mod impact;
+mod joints_and_contacts;
 mod lasting_contacts;
 mod messages;
 mod methods;

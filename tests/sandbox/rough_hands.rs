@@ -45,7 +45,6 @@ fn worst(stage: &mut Stage) -> (f64, f64) {
 }
 
 #[test]
-#[ignore = "known to fail: since bodies in flight reach what they hit, a limb on swept joints can be flung off"]
 fn the_start_scene_survives_rough_hands() {
     let mut stage = Stage::open("(bodies: [])");
     stage.act(SandboxAction::LoadScene { scene: "limbs".to_owned(), parameters: Vec::new() });

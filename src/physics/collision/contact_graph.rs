@@ -16,7 +16,7 @@ use super::pair_slots::PairSlot;
 use super::time_of_impact::{self, Course, Impact};
 use super::{ContactPoint, Contacts, FeatureId, Manifold, Overlap, Pair};
 use crate::physics::bit_set::{BitSet, ones};
-use crate::physics::bodies::{Bodies, Body};
+use crate::physics::bodies::{Bodies, Body, Joints};
 use crate::physics::body::RigidBody;
 use crate::physics::constraint::contact::tangents;
 use crate::physics::diagnostics::{ContactForces, StepStats};
@@ -244,6 +244,7 @@ pub(super) struct Finder {
 pub(super) fn update_graph(
     bodies: Res<Bodies>,
     near: Res<NearPairs>,
+    joints: Res<Joints>,
     settings: Res<SolverSettings>,
     mut graph: ResMut<ContactGraph>,
     mut finders: Local<Vec<Finder>>,
@@ -262,7 +263,7 @@ pub(super) fn update_graph(
     let slots = graph.slots.chunks_mut(CHUNK).zip(graph.states.chunks_mut(CHUNK)).zip(finders.iter_mut()).enumerate();
     let work = slots.map(|(chunk, ((slots, states), finder))| {
         let active = active.words(chunk * CHUNK, CHUNK);
-        Chunk { slots, states, active, update, finder }
+        Chunk { slots, states, active, update, joined: &joints.joined, finder }
     });
     for_each_of(settings.threads, work, |mut chunk| chunk.update(&bodies.list, &settings));
     stats.axes_tested = 0;
@@ -381,6 +382,8 @@ struct Chunk<'a> {
     active: &'a [u64],
     /// Which one of the graph's this is.
     update: u64,
+    /// The bodies that joints hold.
+    joined: &'a BitSet,
     finder: &'a mut Finder,
 }
 
@@ -400,7 +403,7 @@ impl Chunk<'_> {
             slot.found_in = self.update;
             points.clear();
             let (touched, had) = (slot.touching, state.geometry.point_count());
-            fast.extend(slot.find(state, a, b, settings, search, points));
+            fast.extend(slot.find(state, a, b, self.joined, settings, search, points));
             *changed |= slot.touching != touched;
             *manifolds += i64::from(slot.touching) - i64::from(touched);
             *point_count += state.geometry.point_count() as i64 - had as i64;
@@ -437,6 +440,7 @@ impl Slot {
         state: &mut ContactState,
         a: &Body,
         b: &Body,
+        joined: &BitSet,
         settings: &SolverSettings,
         search: &mut PairSearch,
         points: &mut Vec<ContactPoint>,
@@ -444,7 +448,9 @@ impl Slot {
         let h = settings.step();
         self.found_within = reachable_gap(a, b, self.size, settings);
         search.last = None;
-        let is_fast = time_of_impact::moves_far(a, b, h) || time_of_impact::moves_far(b, a, h);
+        // One on a joint will not go on as it moves now.
+        let is_free = !joined.contains(self.pair.a) && !joined.contains(self.pair.b);
+        let is_fast = is_free && (time_of_impact::moves_far(a, b, h) || time_of_impact::moves_far(b, a, h));
         let course = if is_fast { time_of_impact::course(a, b, h, search, points) } else { Course::Touching };
         let meeting =
             match course {

@@ -6,8 +6,8 @@
 //! [`time_of_impact`]) the way that it did take is followed after the solve, with its *core* in its place: the
 //! shape with half of its thickness taken off. The way is steady up to the first impact of either, as it was
 //! found, and steady again from there to the pose after the solve. Where the core touches, the body is held back:
-//! what takes it there goes out of its velocity, and the next step finds a contact. Bodies on joints are left alone: held
-//! back by itself, one would tear its joints open, and what closes them again would throw it.
+//! what takes it there goes out of its velocity, and the next step finds a contact. Bodies on joints are no
+//! fast pairs: held back by itself, one would tear its joints open, and what closes them again would throw it.
 
 use std::f64::consts::TAU;
 
@@ -18,8 +18,7 @@ use super::contact_graph::ContactGraph;
 use super::contact_pair::PairSearch;
 use super::time_of_impact::{self, Course, Impact, advanced, inner_radius};
 use super::{ContactPoint, Pair};
-use crate::physics::bit_set::BitSet;
-use crate::physics::bodies::{Bodies, Body, Joints, world_inverse_inertia};
+use crate::physics::bodies::{Bodies, Body, world_inverse_inertia};
 use crate::physics::collider::Geometry;
 use crate::physics::settings::SolverSettings;
 
@@ -95,7 +94,6 @@ fn core(body: Body) -> Body {
 pub(super) fn hold_back(
     graph: Res<ContactGraph>,
     mut bodies: ResMut<Bodies>,
-    joints: Res<Joints>,
     settings: Res<SolverSettings>,
     mut search: Local<PairSearch>,
     mut points: Local<Vec<ContactPoint>>,
@@ -104,8 +102,6 @@ pub(super) fn hold_back(
     if graph.fast.is_empty() {
         return;
     }
-    let mut joined = BitSet::default();
-    joints.list.iter().flat_map(|joint| [joint.a, joint.b]).for_each(|body| joined.set(body, true));
     let h = settings.step();
     first_impacts.clear();
     let both = |fast: &FastPair| fast.impact.map(|time| [(fast.pair.a, time), (fast.pair.b, time)]);
@@ -115,8 +111,7 @@ pub(super) fn hold_back(
         let first = first_impacts.partition_point(|&(known, _)| known < body);
         first_impacts.get(first).filter(|(known, _)| *known == body).map_or(h, |(_, time)| *time)
     };
-    let is_free = |fast: &&FastPair| !joined.contains(fast.pair.a) && !joined.contains(fast.pair.b);
-    for &FastPair { pair: Pair { a, b }, starts, fast, .. } in graph.fast.iter().filter(is_free) {
+    for &FastPair { pair: Pair { a, b }, starts, fast, .. } in &graph.fast {
         let turned_aside = first_impact(a).min(first_impact(b));
         let since = if turned_aside < h { turned_aside } else { 0.0 };
         let pair = [a as usize, b as usize];

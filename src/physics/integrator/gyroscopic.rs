@@ -15,6 +15,8 @@
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
+use crate::physics::bodies::rotation_by;
+
 /// Newton's method doubles the digits: four suffice for |hΩ| ≤ 1; no body turns that far in a step
 /// with any accuracy left.
 const ITERATIONS: usize = 6;
@@ -40,6 +42,40 @@ pub(crate) fn rotate(inertia: &Vector3<f64>, angular: &Vector3<f64>, h: f64) -> 
 /// Whether rotation about any axis is free of torque.
 pub(crate) fn is_isotropic(inertia: &Vector3<f64>) -> bool {
     inertia.x == inertia.y && inertia.y == inertia.z
+}
+
+/// The angular velocity, world axes, and the rotation after a time h of a body that is not round; none
+/// where the angular velocity stays what it is.
+pub(crate) fn free_rotation(
+    rotation: &UnitQuaternion<f64>,
+    angular: &Vector3<f64>,
+    inverse_inertia_body: &Vector3<f64>,
+    rotation_freedom: &Vector3<f64>,
+    h: f64,
+) -> Option<(Vector3<f64>, UnitQuaternion<f64>)> {
+    let can_turn = inverse_inertia_body.min() > 0.0 && *rotation_freedom == Vector3::repeat(1.0);
+    if !can_turn || is_isotropic(inverse_inertia_body) || *angular == Vector3::zeros() {
+        return None;
+    }
+    let spin = rotation.inverse_transform_vector(angular);
+    let turned = rotate(&inverse_inertia_body.map(f64::recip), &spin, h);
+    let rotation = rotation * turned.turn;
+    Some((rotation * turned.angular, rotation))
+}
+
+/// Turns a body without torque over a time h.
+pub(crate) fn turn_freely(
+    rotation: &mut UnitQuaternion<f64>,
+    angular: &mut Vector3<f64>,
+    inverse_inertia_body: &Vector3<f64>,
+    rotation_freedom: &Vector3<f64>,
+    h: f64,
+) {
+    match free_rotation(rotation, angular, inverse_inertia_body, rotation_freedom, h) {
+        Some(turned) => (*angular, *rotation) = turned,
+        None if *angular != Vector3::zeros() => *rotation = rotation_by(&(*angular * h)) * *rotation,
+        None => {}
+    }
 }
 
 /// Share of hΩ that a step may change before it is worth to solve for.

@@ -20,7 +20,7 @@ fn islands_of(kinds: &[RigidBody], joints: &[(u32, u32)], contacts: &[(u32, u32)
     let mut world = World::new();
     let list = kinds.iter().map(|&kind| Body { kind, ..Body::new(Entity::PLACEHOLDER) }).collect();
     world.insert_resource(Bodies { list, ..Bodies::default() });
-    world.insert_resource(Joints { version: 0, list: joints.iter().map(|&(a, b)| joint(a, b)).collect() });
+    world.insert_resource(Joints { list: joints.iter().map(|&(a, b)| joint(a, b)).collect(), ..Joints::default() });
     let manifolds = contacts.iter().map(|&(a, b)| touch(a, b)).collect();
     world.insert_resource(Contacts { manifolds, ..Default::default() });
     world.init_resource::<LaggedContacts>();

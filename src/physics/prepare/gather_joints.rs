@@ -4,6 +4,7 @@ use bevy::ecs::system::SystemChangeTick;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
+use crate::physics::bit_set::BitSet;
 use crate::physics::bodies::{Bodies, Joint, Joints};
 use crate::physics::body::{BodySlot, QuarantineReason, Quarantined, RigidBody};
 use crate::physics::diagnostics::StepStats;
@@ -91,6 +92,9 @@ pub(super) fn gather_joints(
     joints.version += 1;
     joints.list.clear();
     joints.list.extend(packed.into_iter().map(|(_, joint, _)| joint));
+    let Joints { list, joined, .. } = &mut *joints;
+    *joined = BitSet::default();
+    list.iter().flat_map(|joint| [joint.a, joint.b]).for_each(|body| joined.set(body, true));
     for (index, joint) in (0..).zip(&joints.list) {
         if let Ok((.., mut slot, _)) = query.get_mut(joint.entity) {
             slot.index = index;

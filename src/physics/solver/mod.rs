@@ -14,6 +14,7 @@ mod pgs;
 mod rows;
 mod sequential_impulses;
 mod soft_step;
+mod soft_terms;
 mod warm_start;
 mod xpbd;
 

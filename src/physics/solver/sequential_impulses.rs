@@ -20,7 +20,8 @@
 //! `stack 30` falls and `pyramid 40` spreads by metres, with 30 by 0.7 m; a chain under 100 times its links' weight
 //! parts by 0.2 m; what swings loses energy, `chain 100` a sixth in 4 s.
 
-use super::impulse::{Color, GroupTerms, Plan, Projection, SoftTerms, Stage, UNLIMITED};
+use super::impulse::{Color, GroupTerms, Plan, Stage};
+use super::soft_terms::{Projection, SoftTerms, UNLIMITED};
 use crate::physics::lanes::Lanes;
 use crate::physics::settings::SolverSettings;
 

@@ -5,7 +5,8 @@
 //! springs mend position errors without stiffness a sweep cannot follow; the second sweep, *relax*,
 //! takes their push out of the velocities again, so that it adds no energy. Bounces come last.
 
-use super::impulse::{Color, GroupTerms, Plan, SoftTerms, Stage, UNLIMITED};
+use super::impulse::{Color, GroupTerms, Plan, Stage};
+use super::soft_terms::{SoftTerms, UNLIMITED};
 use crate::physics::lanes::Lanes;
 use crate::physics::settings::SolverSettings;
 

@@ -30,7 +30,8 @@
 //! 5 s. **Bad at** few substeps: with 4, `stack 30` falls. Nothing is carried over, so that slopes creep, by 1.5 mm/s
 //! at 30°, and `card_house` falls.
 
-use super::impulse::{Color, GroupTerms, Plan, SoftTerms, Stage, UNLIMITED};
+use super::impulse::{Color, GroupTerms, Plan, Stage};
+use super::soft_terms::{SoftTerms, UNLIMITED};
 use crate::physics::lanes::Lanes;
 use crate::physics::settings::SolverSettings;
 

@@ -121,32 +121,28 @@ fn subtract_product(target: &mut Block, a: &Block, b: &Block) {
     }
 }
 
-/// The inverse of a symmetric positive definite block, by its Cholesky factor G: G⁻ᵀ G⁻¹.
+/// The inverse of a symmetric positive definite block, by sweeping its pivots one by one (Goodnight 1979).
 #[inline]
 fn invert(block: &Block) -> Option<Block> {
-    // G⁻¹ grows row by row beside G.
-    let (mut factor, mut inverse) = (*block, Block::identity());
+    let mut swept = *block;
     for pivot in 0..6 {
-        let square = factor[(pivot, pivot)];
+        let square = swept[(pivot, pivot)];
         if square.is_nan() || square <= 0.0 {
             return None;
         }
-        let scale = 1.0 / square.sqrt();
-        for column in 0..=pivot {
-            inverse[(pivot, column)] *= scale;
-        }
-        for row in pivot..6 {
-            factor[(row, pivot)] *= scale;
-        }
-        for row in pivot + 1..6 {
-            let share = factor[(row, pivot)];
-            for column in 0..=pivot {
-                inverse[(row, column)] -= share * inverse[(pivot, column)];
+        let inverse = 1.0 / square;
+        let column: Part = swept.column(pivot).into_owned();
+        for other in (0..6).filter(|&other| other != pivot) {
+            let share = swept[(pivot, other)] * inverse;
+            for row in 0..6 {
+                swept[(row, other)] = column[row].mul_add(-share, swept[(row, other)]);
             }
-            for column in pivot + 1..=row {
-                factor[(row, column)] -= share * factor[(column, pivot)];
-            }
+            swept[(pivot, other)] = share;
         }
+        for row in 0..6 {
+            swept[(row, pivot)] = column[row] * -inverse;
+        }
+        swept[(pivot, pivot)] = inverse;
     }
-    Some(inverse.tr_mul(&inverse))
+    Some(swept)
 }

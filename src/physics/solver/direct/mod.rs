@@ -1,4 +1,5 @@
-//! Islands at rest, solved at once: all contacts and joints together, directly, for the whole step.
+//! Islands solved at once, all contacts and joints together, directly: at rest, for the whole step; in motion, where
+//! there are joints, substep by substep ([`motion`]).
 //!
 //! Sweeps pass a load on from contact to contact, and springs that sweeps can follow give under it: a column of 30
 //! cubes sinks by centimetres and leans, a light box under a heavy one is crushed. Where all is at rest and the body
@@ -18,6 +19,7 @@
 //! An island that turns out not to rest, or whose rows do not settle, is left as it was, for the sweeps.
 
 mod cholesky;
+mod motion;
 mod patch;
 mod pattern;
 #[cfg(test)]
@@ -25,19 +27,27 @@ mod tests;
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use crate::physics::bodies::{Body, Joint};
+use super::soft_terms::{SoftTerms, UNLIMITED};
+use crate::physics::bodies::{Body, Joint, world_inverse_inertia};
 use crate::physics::collision::{ContactState, Slot};
+use crate::physics::joint::Softness;
 use crate::physics::lanes::Record;
 use cholesky::{BlockMatrix, Part};
-use patch::{Link, Motion, Patch, Shape, Side, motion, wrench};
+pub(crate) use motion::MotionTerms;
+use patch::{Link, Motion, Patch, Shape, Side, Spring, motion, wrench};
 use pattern::Pattern;
 
 /// Speed of a body, centre and rim together, up to which it is at rest, m/s.
 const CALM: f64 = 0.05;
 /// Products of blocks in a factorisation up to which an island is solved here: a wall of a hundred bodies.
 const MOST_PRODUCTS: usize = 4_000;
-/// Weight of rows over the mass of the island: what moves in a step then is 1e-6 of what would without the rows.
-const WEIGHT: f64 = 1e6;
+/// Weight of rows of contacts over the mass of the island, at rest: what moves in a step then is 1e-4 of what would
+/// without the rows, and nothing once they push what they must. What is left of a body when its contacts are eliminated
+/// has lost the square of that, over its share of the mass, in digits: with 1e6 a house of cards cannot be factored.
+const WEIGHT: f64 = 1e4;
+/// Weight of rows of joints over the mass of the lighter body. What is left of that body when its joints are eliminated
+/// has lost the square of that in digits.
+const WEIGHT_OF_JOINTS: f64 = 1e5;
 /// Guesses which rows act.
 const ITERATIONS: usize = 12;
 /// Where they fail, the next are made after as many steps as last time and as many more, up to this.
@@ -46,6 +56,10 @@ const LONGEST_PAUSE: u32 = 64;
 const STILL: f64 = 1e-6;
 /// Impulse that is too small to solve again for, over the weight of a body in a step.
 const SLIGHT: f64 = 1e-3;
+/// Share of the slope at its start at which a line is level.
+const FLAT: f64 = 0.01;
+/// Places at which a line is looked at for where it is level.
+const LOOKS: usize = 8;
 /// Change of a world inertia over its size that a factor bears.
 const INERTIA_MOVED: f64 = 1e-3;
 /// Share of depths and gaps that is closed in a step.
@@ -113,8 +127,18 @@ pub(crate) struct DirectIsland {
     ends: Vec<[Option<u32>; 2]>,
     analysis: Analysis,
     pattern: Pattern,
-    /// Whether it was solved here in the last step.
+    /// Whether it was solved here in the last step, at rest.
     pub rests: bool,
+    /// Whether it was in motion.
+    is_in_motion: bool,
+    /// Weight of the rows of contacts over the mass of the island.
+    hardness: f64,
+    /// Whether contacts are to follow turns within the step.
+    turns_far: bool,
+    /// Into how many parts the step is cut.
+    parts: u32,
+    /// What joints stiffen each member by.
+    stiffnesses: Vec<Matrix3<f64>>,
     /// Steps for which no guesses were made after the last that failed, and those left.
     pause: u32,
     pause_left: u32,
@@ -122,7 +146,11 @@ pub(crate) struct DirectIsland {
     /// M v₀ + h f, by place in the pattern, like the next two.
     momentum: Vec<Part>,
     velocity: Vec<Part>,
+    /// Of the guess before.
+    before: Vec<Part>,
     correction: Vec<Part>,
+    /// Of patches, then links: the motion before, and how far to the one at hand.
+    ways: Vec<(Motion, Motion)>,
     patches: Vec<Patch>,
     links: Vec<Link>,
     /// Whether patches are those of the step before.
@@ -150,12 +178,19 @@ impl DirectIsland {
             analysis: Analysis::Due,
             pattern: Pattern::default(),
             rests: false,
+            is_in_motion: false,
+            hardness: WEIGHT,
+            turns_far: false,
+            parts: 1,
+            stiffnesses: Vec::new(),
             pause: 0,
             pause_left: 0,
             matrix: BlockMatrix::default(),
             momentum: Vec::new(),
             velocity: Vec::new(),
+            before: Vec::new(),
             correction: Vec::new(),
+            ways: Vec::new(),
             patches: Vec::new(),
             links: Vec::new(),
             is_going_on: false,
@@ -180,7 +215,7 @@ impl DirectIsland {
         let count = self.members.len();
         let Some(pattern) = Pattern::new(count, edges, MOST_PRODUCTS) else { return Analysis::Unsuitable };
         self.pattern = pattern;
-        for parts in [&mut self.momentum, &mut self.velocity, &mut self.correction] {
+        for parts in [&mut self.momentum, &mut self.velocity, &mut self.before, &mut self.correction] {
             parts.resize(count, Part::zeros());
         }
         self.inertias.resize(count, (0.0, Matrix3::zeros()));
@@ -230,7 +265,15 @@ impl DirectIsland {
             return Outcome::Moves;
         }
         self.gather(world, step, f64::from(substeps));
-        self.rests = self.settle(1.0 / step);
+        self.hardness = WEIGHT;
+        self.rests = self.settle(1.0 / step, ITERATIONS);
+        if self.rests {
+            let share_per_step = CLOSED / step;
+            self.correct([
+                Closing { share_per_step, fastest: FASTEST },
+                Closing { share_per_step, fastest: f64::INFINITY },
+            ]);
+        }
         self.pause = if self.rests { 0 } else { (2 * self.pause + 1).min(LONGEST_PAUSE) };
         self.pause_left = self.pause;
         self.rests &= self.fastest(world, &self.velocity) <= CALM;
@@ -242,10 +285,7 @@ impl DirectIsland {
         let is_rigid = |&joint: &u32| world.joint(joint).softness.is_none();
         let is_calm = |&member: &u32| {
             let body = world.body(member);
-            let is_free = body.rotation_freedom == Vector3::repeat(1.0)
-                && body.inverse_mass.min() > 0.0
-                && body.inverse_inertia_body.min() > 0.0;
-            is_free && body.linear.norm() + body.angular.norm() * body.radius <= CALM
+            moves_freely(body) && body.linear.norm() + body.angular.norm() * body.radius <= CALM
         };
         if !self.members.iter().all(is_calm) || !self.joints.iter().all(is_rigid) {
             return false;
@@ -258,10 +298,19 @@ impl DirectIsland {
             self.pause_left -= 1;
             return false;
         }
+        self.is_analysed(world)
+    }
+
+    fn is_analysed(&mut self, world: &impl World) -> bool {
         if self.analysis == Analysis::Due {
             self.analysis = self.analyse(world);
         }
         self.analysis == Analysis::Done
+    }
+
+    /// Whether it was solved here in the last step.
+    pub fn is_solved(&self) -> bool {
+        self.rests || self.is_in_motion
     }
 
     fn found_in(&self, world: &impl World) -> u64 {
@@ -296,12 +345,12 @@ impl DirectIsland {
         let mut changed = false;
         for (local, (&member, known)) in self.members.iter().zip(&mut self.inertias).enumerate() {
             let body = world.body(member);
-            let inertia = world_inertia(body);
+            let inertia = inertia_of_spin(body);
             changed |= known.0 != body.mass || (known.1 - inertia).amax() > INERTIA_MOVED * inertia.amax();
             let linear = body.linear * body.mass + body.force * step;
             let angular = inertia * body.angular + body.torque * step;
             let place = self.pattern.place(local as u32) as usize;
-            self.momentum[place] = Part::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z);
+            self.momentum[place] = part_of(&linear, &angular);
             if changed {
                 *known = (body.mass, inertia);
             }
@@ -322,40 +371,89 @@ impl DirectIsland {
         }
     }
 
-    /// Newton's method on which rows act. Whether it found out.
-    fn settle(&mut self, per_step: f64) -> bool {
-        let weight = WEIGHT * self.inertias.iter().map(|(mass, _)| mass).sum::<f64>();
+    /// Weight of the rows of contacts.
+    fn weight(&self) -> f64 {
+        self.hardness * self.inertias.iter().map(|(mass, _)| mass).sum::<f64>()
+    }
+
+    /// Newton's method on which rows act, with at most so many guesses. Whether it found out.
+    fn settle(&mut self, per_step: f64, guesses: usize) -> bool {
+        let weight = self.weight();
         let momentum: f64 = self.momentum.iter().map(|part| part.fixed_rows::<3>(0).norm()).sum();
         let slight = SLIGHT * momentum / self.members.len() as f64;
-        for _ in 0..ITERATIONS {
+        for guess in 0..guesses {
             if !self.factor(weight) {
+                self.velocity.iter_mut().for_each(|part| part.fill(0.0));
                 return false;
             }
+            std::mem::swap(&mut self.velocity, &mut self.before);
             self.velocity.copy_from_slice(&self.momentum);
             let Self { patches, links, pattern, velocity, matrix, .. } = self;
             for patch in patches.iter() {
                 push(pattern, velocity, &patch.sides, &patch.impulse_at_rest(weight, per_step));
             }
             for link in links.iter() {
-                let linear = link.impulse_at(&link.given, weight);
+                let linear = link.impulse_at(&link.given);
                 push(pattern, velocity, &link.sides, &Motion { linear, ..Motion::default() });
             }
             matrix.solve(pattern, velocity);
-            let mut holds = true;
+            let share = if guess == 0 { 1.0 } else { self.search_line(weight, per_step) };
+            let Self { patches, links, pattern, velocity, before, .. } = self;
+            if share < 1.0 {
+                velocity.iter_mut().zip(&*before).for_each(|(part, before)| *part = before + (*part - before) * share);
+            }
+            let mut holds = share == 1.0;
             for patch in patches.iter_mut() {
                 let motion = across(pattern, velocity, &patch.sides, &patch.given);
                 holds &= patch.take(&motion, weight, per_step, slight);
             }
+            for link in links.iter_mut() {
+                let motion = across(pattern, velocity, &link.sides, &link.given);
+                holds &= link.take(&motion, slight);
+            }
             if holds {
-                for link in links.iter_mut() {
-                    let motion = across(pattern, velocity, &link.sides, &link.given);
-                    link.impulse = link.impulse_at(&motion, weight);
-                }
-                self.correct(weight, per_step);
                 return true;
             }
         }
         false
+    }
+
+    /// Which share of the way from the velocity before to the one at hand to go. Rows that act as they must make
+    ///
+    /// φ(v) = ½ (v − v₀)ᵀM(v − v₀) + Σ |λ(v)|²/(2ρ)
+    ///
+    /// least, which is convex where friction has its limit: on a way down that ends in a climb, to where it is least.
+    fn search_line(&mut self, weight: f64, per_step: f64) -> f64 {
+        let Self { patches, links, pattern, velocity, before, momentum, inertias, ways, .. } = self;
+        let (mut start, mut growth) = (0.0, 0.0);
+        for (local, (mass, inertia)) in inertias.iter().enumerate() {
+            let place = pattern.place(local as u32) as usize;
+            let way = velocity[place] - before[place];
+            let times = |part: &Part| {
+                let (linear, angular) = halves(part);
+                part_of(&(linear * *mass), &(inertia * angular))
+            };
+            start += way.dot(&(times(&before[place]) - momentum[place]));
+            growth += way.dot(&times(&way));
+        }
+        let way = |sides, given| {
+            let [from, to] = [&*before, &*velocity].map(|parts| across(pattern, parts, sides, given));
+            (from, to.plus(&from, -1.0))
+        };
+        ways.clear();
+        ways.extend(patches.iter().map(|patch| way(&patch.sides, &patch.given)));
+        ways.extend(links.iter().map(|link| way(&link.sides, &link.given)));
+        let (of_patches, of_links) = ways.split_at(patches.len());
+        let slope = |share: f64| {
+            let along_patches = patches
+                .iter()
+                .zip(of_patches)
+                .map(|(patch, (from, way))| way.dot(&patch.impulse_at(&from.plus(way, share), weight, per_step)));
+            let along_links =
+                links.iter().zip(of_links).map(|(link, (from, way))| way.dot(&link.bounded_at(&from.plus(way, share))));
+            start + share * growth - along_patches.chain(along_links).sum::<f64>()
+        };
+        level(slope)
     }
 
     /// Factors the matrix of the rows that act, unless the factor at hand will do.
@@ -374,7 +472,7 @@ impl DirectIsland {
             block.fixed_view_mut::<3, 3>(3, 3).copy_from(inertia);
         }
         let stiffnesses = patches.iter().map(|patch| (patch.sides, patch.stiffness(weight)));
-        let stiffnesses = stiffnesses.chain(links.iter().map(|link| (link.sides, Link::stiffness(weight))));
+        let stiffnesses = stiffnesses.chain(links.iter().map(|link| (link.sides, link.stiffness())));
         for ([a, b], stiffness) in stiffnesses {
             for side in [a, b] {
                 if let Some(body) = side.body {
@@ -393,14 +491,15 @@ impl DirectIsland {
     }
 
     /// What closes depths and gaps besides, as a velocity.
-    fn correct(&mut self, weight: f64, per_step: f64) {
+    fn correct(&mut self, [depths, gaps]: [Closing; 2]) {
+        let weight = self.weight();
         let Self { patches, links, pattern, correction, matrix, .. } = self;
         correction.fill(Part::zeros());
         for patch in patches.iter() {
-            push(pattern, correction, &patch.sides, &patch.correction(weight, CLOSED * per_step, FASTEST));
+            push(pattern, correction, &patch.sides, &patch.correction(weight, &depths));
         }
-        for link in links.iter() {
-            let linear = link.separation * (-weight * CLOSED * per_step);
+        for link in links.iter().filter(|link| link.spring.is_none()) {
+            let linear = link.separation * (-link.weight * gaps.rate(link.separation.norm()));
             push(pattern, correction, &link.sides, &Motion { linear, ..Motion::default() });
         }
         if correction.iter().any(|part| *part != Part::zeros()) {
@@ -411,8 +510,7 @@ impl DirectIsland {
     /// The state of a member at the end of the step, written to it.
     pub fn scatter(&self, local: usize, body: &mut Body, step: f64) {
         let place = self.pattern.place(local as u32) as usize;
-        let part = |part: &Part| (part.fixed_rows::<3>(0).into_owned(), part.fixed_rows::<3>(3).into_owned());
-        let (velocity, correction) = (part(&self.velocity[place]), part(&self.correction[place]));
+        let (velocity, correction) = (halves(&self.velocity[place]), halves(&self.correction[place]));
         body.linear = velocity.0 / (1.0 + body.drag.0 * step);
         body.angular = velocity.1 / (1.0 + body.drag.1 * step);
         body.has_stepped = true;
@@ -430,7 +528,60 @@ impl DirectIsland {
     }
 }
 
-fn world_inertia(body: &Body) -> Matrix3<f64> {
+/// How fast errors are closed.
+#[derive(Clone, Copy, Debug)]
+struct Closing {
+    /// 1/s.
+    share_per_step: f64,
+    /// m/s.
+    fastest: f64,
+}
+
+impl Closing {
+    /// Speed over an error of that size, 1/s.
+    fn rate(&self, error: f64) -> f64 {
+        if error * self.share_per_step > self.fastest { self.fastest / error } else { self.share_per_step }
+    }
+}
+
+/// Where a slope that starts negative and only grows is level, or 1 if it still falls there.
+fn level(slope: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = ((0.0, slope(0.0)), (1.0, slope(1.0)));
+    let flat = FLAT * low.1.abs();
+    if high.1 <= flat || low.1 >= 0.0 {
+        return 1.0;
+    }
+    for _ in 0..LOOKS {
+        // By the secant, but not too near the ends.
+        let (width, secant) = (high.0 - low.0, low.1 / (low.1 - high.1));
+        let share = low.0 + width * secant.clamp(0.1, 0.9);
+        let now = (share, slope(share));
+        if now.1.abs() <= flat {
+            return share;
+        }
+        if now.1 > 0.0 { high = now } else { low = now }
+    }
+    if low.0 > 0.0 { low.0 } else { high.0 }
+}
+
+fn part_of(linear: &Vector3<f64>, angular: &Vector3<f64>) -> Part {
+    Part::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
+}
+
+/// Linear and angular.
+fn halves(part: &Part) -> (Vector3<f64>, Vector3<f64>) {
+    (part.fixed_rows::<3>(0).into_owned(), part.fixed_rows::<3>(3).into_owned())
+}
+
+/// Whether nothing of it is locked.
+fn moves_freely(body: &Body) -> bool {
+    body.rotation_freedom == Vector3::repeat(1.0)
+        && body.inverse_mass.min() > 0.0
+        && body.inverse_inertia_body.min() > 0.0
+}
+
+/// World axes.
+fn inertia_of_spin(body: &Body) -> Matrix3<f64> {
     let principal = body.inverse_inertia_body.map(f64::recip);
     if principal.x == principal.y && principal.y == principal.z {
         return Matrix3::from_diagonal(&principal);
@@ -456,7 +607,7 @@ fn patch_of(world: &impl World, slot: u32, ends: &[Option<u32>; 2], substeps: f6
     let bodies = [slot.pair.a, slot.pair.b].map(|body| world.body(body));
     let [a, b] = bodies;
     let origin = slot.origin_in_world(a);
-    let apart = b.position - a.position - origin;
+    let apart = b.position - a.position + slot.ahead - origin;
     let turns = bodies.map(|body| body.rotation.to_rotation_matrix().into_inner());
     let mut patch = Patch::new(state, &turns, &apart, substeps);
     patch.sides[0].arm += origin;
@@ -468,17 +619,38 @@ fn patch_of(world: &impl World, slot: u32, ends: &[Option<u32>; 2], substeps: f6
 }
 
 fn link_of(world: &impl World, joint: u32, ends: &[Option<u32>; 2], step: f64) -> Link {
-    let Joint { a, b, anchor_a, anchor_b, force, .. } = world.joint(joint);
+    let Joint { a, b, anchor_a, anchor_b, force, softness, .. } = world.joint(joint);
     let bodies = [world.body(*a), world.body(*b)];
     let arms = [bodies[0].rotation * anchor_a, bodies[1].rotation * anchor_b];
     let sides = [0, 1].map(|side| Side { body: ends[side], arm: arms[side] });
+    let separation = bodies[1].position - bodies[0].position + arms[1] - arms[0];
+    let spring = softness.map(|Softness { frequency, damping_ratio, max_force }| {
+        // As sweeps take it: of the pair's own mass.
+        let terms = SoftTerms::<f64>::new(frequency, damping_ratio, UNLIMITED, 0.0, step);
+        let give: Matrix3<f64> = (0..2).map(|side| give(bodies[side], &sides[side])).sum();
+        let mass = give.try_inverse().unwrap_or_else(Matrix3::zeros);
+        Spring::new(mass * (terms.mass / terms.impulse), separation * terms.rate, max_force * step)
+    });
+    let masses = (0..2).filter(|&side| sides[side].body.is_some()).map(|side| bodies[side].mass);
     Link {
+        weight: WEIGHT_OF_JOINTS * masses.fold(f64::INFINITY, f64::min),
+        spring,
         sides,
         given: given_across(&sides, bodies, arms),
-        separation: bodies[1].position - bodies[0].position + arms[1] - arms[0],
+        separation,
         expected: force * step,
         impulse: Vector3::zeros(),
     }
+}
+
+/// Velocity at the arm of a body for an impulse there.
+fn give(body: &Body, side: &Side) -> Matrix3<f64> {
+    if side.body.is_none() {
+        return Matrix3::zeros();
+    }
+    let arm = side.arm.cross_matrix();
+    let inverse_inertia = world_inverse_inertia(&body.inverse_inertia_body, &body.rotation, &body.rotation_freedom);
+    Matrix3::from_diagonal(&body.inverse_mass) - arm * inverse_inertia * arm
 }
 
 /// Adds an impulse on B, and its reaction on A.

@@ -10,6 +10,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::Closing;
 use super::cholesky::{Block, Part};
 use crate::physics::collision::{ContactState, POINTS};
 use crate::physics::lanes::Record;
@@ -37,6 +38,18 @@ pub(super) struct Motion {
     pub linear: Vector3<f64>,
     /// w, or torque.
     pub angular: Vector3<f64>,
+}
+
+impl Motion {
+    /// u·f + w·τ of a motion and an impulse.
+    pub fn dot(&self, impulse: &Self) -> f64 {
+        self.linear.dot(&impulse.linear) + self.angular.dot(&impulse.angular)
+    }
+
+    /// It and a share of another.
+    pub fn plus(&self, other: &Self, share: f64) -> Self {
+        Self { linear: self.linear + other.linear * share, angular: self.angular + other.angular * share }
+    }
 }
 
 /// What rows share.
@@ -98,6 +111,7 @@ pub(super) struct Shape {
     levers: [Vector3<f64>; POINTS],
     acts: [bool; POINTS],
     gives: [bool; 2],
+    across: [f64; 2],
 }
 
 impl Shape {
@@ -107,7 +121,10 @@ impl Shape {
         let squared = (0..2).map(|side| (self.arms[side] - other.arms[side]).norm_squared());
         let levers = (0..POINTS).map(|point| (self.levers[point] - other.levers[point]).norm_squared());
         let moved = squared.chain(levers).fold(size * (self.normal - other.normal).norm_squared(), f64::max);
-        self.acts == other.acts && self.gives == other.gives && moved <= MOVED * MOVED * size
+        self.acts == other.acts
+            && self.gives == other.gives
+            && self.across == other.across
+            && moved <= MOVED * MOVED * size
     }
 }
 
@@ -131,6 +148,11 @@ pub(super) struct Patch {
     friction: [f64; 3],
     slides: bool,
     twists: bool,
+    /// What friction is bounded by, N·s: μ times what the points push.
+    limit: f64,
+    /// Where it slides: a unit along the tangents across the friction, times the root of how much of the
+    /// stiffness is left across it.
+    across: [f64; 2],
 }
 
 impl Patch {
@@ -179,7 +201,17 @@ impl Patch {
                 point.pushes = old.pushes;
             }
         }
-        (self.slides, self.twists) = (before.slides, before.twists);
+        (self.slides, self.twists, self.across) = (before.slides, before.twists, before.across);
+    }
+
+    /// Goes on from what a substep of length `h`, s, did, with the geometry that it has: points part as they moved.
+    pub fn go_on(&mut self, motion: &Motion, h: f64) {
+        let Self { normal, points, count, .. } = self;
+        for point in &mut points[..*count] {
+            point.separation += (normal.dot(&motion.linear) + point.lever.dot(&motion.angular)) * h;
+            point.expected = point.impulse;
+        }
+        self.expected = self.friction;
     }
 
     /// How many points it has.
@@ -195,6 +227,7 @@ impl Patch {
             levers: self.points.map(|point| point.lever),
             acts: self.points.map(|point| point.pushes),
             gives: [self.slides, self.twists].map(|gives| gives || self.coefficient == 0.0),
+            across: if self.slides { self.across } else { [0.0; 2] },
         }
     }
 
@@ -212,11 +245,12 @@ impl Patch {
         if !self.twists && self.coefficient != 0.0 {
             ww += square * (weight * self.radius * self.radius);
         }
-        Stiffness {
-            uu: Matrix3::from_diagonal_element(across) + square * (pressed - across),
-            uw: normal * lever.transpose(),
-            ww,
+        let mut uu = Matrix3::from_diagonal_element(across) + square * (pressed - across);
+        if self.slides {
+            let turned = self.tangents[0] * self.across[0] + self.tangents[1] * self.across[1];
+            uu += turned * turned.transpose() * weight;
         }
+        Stiffness { uu, uw: normal * lever.transpose(), ww }
     }
 
     /// Impulse on B of the rows where nothing moves but what is given.
@@ -236,12 +270,12 @@ impl Patch {
         impulse
     }
 
-    /// Impulse on B that closes a share of the depths, at most so fast.
-    pub fn correction(&self, weight: f64, share_per_step: f64, fastest: f64) -> Motion {
+    /// Impulse on B that closes a share of the depths.
+    pub fn correction(&self, weight: f64, closing: &Closing) -> Motion {
         let mut impulse = Motion::default();
         for point in self.points[..self.count].iter().filter(|point| point.pushes) {
             let depth = (-point.separation - self.touching).max(0.0);
-            let push = weight * (depth * share_per_step).min(fastest);
+            let push = weight * depth * closing.rate(depth);
             impulse.linear += self.normal * push;
             impulse.angular += point.lever * push;
         }
@@ -256,12 +290,13 @@ impl Patch {
 
     /// Friction at a motion, as the rows stand: those that slide push as they did.
     fn friction_trial(&self, motion: &Motion, weight: f64) -> [f64; 3] {
+        let stuck = self.friction_if_stuck(motion, weight);
         let [x, y, twist] = self.friction;
-        let [slip_x, slip_y] = self.tangents.map(|tangent| tangent.dot(&motion.linear));
-        let stuck = [self.expected[0] - weight * slip_x, self.expected[1] - weight * slip_y];
-        let [x, y] = if self.slides { [x, y] } else { stuck };
-        let spin = self.normal.dot(&motion.angular);
-        [x, y, if self.twists { twist } else { self.expected[2] - weight * self.radius * self.radius * spin }]
+        let [across_x, across_y] = self.across;
+        // To first order about where it slid: friction turns with the slip.
+        let turned = across_x * stuck[0] + across_y * stuck[1];
+        let along = if self.slides { [x + across_x * turned, y + across_y * turned] } else { [stuck[0], stuck[1]] };
+        [along[0], along[1], if self.twists { twist } else { stuck[2] }]
     }
 
     /// Takes in the motion that was solved for. False if some row turned out other than was assumed, by more than a
@@ -270,7 +305,6 @@ impl Patch {
         let pushes: [f64; POINTS] = std::array::from_fn(|index| {
             if index < self.count { self.push_of(&self.points[index], motion, weight, per_step) } else { 0.0 }
         });
-        let pressed: f64 = pushes.iter().map(|push| push.max(0.0)).sum();
         let mut holds = true;
         for (point, push) in self.points[..self.count].iter_mut().zip(pushes) {
             let is_wrong = (push > 0.0) != point.pushes;
@@ -283,23 +317,53 @@ impl Patch {
         if self.coefficient == 0.0 {
             return holds;
         }
-        let limit = self.coefficient * pressed;
-        let [slip_x, slip_y] = self.tangents.map(|tangent| tangent.dot(&motion.linear));
-        let (x, y) = (self.expected[0] - weight * slip_x, self.expected[1] - weight * slip_y);
-        let size = x.hypot(y);
+        // What a row that does not act yet will push is not known.
+        let pressed: f64 = self.points[..self.count].iter().map(|point| point.impulse).sum();
+        self.limit = self.coefficient * pressed;
+        let trial = self.friction_if_stuck(motion, weight);
+        let friction = self.bounded(trial);
         let bound = |most: f64, gives: bool| if gives { most } else { most + slight };
-        let slides = size > bound(limit, self.slides);
-        let shrink = if size > limit { limit / size } else { 1.0 };
-        let most = limit * self.radius;
-        let twist = self.expected[2] - weight * self.radius * self.radius * self.normal.dot(&motion.angular);
-        let twists = twist.abs() > bound(most, self.twists);
-        let friction = [x * shrink, y * shrink, twist.clamp(-most, most)];
+        let slides = trial[0].hypot(trial[1]) > bound(self.limit, self.slides);
+        let twists = trial[2].abs() > bound(self.limit * self.radius, self.twists);
         let moved = |row: usize| (friction[row] - self.friction[row]).abs();
         holds &= slides == self.slides && twists == self.twists;
         holds &= !slides || moved(0).max(moved(1)) <= slight;
         holds &= !twists || moved(2) <= slight * self.radius;
         (self.slides, self.twists, self.friction) = (slides, twists, friction);
+        let size = trial[0].hypot(trial[1]);
+        let left = if slides && size > 0.0 { (self.limit / size).sqrt() / size } else { 0.0 };
+        self.across = [-trial[1] * left, trial[0] * left];
         holds
+    }
+
+    fn friction_if_stuck(&self, motion: &Motion, weight: f64) -> [f64; 3] {
+        let [slip_x, slip_y] = self.tangents.map(|tangent| tangent.dot(&motion.linear));
+        let twist = weight * self.radius * self.radius * self.normal.dot(&motion.angular);
+        [self.expected[0] - weight * slip_x, self.expected[1] - weight * slip_y, self.expected[2] - twist]
+    }
+
+    /// The nearest that the limit admits.
+    fn bounded(&self, [x, y, twist]: [f64; 3]) -> [f64; 3] {
+        let size = x.hypot(y);
+        let shrink = if size > self.limit { self.limit / size } else { 1.0 };
+        let most = self.limit * self.radius;
+        [x * shrink, y * shrink, twist.clamp(-most, most)]
+    }
+
+    /// Impulse on B at a motion, of rows that act as they must there, friction within the limit at hand.
+    pub fn impulse_at(&self, motion: &Motion, weight: f64, per_step: f64) -> Motion {
+        let mut impulse = Motion::default();
+        for point in &self.points[..self.count] {
+            let push = self.push_of(point, motion, weight, per_step).max(0.0);
+            impulse.linear += self.normal * push;
+            impulse.angular += point.lever * push;
+        }
+        if self.coefficient != 0.0 {
+            let [x, y, twist] = self.bounded(self.friction_if_stuck(motion, weight));
+            impulse.linear += self.tangents[0] * x + self.tangents[1] * y;
+            impulse.angular += self.normal * twist;
+        }
+        impulse
     }
 
     /// What it pushed, divided by `scale`, N·s.
@@ -315,7 +379,55 @@ impl Patch {
     }
 }
 
-/// A rigid ball joint.
+/// A ball joint that is a spring: λ = −W (u + b), each axis within a limit.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Spring {
+    /// W, N·s over m/s.
+    pub weight: Matrix3<f64>,
+    /// b, m/s.
+    pub bias: Vector3<f64>,
+    /// Most along each axis, N·s.
+    pub limit: f64,
+    /// Whether it pushes all it may, and what.
+    is_spent: bool,
+    push: Vector3<f64>,
+}
+
+impl Spring {
+    pub fn new(weight: Matrix3<f64>, bias: Vector3<f64>, limit: f64) -> Self {
+        Self { weight, bias, limit, ..Self::default() }
+    }
+
+    /// Takes over from the substep before whether it pushes all it may.
+    pub fn resume(&mut self, before: &Self) {
+        (self.is_spent, self.push) = (before.is_spent, before.push);
+    }
+
+    fn impulse_at(&self, motion: &Motion) -> Vector3<f64> {
+        if self.is_spent { self.push } else { self.trial(motion) }
+    }
+
+    fn trial(&self, motion: &Motion) -> Vector3<f64> {
+        -(self.weight * (motion.linear + self.bias))
+    }
+
+    /// Within the limit, whatever was assumed.
+    fn bounded(&self, motion: &Motion) -> Vector3<f64> {
+        let trial = self.trial(motion);
+        trial / (trial.amax() / self.limit).max(1.0)
+    }
+
+    /// Takes in the motion that was solved for. False if it turned out to push other than was assumed, by more than
+    /// a `slight` impulse.
+    fn take(&mut self, motion: &Motion, slight: f64) -> bool {
+        let (was_spent, before) = (self.is_spent, self.push);
+        self.is_spent = self.trial(motion).amax() > self.limit;
+        self.push = self.bounded(motion);
+        self.is_spent == was_spent && (!was_spent || (self.push - before).amax() <= slight)
+    }
+}
+
+/// A ball joint.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Link {
     pub sides: [Side; 2],
@@ -326,12 +438,21 @@ pub(super) struct Link {
     pub expected: Vector3<f64>,
     /// λ on B.
     pub impulse: Vector3<f64>,
+    /// Of its rows, where it is rigid, kg.
+    pub weight: f64,
+    /// None: rigid.
+    pub spring: Option<Spring>,
 }
 
 impl Link {
-    /// K for rows of that weight.
-    pub fn stiffness(weight: f64) -> Stiffness {
-        Stiffness { uu: Matrix3::from_diagonal_element(weight), uw: Matrix3::zeros(), ww: Matrix3::zeros() }
+    /// K.
+    pub fn stiffness(&self) -> Stiffness {
+        let uu = match &self.spring {
+            None => Matrix3::from_diagonal_element(self.weight),
+            Some(spring) if spring.is_spent => Matrix3::zeros(),
+            Some(spring) => spring.weight,
+        };
+        Stiffness { uu, uw: Matrix3::zeros(), ww: Matrix3::zeros() }
     }
 
     /// What K is made of.
@@ -342,12 +463,29 @@ impl Link {
             normal: none,
             levers: [none; POINTS],
             acts: [true; POINTS],
-            gives: [false; 2],
+            gives: [self.spring.is_some_and(|spring| spring.is_spent), false],
+            across: [0.0; 2],
         }
     }
 
     /// Impulse on B at a motion.
-    pub fn impulse_at(&self, motion: &Motion, weight: f64) -> Vector3<f64> {
-        self.expected - motion.linear * weight
+    pub fn impulse_at(&self, motion: &Motion) -> Vector3<f64> {
+        match &self.spring {
+            None => self.expected - motion.linear * self.weight,
+            Some(spring) => spring.impulse_at(motion),
+        }
+    }
+
+    /// Impulse on B at a motion, whatever was assumed.
+    pub fn bounded_at(&self, motion: &Motion) -> Motion {
+        let linear = self.spring.map_or_else(|| self.impulse_at(motion), |spring| spring.bounded(motion));
+        Motion { linear, ..Motion::default() }
+    }
+
+    /// Takes in the motion that was solved for; see [`Patch::take`].
+    pub fn take(&mut self, motion: &Motion, slight: f64) -> bool {
+        let holds = self.spring.as_mut().is_none_or(|spring| spring.take(motion, slight));
+        self.impulse = self.impulse_at(motion);
+        holds
     }
 }

@@ -95,6 +95,11 @@ impl Pattern {
         self.rows.len()
     }
 
+    /// Products of blocks in a factorisation.
+    pub fn products(&self) -> usize {
+        self.rows.len() + self.targets.len()
+    }
+
     /// Where a body goes in the order.
     pub fn place(&self, body: u32) -> u32 {
         self.place[body as usize]

@@ -3,8 +3,9 @@
 use nalgebra::{DMatrix, DVector, Matrix3, SVector, UnitQuaternion, Vector3};
 
 use super::cholesky::{Block, BlockMatrix, Part};
-use super::patch::{Motion, Patch, motion, wrench};
+use super::patch::{Link, Motion, Patch, Spring, motion, wrench};
 use super::pattern::Pattern;
+use super::{Closing, level};
 use crate::physics::collision::{ContactGeometry, ContactState};
 use crate::physics::constraint::contact::tangents;
 use crate::physics::lanes::Record;
@@ -184,6 +185,62 @@ fn what_a_patch_takes_in_is_bounded_by_the_cone() {
 }
 
 #[test]
+fn what_rows_push_falls_as_they_move() {
+    // The gradient of a convex function: monotone. And where no row changes sides, it is what the stiffness says.
+    let mut random = Random(6);
+    let (weight, per_step) = (3.0, 60.0);
+    for _ in 0..200 {
+        let mut sample = sample(&mut random, [1.0, 2.0, 0.5, 0.3, -0.2, 0.1, 0.0, 0.0]);
+        let mut moving = || Motion { linear: random.vector() * 0.5, angular: random.vector() * 0.5 };
+        let (one, way) = (moving(), moving());
+        sample.patch.take(&one, weight, per_step, 0.0);
+        let there = |share: f64| sample.patch.impulse_at(&one.plus(&way, share), weight, per_step);
+        assert!(way.dot(&there(1.0)) <= way.dot(&there(0.0)) + 1e-12);
+        let (start, change) = (there(0.0), 1e-7);
+        let stiffness = sample.patch.stiffness(weight);
+        let expected = stiffness.uu * way.linear + stiffness.uw * way.angular;
+        let found = (start.linear - there(change).linear) / change;
+        assert!((found - expected).norm() < 1e-4 * weight, "{found} instead of {expected}");
+        let expected = stiffness.uw.tr_mul(&way.linear) + stiffness.ww * way.angular;
+        let found = (start.angular - there(change).angular) / change;
+        assert!((found - expected).norm() < 1e-4 * weight, "{found} instead of {expected}");
+    }
+}
+
+#[test]
+fn a_line_is_followed_to_where_it_is_level() {
+    let bent = |share: f64| if share < 0.013 { share - 0.014 } else { 400.0 * (share - 0.013) - 0.001 };
+    for (slope, expected) in [
+        (&(|share: f64| share - 0.3) as &dyn Fn(f64) -> f64, 0.3),
+        (&|share: f64| share.powi(5) - 0.1, 0.1_f64.powf(0.2)),
+        (&bent, 0.013),
+    ] {
+        let found = level(slope);
+        assert!((found - expected).abs() < 0.1, "{found} instead of {expected}");
+        assert!(slope(found) < 0.1 * slope(1.0));
+    }
+    assert_eq!(level(|share| share - 2.0), 1.0, "all the way down");
+}
+
+#[test]
+fn a_spring_pulls_along_its_error_within_its_limit() {
+    let weight = Matrix3::from_diagonal(&Vector3::new(2.0, 3.0, 4.0));
+    let spring = Spring::new(weight, Vector3::new(0.1, -0.2, 0.3), 1.0);
+    let mut link = Link { spring: Some(spring), ..Link::default() };
+    let still = Motion::default();
+    assert!(link.take(&still, 0.0) || link.take(&still, 0.0), "it finds out whether it is spent");
+    // −W b = (−0.2, 0.6, −1.2), of which the last is over the limit.
+    let expected = Vector3::new(-0.2, 0.6, -1.2) / 1.2;
+    assert!((link.impulse - expected).norm() < 1e-12, "{}", link.impulse);
+    assert_eq!(link.stiffness().uu, Matrix3::zeros(), "it gives");
+    let away = Motion { linear: Vector3::new(0.0, 0.0, -0.2), ..Motion::default() };
+    link.take(&away, 0.0);
+    assert!(link.take(&away, 0.0));
+    assert!((link.impulse - Vector3::new(-0.2, 0.6, -0.4)).norm() < 1e-12, "{}", link.impulse);
+    assert_eq!(link.stiffness().uu, weight);
+}
+
+#[test]
 fn a_correction_closes_a_share_of_the_depth() {
     // Two cubes, the upper one 1 cm deep: all four corners ask for a tenth of it in a step.
     let corners = [(0.5, 0.5), (0.5, -0.5), (-0.5, -0.5), (-0.5, 0.5)];
@@ -192,9 +249,9 @@ fn a_correction_closes_a_share_of_the_depth() {
     let state = ContactState { geometry, impulses: Record([1.0; 8]) };
     let axes = [Matrix3::identity(); 2];
     let patch = Patch::new(&state, &axes, &Vector3::new(0.0, 0.99, 0.0), 1.0);
-    let push = patch.correction(1.0, 0.1 * 60.0, 1.0);
+    let push = patch.correction(1.0, &Closing { share_per_step: 0.1 * 60.0, fastest: 1.0 });
     assert!((push.linear - Vector3::y() * 4.0 * 0.01 * 0.1 * 60.0).norm() < 1e-3, "{:?}", push.linear);
     assert!(push.angular.norm() < 1e-6);
-    let slow = patch.correction(1.0, 0.1 * 60.0, 0.01);
+    let slow = patch.correction(1.0, &Closing { share_per_step: 0.1 * 60.0, fastest: 0.01 });
     assert!((slow.linear.y - 0.04).abs() < 1e-6, "{}", slow.linear.y);
 }

@@ -13,9 +13,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::free::free_rotation;
 use crate::physics::bodies::Body;
 use crate::physics::body::RigidBody;
+use crate::physics::integrator::gyroscopic::free_rotation;
 use crate::physics::lanes::{Lanes, READ_ONLY, Record, WIDTH, add_scaled, dot, vector};
 use crate::physics::solver::Scalar;
 use crate::physics::threads::Shared;

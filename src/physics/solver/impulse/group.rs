@@ -24,8 +24,8 @@ use crate::physics::threads::Stages;
 /// Blocks from which on a group is worth more threads than one.
 const LARGE: usize = 96;
 
-/// Bodies of a group beyond which none of its islands is solved directly.
-const MOST_AT_REST: usize = 512;
+/// Bodies of a group beyond which none of its islands without joints is solved directly, and of an island.
+const MOST_DIRECTLY: usize = 512;
 
 /// A joint as a group sees it.
 #[derive(Clone, Copy, Debug)]
@@ -61,14 +61,14 @@ enum Place {
     InTree,
     /// By sweeps, as the member of that index.
     Swept(u32),
-    /// In an island at rest that is solved directly.
-    Rests,
+    /// In an island that is solved directly.
+    Directly,
 }
 
 /// What needs no sweeps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Exactly {
-    /// Trees of joints that nothing touches.
+    /// Trees of joints that nothing touches, and islands with joints in motion.
     pub trees: bool,
     /// Islands at rest.
     pub rest: bool,
@@ -115,9 +115,10 @@ pub(crate) struct Group<L: Lanes> {
     guests: HashMap<u32, u32>,
     place: Vec<Place>,
     may_bounce: bool,
+    pub(super) exactly: Exactly,
     pub(super) flying: Vec<u32>,
     pub(super) trees: Vec<TreeStep>,
-    /// Islands with contacts, to be solved directly where they rest; empty if effort is not fitted.
+    /// Islands with contacts or joints, to be solved directly where they rest or have joints.
     pub(super) islands: Vec<DirectIsland>,
     /// Joints that are not in trees which nothing touches, global indices.
     linked: Vec<u32>,
@@ -144,6 +145,7 @@ impl<L: Lanes> Default for Group<L> {
             guests: HashMap::default(),
             place: Vec::new(),
             may_bounce: false,
+            exactly: Exactly::default(),
             flying: Vec::new(),
             trees: Vec::new(),
             islands: Vec::new(),
@@ -178,12 +180,9 @@ impl<L: Lanes> Group<L> {
         let world = Outside { group, islands, bodies, joints, graph };
         self.place.clear();
         self.place.resize(islands.bodies(group).len(), Place::Alone);
+        self.exactly = exactly;
         self.find_trees(&world, exactly.trees);
-        if exactly.rest {
-            self.find_islands(&world);
-        } else {
-            self.islands.clear();
-        }
+        self.find_islands(&world);
         self.arrange(group, islands, bodies, joints, graph);
     }
 
@@ -193,7 +192,7 @@ impl<L: Lanes> Group<L> {
         let world = Outside { group, islands, bodies, joints, graph };
         let local_of = |body: u32| islands.local_of(body, group).map(|local| local as usize);
         for island in &self.islands {
-            let place = if island.rests { Place::Rests } else { Place::Swept(0) };
+            let place = if island.is_solved() { Place::Directly } else { Place::Swept(0) };
             island.members().iter().filter_map(|&body| local_of(body)).for_each(|local| self.place[local] = place);
         }
         self.members.clear();
@@ -202,7 +201,7 @@ impl<L: Lanes> Group<L> {
         for (local, &body) in islands.bodies(group).iter().enumerate().filter(|(_, body)| dynamic(body)) {
             match &mut self.place[local] {
                 Place::Alone => self.flying.push(body),
-                Place::InTree | Place::Rests => {}
+                Place::InTree | Place::Directly => {}
                 Place::Swept(index) => {
                     *index = self.members.len() as u32;
                     self.members.push(body);
@@ -213,7 +212,7 @@ impl<L: Lanes> Group<L> {
         self.guests.clear();
         let rests = |place: &[Place], pair: [u32; 2]| {
             let moves = pair.into_iter().filter(dynamic);
-            moves.filter_map(local_of).any(|local| place[local] == Place::Rests)
+            moves.filter_map(local_of).any(|local| place[local] == Place::Directly)
         };
         self.joints.clear();
         for &global in &self.linked {
@@ -242,12 +241,14 @@ impl<L: Lanes> Group<L> {
         self.bounces.resize(self.contact_blocks.len(), None);
     }
 
-    /// Finds the islands with contacts, those that were there before with all that is known of them.
+    /// Finds the islands that may be solved directly, those that were there before with all that is known of them.
     fn find_islands(&mut self, world: &Outside) {
         let Outside { group, islands, bodies, joints, graph } = *world;
         let own = islands.bodies(group);
         let mut old = std::mem::take(&mut self.islands).into_iter().peekable();
-        if own.len() > MOST_AT_REST {
+        let Exactly { trees, rest } = self.exactly;
+        let (with_joints, without) = (trees && !self.linked.is_empty(), rest && own.len() <= MOST_DIRECTLY);
+        if !with_joints && !without {
             return;
         }
         let mut sets = DisjointSets::new(own.len());
@@ -273,10 +274,8 @@ impl<L: Lanes> Group<L> {
             }
         }
         for (pair, &joint) in of_joints.zip(&self.linked) {
-            if let Some(root) = root(pair)
-                && let Some(part) = parts.get_mut(&root)
-            {
-                part[2].push(joint);
+            if let Some(root) = root(pair) {
+                parts.entry(root).or_default()[2].push(joint);
             }
         }
         for (local, &body) in own.iter().enumerate() {
@@ -284,7 +283,10 @@ impl<L: Lanes> Group<L> {
                 part[0].push(body);
             }
         }
-        for [members, contacts, joints] in parts.into_values() {
+        let is_wanted = |[members, _, joints]: &[Vec<u32>; 3]| {
+            members.len() <= MOST_DIRECTLY && if joints.is_empty() { without } else { with_joints || without }
+        };
+        for [members, contacts, joints] in parts.into_values().filter(is_wanted) {
             while old.next_if(|island| island.members()[0] < members[0]).is_some() {}
             let known = old.next_if(|island| island.is_of(&members, &contacts, &joints));
             self.islands.push(known.unwrap_or_else(|| DirectIsland::new(members, contacts, joints)));

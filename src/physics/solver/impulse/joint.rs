@@ -9,10 +9,10 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::bodies::Frames;
-use super::contact::{Projection, SoftTerms, UNLIMITED};
 use crate::physics::joint::Softness;
 use crate::physics::lanes::{Lanes, READ_ONLY, Record, WIDTH, add_scaled, dot, inverse, vector};
 use crate::physics::solver::Scalar;
+use crate::physics::solver::soft_terms::{Projection, SoftTerms, UNLIMITED};
 use crate::physics::threads::Shared;
 
 /// One joint as a block takes it in.

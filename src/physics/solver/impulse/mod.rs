@@ -9,17 +9,16 @@
 mod bodies;
 mod coloring;
 mod contact;
+mod directly;
 mod free;
 mod group;
 mod joint;
 mod plan;
-mod rest;
 mod stage;
 #[cfg(test)]
 mod tests;
 mod tree;
 
-pub(crate) use contact::{Projection, SoftTerms, UNLIMITED};
 pub(crate) use plan::Plan;
 pub(crate) use stage::{Color, GroupTerms, Stage};
 
@@ -28,6 +27,7 @@ use std::sync::atomic::AtomicBool;
 use bevy::prelude::*;
 use simba::simd::WideF32x8;
 
+use super::direct::MotionTerms;
 use super::method;
 use crate::physics::bodies::{Bodies, Joints};
 use crate::physics::body::RigidBody;
@@ -38,8 +38,8 @@ use crate::physics::lanes::Lanes;
 use crate::physics::settings::{Precision, SolverSettings, contacts_last};
 use crate::physics::threads::for_each_block;
 use crate::physics::{PhysicsSchedule, PhysicsSystems};
+use directly::Directly;
 use group::{Exactly, Group};
-use rest::AtRest;
 use stage::WorldParts;
 
 pub(super) fn plugin(app: &mut App) {
@@ -71,7 +71,7 @@ impl<L: Lanes> Default for GroupsOf<L> {
 struct Numbered<L: Lanes> {
     index: usize,
     group: Group<L>,
-    at_rest: AtRest,
+    directly: Directly,
     stages: Vec<Stage>,
 }
 
@@ -85,7 +85,7 @@ fn solve_groups(
     mut stats: ResMut<StepStats>,
 ) {
     let Groups { single, double } = &mut *groups;
-    let at_rest = match settings.precision {
+    let directly = match settings.precision {
         Precision::F32 => {
             double.planned = None;
             single.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings)
@@ -108,8 +108,8 @@ fn solve_groups(
     let (manifolds, joints) = islands.constraint_count();
     stats.rows = graph.active_points() + 3 * (manifolds + joints) as u32;
     let sweeps = u64::from(settings.substeps) * u64::from(method::sweeps(&settings));
-    stats.row_updates = u64::from(stats.rows.saturating_sub(at_rest.rows)) * sweeps + u64::from(at_rest.rows_solved);
-    stats.resting = at_rest.bodies;
+    stats.row_updates = u64::from(stats.rows.saturating_sub(directly.rows)) * sweeps + u64::from(directly.row_updates);
+    stats.resting = directly.resting;
 }
 
 impl<L: Lanes> GroupsOf<L> {
@@ -120,13 +120,13 @@ impl<L: Lanes> GroupsOf<L> {
         graph: &mut ContactGraph,
         islands: &Islands,
         settings: &SolverSettings,
-    ) -> AtRest {
+    ) -> Directly {
         let count = islands.count();
         if self.list.len() < count {
             self.list.resize_with(count, || Numbered {
                 index: 0,
                 group: Group::default(),
-                at_rest: AtRest::default(),
+                directly: Directly::default(),
                 stages: Vec::new(),
             });
         }
@@ -140,7 +140,7 @@ impl<L: Lanes> GroupsOf<L> {
                 group.plan(*index, islands, bodies, joints, graph, exactly);
             });
         }
-        let at_rest = self.rest(bodies, joints, graph, islands, settings);
+        let directly = self.solve_directly(bodies, joints, graph, islands, settings);
         let groups = &mut self.list[..count];
         for Numbered { group, stages, .. } in groups.iter_mut() {
             let plan = Plan {
@@ -174,38 +174,38 @@ impl<L: Lanes> GroupsOf<L> {
             groups.iter_mut().for_each(|group| step(group, 1));
         }
         graph.presses_changed |= presses_changed.into_inner();
-        at_rest
+        directly
     }
 
-    /// Takes islands that rest through the step, and packs the others.
-    fn rest(
+    /// Takes islands that can be solved directly through the step, and packs the others.
+    fn solve_directly(
         &mut self,
         bodies: &mut Bodies,
         joints: &mut Joints,
         graph: &mut ContactGraph,
         islands: &Islands,
         settings: &SolverSettings,
-    ) -> AtRest {
+    ) -> Directly {
         let groups = &mut self.list[..islands.count()];
-        let mut total = AtRest::default();
+        let mut total = Directly::default();
         if groups.iter().all(|Numbered { group, .. }| group.islands.is_empty()) {
             return total;
         }
         let presses_changed = AtomicBool::new(false);
         let mut none = [];
         let world = WorldParts::new(bodies, joints, graph, &presses_changed, &mut none);
-        let h = settings.step() / f64::from(settings.substeps);
-        for_each_block(settings.threads, groups, |Numbered { group, at_rest, .. }| {
-            *at_rest = group.rest(world, h, settings.substeps);
+        let terms = MotionTerms::of(settings);
+        for_each_block(settings.threads, groups, |Numbered { group, directly, .. }| {
+            *directly = group.solve_directly(world, &terms);
         });
         graph.presses_changed |= presses_changed.into_inner();
-        for Numbered { index, group, at_rest, .. } in groups {
-            if at_rest.changed {
+        for Numbered { index, group, directly, .. } in groups {
+            if directly.changed {
                 group.arrange(*index, islands, bodies, joints, graph);
             }
-            total.bodies += at_rest.bodies;
-            total.rows += at_rest.rows;
-            total.rows_solved += at_rest.rows_solved;
+            total.resting += directly.resting;
+            total.rows += directly.rows;
+            total.row_updates += directly.row_updates;
         }
         total
     }

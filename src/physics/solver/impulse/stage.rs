@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 
 use super::bodies::SharedBodies;
 use super::coloring::Coloring;
-use super::contact::{ContactBlock, ContactImpulses, ContactSite, Projection, SoftTerms};
+use super::contact::{ContactBlock, ContactImpulses, ContactSite};
 use super::free;
 use super::group::{Bounce, Group, GroupContact, GroupJoint};
 use super::joint::{JointBlock, JointSite};
@@ -18,6 +18,7 @@ use crate::physics::body::RigidBody;
 use crate::physics::collision::{ContactGraph, ContactState, POINTS, Slot};
 use crate::physics::lanes::{Lanes, READ_ONLY};
 use crate::physics::solver::Scalar;
+use crate::physics::solver::soft_terms::{Projection, SoftTerms};
 use crate::physics::threads::Shared;
 
 /// Bodies that one thread takes at a time.

@@ -3,12 +3,13 @@ use simba::simd::WideF32x8;
 
 use super::bodies::GroupBodies;
 use super::coloring::Coloring;
-use super::contact::{ContactBlock, ContactSite, Projection, SoftTerms, UNLIMITED};
+use super::contact::{ContactBlock, ContactSite};
 use super::joint::{JointBlock, JointSite};
 use crate::physics::bodies::{Body, world_inverse_inertia};
 use crate::physics::body::RigidBody;
 use crate::physics::collision::{ContactGeometry, ContactState};
 use crate::physics::lanes::{Lanes, READ_ONLY, Record};
+use crate::physics::solver::soft_terms::{Projection, SoftTerms, UNLIMITED};
 use crate::physics::testing::Random;
 use bevy::prelude::Entity;
 

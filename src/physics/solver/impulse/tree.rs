@@ -3,9 +3,9 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::free::turn_freely;
 use crate::physics::bodies::{Body, Joint, rotation_by, world_inverse_inertia};
 use crate::physics::constraint::row::Twist;
+use crate::physics::integrator::gyroscopic::turn_freely;
 use crate::physics::solver::joint_tree::{JointTree, PoseChange, UNRESOLVED};
 
 /// Newton iterations where a tree begins.

@@ -52,7 +52,7 @@ mod structure;
 mod tests;
 
 pub(crate) use position::PoseChange;
-pub(crate) use stiffness::UNRESOLVED;
+pub(crate) use stiffness::{Swing, UNRESOLVED, add_pull};
 pub(crate) use structure::{Partition, partition};
 
 use nalgebra::{Matrix3, Vector3};

@@ -59,14 +59,12 @@ impl JointTree {
             // Mean over the two directions across the pull.
             let swing = 0.5 * inverse.dot(&stiffness);
             fastest = fastest.max(swing);
-            if swing < RESOLVED {
+            let Some(Swing { added, damped }) = Swing::of(swing) else {
                 *damping = Matrix3::identity();
                 continue;
-            }
-            let weighted = stiffness * (swing * swing / (1.0 + swing * swing));
-            let slowed = share(inverse, &(weighted * ADDED_INERTIA)) * *inverse;
-            let damped = DAMPING + (STRONG_DAMPING - DAMPING) * swing / (STRONG + swing);
-            *damping = share(&slowed, &(weighted * damped));
+            };
+            let slowed = share(inverse, &(stiffness * added)) * *inverse;
+            *damping = share(&slowed, &(stiffness * damped));
             let stiffened = *damping * slowed;
             *inverse = (stiffened + stiffened.transpose()) * 0.5;
         }
@@ -89,8 +87,26 @@ impl JointTree {
     }
 }
 
+/// Shares of h²K for a swing of ω²h².
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Swing {
+    /// Added to the inertia.
+    pub added: f64,
+    /// Whose momentum is lost.
+    pub damped: f64,
+}
+
+impl Swing {
+    /// None where the step resolves the swing.
+    pub fn of(swing: f64) -> Option<Self> {
+        let weight = swing * swing / (1.0 + swing * swing);
+        let damped = DAMPING + (STRONG_DAMPING - DAMPING) * swing / (STRONG + swing);
+        (swing >= RESOLVED).then_some(Self { added: weight * ADDED_INERTIA, damped: weight * damped })
+    }
+}
+
 /// Adds max(0, r·f) (1 − r̂ r̂ᵀ).
-fn add_pull(stiffness: &mut Matrix3<f64>, arm: &Vector3<f64>, force: &Vector3<f64>) {
+pub(crate) fn add_pull(stiffness: &mut Matrix3<f64>, arm: &Vector3<f64>, force: &Vector3<f64>) {
     let along = arm.dot(force);
     if along > 0.0 {
         let unit = arm * (along / arm.norm_squared());
