@@ -101,6 +101,11 @@ impl Body {
         }
     }
 
+    /// Goes on with its present velocities for a time, s.
+    pub fn coast(&mut self, time: f64) {
+        self.advance(&(self.linear * time), &(self.angular * time));
+    }
+
     /// Velocity of the material point at `arm` from the centre of mass.
     pub fn point_velocity(&self, arm: &Vector3<f64>) -> Vector3<f64> {
         self.linear + self.angular.cross(arm)

@@ -122,3 +122,25 @@ fn what_is_joined_and_flies_into_something_gives_all_its_momentum_on() {
     assert!(velocity(&world, third).x > 1.0, "the third was not hit");
     assert!(end.kinetic_energy < start.kinetic_energy * (1.0 + 1e-9), "energy was gained");
 }
+
+#[test]
+fn what_rests_on_joints_moves_on_when_effort_is_fitted_no_more() {
+    // Two cubes on a joint rest; then they are swept, as they are about to bounce.
+    let mut world = game(true);
+    let cube = |world: &mut World, x: f64| {
+        let bouncy = SurfaceMaterial { restitution: 0.5, ..SurfaceMaterial::default() };
+        world
+            .spawn((RigidBody::Dynamic, Collider::cuboid(1.0, 1.0, 1.0), Position(DVec3::new(x, 0.5, 0.0)), bouncy))
+            .id()
+    };
+    let bodies = [cube(&mut world, 0.0), cube(&mut world, 1.2)];
+    world.spawn(BallJoint::new(bodies[0], bodies[1]).with_anchors(DVec3::X * 0.6, -DVec3::X * 0.6));
+    run(&mut world, 0.5);
+    assert_eq!(world.resource::<StepStats>().resting, 2);
+    world.resource_mut::<SolverSettings>().fitted_effort = false;
+    for body in bodies {
+        world.get_mut::<Velocity>(body).unwrap().linear = DVec3::Y * 3.0;
+    }
+    run(&mut world, 0.2);
+    assert!(bodies.iter().all(|&body| position(&world, body).y > 0.8), "they stay where they were");
+}

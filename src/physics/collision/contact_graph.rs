@@ -413,8 +413,12 @@ impl Chunk<'_> {
 
 /// The gap up to which a pair gets contact points: a margin, and what it may close in one step.
 pub(super) fn reachable_gap(a: &Body, b: &Body, size: f64, settings: &SolverSettings) -> f64 {
-    let approach = (a.linear - b.linear).norm() + turning_speed(a) + turning_speed(b);
-    MARGIN * size + approach * settings.step()
+    MARGIN * size + fastest_approach(a, b) * settings.step()
+}
+
+/// The most that two bodies can come together, m/s.
+pub(crate) fn fastest_approach(a: &Body, b: &Body) -> f64 {
+    (a.linear - b.linear).norm() + turning_speed(a) + turning_speed(b)
 }
 
 /// A body's own part of that: those of two bodies together are no less than their gap.

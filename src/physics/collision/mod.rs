@@ -47,7 +47,9 @@ pub(crate) mod vector_set;
 #[cfg(all(test, feature = "lab"))]
 mod tests;
 
-pub(crate) use contact_graph::{ContactGeometry, ContactGraph, ContactState, GEOMETRY, GONE, POINTS, Slot};
+pub(crate) use contact_graph::{
+    ContactGeometry, ContactGraph, ContactState, GEOMETRY, GONE, POINTS, Slot, fastest_approach,
+};
 pub(crate) use near_pairs::NearPairs;
 pub use probe::PlacedCollider;
 

@@ -17,7 +17,10 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::Overlap;
 use super::contact_pair::{self, PairSearch};
-use super::{ContactPoint, contact_graph::turning_speed};
+use super::{
+    ContactPoint,
+    contact_graph::{fastest_approach, turning_speed},
+};
 use crate::physics::bodies::{Body, rotation_by};
 use crate::physics::body::RigidBody;
 use crate::physics::collider::Geometry;
@@ -75,7 +78,7 @@ pub(super) fn advanced(body: &Body, time: f64) -> (Vector3<f64>, UnitQuaternion<
 /// the poses at the impact, world axes; otherwise there are none.
 pub(super) fn course(a: &Body, b: &Body, h: f64, search: &mut PairSearch, points: &mut Vec<ContactPoint>) -> Course {
     let tolerance = TOLERANCE * inner_radius(a).min(inner_radius(b));
-    let fastest = (a.linear - b.linear).norm() + turning_speed(a) + turning_speed(b);
+    let fastest = fastest_approach(a, b);
     let (mut at_a, mut at_b, mut time) = (a.clone(), b.clone(), 0.0);
     for look in 0.. {
         points.clear();

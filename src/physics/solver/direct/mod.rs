@@ -127,10 +127,8 @@ pub(crate) struct DirectIsland {
     ends: Vec<[Option<u32>; 2]>,
     analysis: Analysis,
     pattern: Pattern,
-    /// Whether it was solved here in the last step, at rest.
-    pub rests: bool,
-    /// Whether it was in motion.
-    is_in_motion: bool,
+    /// Whether it was solved here in the last step, at rest or in motion.
+    pub is_solved: bool,
     /// Weight of the rows of contacts over the mass of the island.
     hardness: f64,
     /// Whether contacts are to follow turns within the step.
@@ -177,8 +175,7 @@ impl DirectIsland {
             ends: Vec::new(),
             analysis: Analysis::Due,
             pattern: Pattern::default(),
-            rests: false,
-            is_in_motion: false,
+            is_solved: false,
             hardness: WEIGHT,
             turns_far: false,
             parts: 1,
@@ -259,25 +256,24 @@ impl DirectIsland {
         }
         self.seen.clear();
         self.seen_with = seen_with;
-        self.rests = self.is_suitable(world);
-        if !self.rests {
+        if !self.is_suitable(world) {
             self.is_going_on = false;
             return Outcome::Moves;
         }
         self.gather(world, step, f64::from(substeps));
         self.hardness = WEIGHT;
-        self.rests = self.settle(1.0 / step, ITERATIONS);
-        if self.rests {
+        let settles = self.settle(1.0 / step, ITERATIONS);
+        if settles {
             let share_per_step = CLOSED / step;
             self.correct([
                 Closing { share_per_step, fastest: FASTEST },
                 Closing { share_per_step, fastest: f64::INFINITY },
             ]);
         }
-        self.pause = if self.rests { 0 } else { (2 * self.pause + 1).min(LONGEST_PAUSE) };
+        self.pause = if settles { 0 } else { (2 * self.pause + 1).min(LONGEST_PAUSE) };
         self.pause_left = self.pause;
-        self.rests &= self.fastest(world, &self.velocity) <= CALM;
-        if self.rests { Outcome::Rests } else { Outcome::Moves }
+        let rests = settles && self.fastest(world, &self.velocity) <= CALM;
+        if rests { Outcome::Rests } else { Outcome::Moves }
     }
 
     /// Whether it is at rest and can be solved here.
@@ -306,11 +302,6 @@ impl DirectIsland {
             self.analysis = self.analyse(world);
         }
         self.analysis == Analysis::Done
-    }
-
-    /// Whether it was solved here in the last step.
-    pub fn is_solved(&self) -> bool {
-        self.rests || self.is_in_motion
     }
 
     fn found_in(&self, world: &impl World) -> u64 {
@@ -347,10 +338,7 @@ impl DirectIsland {
             let body = world.body(member);
             let inertia = inertia_of_spin(body);
             changed |= known.0 != body.mass || (known.1 - inertia).amax() > INERTIA_MOVED * inertia.amax();
-            let linear = body.linear * body.mass + body.force * step;
-            let angular = inertia * body.angular + body.torque * step;
-            let place = self.pattern.place(local as u32) as usize;
-            self.momentum[place] = part_of(&linear, &angular);
+            self.momentum[self.pattern.place(local as u32) as usize] = momentum_of(body, &inertia, step);
             if changed {
                 *known = (body.mass, inertia);
             }
@@ -571,6 +559,13 @@ fn part_of(linear: &Vector3<f64>, angular: &Vector3<f64>) -> Part {
 /// Linear and angular.
 fn halves(part: &Part) -> (Vector3<f64>, Vector3<f64>) {
     (part.fixed_rows::<3>(0).into_owned(), part.fixed_rows::<3>(3).into_owned())
+}
+
+/// M v + h f.
+fn momentum_of(body: &Body, inertia: &Matrix3<f64>, h: f64) -> Part {
+    let linear = body.linear * body.mass + body.force * h;
+    let angular = inertia * body.angular + body.torque * h;
+    part_of(&linear, &angular)
 }
 
 /// Whether nothing of it is locked.

@@ -13,9 +13,12 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::cholesky::Part;
-use super::{Closing, DirectIsland, World, across, inertia_of_spin, link_of, patch_of};
+use super::{
+    Closing, DirectIsland, Motion, World, across, halves, inertia_of_spin, link_of, momentum_of, moves_freely, patch_of,
+};
 use crate::physics::bodies::Body;
 use crate::physics::body::RigidBody;
+use crate::physics::collision::fastest_approach;
 use crate::physics::integrator::gyroscopic::turn_freely;
 use crate::physics::settings::SolverSettings;
 use crate::physics::solver::joint_tree::{Swing, add_pull};
@@ -64,24 +67,22 @@ impl MotionTerms {
 impl DirectIsland {
     /// Whether it is taken through a step here, in motion. To be followed by the substeps.
     pub fn set_off(&mut self, world: &impl World, terms: &MotionTerms) -> bool {
-        self.is_in_motion = self.can_set_off(world, terms);
-        if self.is_in_motion {
+        let sets_off = self.can_set_off(world, terms);
+        if sets_off {
             self.turns_far = self.members.iter().any(|&member| world.body(member).angular.norm() * terms.step > FAR);
             self.parts = if self.turns_far { terms.substeps } else { terms.substeps.div_ceil(SLOWER) };
         }
-        self.is_in_motion
+        sets_off
     }
 
     fn can_set_off(&mut self, world: &impl World, terms: &MotionTerms) -> bool {
-        if self.joints.is_empty() || !self.members.iter().all(|&member| super::moves_freely(world.body(member))) {
+        if self.joints.is_empty() || !self.members.iter().all(|&member| moves_freely(world.body(member))) {
             return false;
         }
         let bounces = |&slot: &u32| {
             let slot = world.slot(slot);
             let [a, b] = [slot.pair.a, slot.pair.b].map(|body| world.body(body));
-            let turning = |body: &Body| body.angular.norm() * body.radius.min(1e6);
-            let approach = (a.linear - b.linear).norm() + turning(a) + turning(b);
-            slot.restitution > 0.0 && approach > terms.restitution_speed
+            slot.restitution > 0.0 && fastest_approach(a, b) > terms.restitution_speed
         };
         if self.contacts.iter().any(bounces) {
             return false;
@@ -155,9 +156,7 @@ impl DirectIsland {
                 inertia += stiffness * swing.added;
                 damped = stiffness * swing.damped;
             }
-            let linear = body.linear * body.mass + body.force * h;
-            let angular = inertia * body.angular + body.torque * h;
-            momentum[pattern.place(local as u32) as usize].copy_from(&super::part_of(&linear, &angular));
+            momentum[pattern.place(local as u32) as usize] = momentum_of(body, &inertia, h);
             inertias[local] = (body.mass, inertia + damped);
         }
     }
@@ -165,8 +164,8 @@ impl DirectIsland {
     /// The state of a member after a substep of length `h`, s, written to it.
     pub fn move_on(&self, local: usize, body: &mut Body, h: f64) {
         let place = self.pattern.place(local as u32) as usize;
-        let (linear, angular) = super::halves(&self.velocity[place]);
-        let (shift, turn) = super::halves(&self.correction[place]);
+        let (linear, angular) = halves(&self.velocity[place]);
+        let (shift, turn) = halves(&self.correction[place]);
         body.linear = linear;
         body.angular = angular;
         body.position += (linear + shift) * h;
@@ -184,7 +183,7 @@ impl DirectIsland {
         let Self { patches, pattern, velocity, correction, .. } = self;
         for patch in patches.iter_mut() {
             let moved = across(pattern, velocity, &patch.sides, &patch.given);
-            let corrected = across(pattern, correction, &patch.sides, &super::Motion::default());
+            let corrected = across(pattern, correction, &patch.sides, &Motion::default());
             patch.go_on(&moved.plus(&corrected, 1.0), h);
         }
     }

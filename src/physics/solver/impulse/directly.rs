@@ -3,22 +3,22 @@
 
 use std::sync::atomic::Ordering;
 
-use super::group::Group;
+use super::group::{Exactly, Group};
 use super::stage::WorldParts;
 use crate::physics::bodies::{Body, Joint};
 use crate::physics::body::RigidBody;
 use crate::physics::collision::{ContactState, Slot};
-use crate::physics::lanes::Lanes;
+use crate::physics::lanes::{Lanes, Record};
 use crate::physics::solver::direct::{DirectIsland, MotionTerms, Outcome, World};
 
 /// Of bodies, contacts and joints that nobody is writing.
-struct Seen<'a> {
+struct View<'a> {
     parts: WorldParts<'a>,
     /// What goes where it is told, where it is by now; its own pose follows at the end of the step.
     there: &'a [(u32, Body)],
 }
 
-impl World for Seen<'_> {
+impl World for View<'_> {
     fn body(&self, index: u32) -> &Body {
         let there = self.there.iter().find(|(body, _)| *body == index).map(|(_, body)| body);
         // SAFETY: the group's own, or what nobody writes.
@@ -55,18 +55,18 @@ pub(super) struct Directly {
 impl<L: Lanes> Group<L> {
     /// Takes the islands that can be solved directly through a step.
     /// No other group may share a body that moves, a joint or a contact.
-    pub fn solve_directly(&mut self, world: WorldParts, terms: &MotionTerms) -> Directly {
+    pub fn solve_directly(&mut self, world: WorldParts, terms: &MotionTerms, exactly: Exactly) -> Directly {
         let mut directly = Directly::default();
-        let exactly = self.exactly;
         for island in &mut self.islands {
-            let was_solved = island.is_solved();
-            let rests = exactly.rest && rest(island, world, terms, &mut directly);
-            if !rests && exactly.trees && island.set_off(&Seen { parts: world, there: &[] }, terms) {
+            let mut is_solved = exactly.rest && rest(island, world, terms, &mut directly);
+            if !is_solved && exactly.trees && island.set_off(&View { parts: world, there: &[] }, terms) {
                 directly.row_updates += island.rows() * island.parts();
                 directly.rows += island.rows();
                 travel(island, world, terms);
+                is_solved = true;
             }
-            directly.changed |= island.is_solved() != was_solved;
+            directly.changed |= island.is_solved != is_solved;
+            island.is_solved = is_solved;
         }
         directly
     }
@@ -75,7 +75,7 @@ impl<L: Lanes> Group<L> {
 /// Takes an island that rests through a step.
 fn rest(island: &mut DirectIsland, world: WorldParts, terms: &MotionTerms, directly: &mut Directly) -> bool {
     let (step, substeps) = (terms.step, f64::from(terms.substeps));
-    let seen = Seen { parts: world, there: &[] };
+    let seen = View { parts: world, there: &[] };
     let outcome = island.solve(&seen, step, terms.substeps, world.totals.len() == 0);
     if outcome == Outcome::Moves {
         return false;
@@ -107,13 +107,12 @@ fn travel(island: &mut DirectIsland, world: WorldParts, terms: &MotionTerms) {
             // SAFETY: nobody writes what does not move here.
             let body = unsafe { world.bodies.get(partner as usize) };
             if substep > 0 && body.kind == RigidBody::Kinematic {
-                let since = h * f64::from(substep);
                 let mut body = body.clone();
-                body.advance(&(body.linear * since), &(body.angular * since));
+                body.coast(h * f64::from(substep));
                 there.push((partner, body));
             }
         }
-        island.substep(&Seen { parts: world, there: &there }, terms, substep == 0);
+        island.substep(&View { parts: world, there: &there }, terms, substep == 0);
         // SAFETY: these are the island's alone, and what was read of them is not held any more.
         unsafe {
             for (local, &member) in island.members().iter().enumerate() {
@@ -140,8 +139,10 @@ unsafe fn store(island: &DirectIsland, world: WorldParts, [h, substeps]: [f64; 2
             }
             if world.totals.len() > 0 {
                 let total = world.totals.element(slot as usize);
-                let before = if is_first { [0.0; 8] } else { total.0 };
-                total.0 = std::array::from_fn(|row| before[row] + island.impulses(index, 1.0).0[row]);
+                if is_first {
+                    *total = Record::default();
+                }
+                total.0.iter_mut().zip(island.impulses(index, 1.0).0).for_each(|(total, now)| *total += now);
             }
         }
         for (index, &joint) in island.joints().iter().enumerate() {

@@ -66,7 +66,7 @@ enum Place {
 }
 
 /// What needs no sweeps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Exactly {
     /// Trees of joints that nothing touches, and islands with joints in motion.
     pub trees: bool,
@@ -115,7 +115,6 @@ pub(crate) struct Group<L: Lanes> {
     guests: HashMap<u32, u32>,
     place: Vec<Place>,
     may_bounce: bool,
-    pub(super) exactly: Exactly,
     pub(super) flying: Vec<u32>,
     pub(super) trees: Vec<TreeStep>,
     /// Islands with contacts or joints, to be solved directly where they rest or have joints.
@@ -145,7 +144,6 @@ impl<L: Lanes> Default for Group<L> {
             guests: HashMap::default(),
             place: Vec::new(),
             may_bounce: false,
-            exactly: Exactly::default(),
             flying: Vec::new(),
             trees: Vec::new(),
             islands: Vec::new(),
@@ -180,9 +178,8 @@ impl<L: Lanes> Group<L> {
         let world = Outside { group, islands, bodies, joints, graph };
         self.place.clear();
         self.place.resize(islands.bodies(group).len(), Place::Alone);
-        self.exactly = exactly;
         self.find_trees(&world, exactly.trees);
-        self.find_islands(&world);
+        self.find_islands(&world, exactly);
         self.arrange(group, islands, bodies, joints, graph);
     }
 
@@ -192,7 +189,7 @@ impl<L: Lanes> Group<L> {
         let world = Outside { group, islands, bodies, joints, graph };
         let local_of = |body: u32| islands.local_of(body, group).map(|local| local as usize);
         for island in &self.islands {
-            let place = if island.is_solved() { Place::Directly } else { Place::Swept(0) };
+            let place = if island.is_solved { Place::Directly } else { Place::Swept(0) };
             island.members().iter().filter_map(|&body| local_of(body)).for_each(|local| self.place[local] = place);
         }
         self.members.clear();
@@ -210,14 +207,14 @@ impl<L: Lanes> Group<L> {
         }
         self.own = self.members.len();
         self.guests.clear();
-        let rests = |place: &[Place], pair: [u32; 2]| {
+        let is_directly = |place: &[Place], pair: [u32; 2]| {
             let moves = pair.into_iter().filter(dynamic);
             moves.filter_map(local_of).any(|local| place[local] == Place::Directly)
         };
         self.joints.clear();
         for &global in &self.linked {
             let Joint { a, b, .. } = joints.list[global as usize];
-            if !rests(&self.place, [a, b]) {
+            if !is_directly(&self.place, [a, b]) {
                 let [a, b] = [a, b].map(|body| local(&mut self.members, &mut self.guests, &self.place, &world, body));
                 self.joints.push(GroupJoint { global, a, b });
             }
@@ -225,7 +222,7 @@ impl<L: Lanes> Group<L> {
         self.contacts.clear();
         for &slot in islands.manifolds(group) {
             let pair = graph.slots[slot as usize].pair;
-            if !rests(&self.place, [pair.a, pair.b]) {
+            if !is_directly(&self.place, [pair.a, pair.b]) {
                 let [a, b] =
                     [pair.a, pair.b].map(|body| local(&mut self.members, &mut self.guests, &self.place, &world, body));
                 self.contacts.push(GroupContact { slot, a, b });
@@ -242,11 +239,11 @@ impl<L: Lanes> Group<L> {
     }
 
     /// Finds the islands that may be solved directly, those that were there before with all that is known of them.
-    fn find_islands(&mut self, world: &Outside) {
+    fn find_islands(&mut self, world: &Outside, exactly: Exactly) {
         let Outside { group, islands, bodies, joints, graph } = *world;
         let own = islands.bodies(group);
         let mut old = std::mem::take(&mut self.islands).into_iter().peekable();
-        let Exactly { trees, rest } = self.exactly;
+        let Exactly { trees, rest } = exactly;
         let (with_joints, without) = (trees && !self.linked.is_empty(), rest && own.len() <= MOST_DIRECTLY);
         if !with_joints && !without {
             return;

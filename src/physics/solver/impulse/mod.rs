@@ -101,8 +101,7 @@ fn solve_groups(
         if body.kind != RigidBody::Kinematic {
             continue;
         }
-        let (moved, turned) = (body.linear * settings.step(), body.angular * settings.step());
-        body.advance(&moved, &turned);
+        body.coast(settings.step());
     }
     // Three rows a joint, and three of friction a contact.
     let (manifolds, joints) = islands.constraint_count();
@@ -194,9 +193,9 @@ impl<L: Lanes> GroupsOf<L> {
         let presses_changed = AtomicBool::new(false);
         let mut none = [];
         let world = WorldParts::new(bodies, joints, graph, &presses_changed, &mut none);
-        let terms = MotionTerms::of(settings);
+        let (terms, exactly) = (MotionTerms::of(settings), Exactly::of(settings));
         for_each_block(settings.threads, groups, |Numbered { group, directly, .. }| {
-            *directly = group.solve_directly(world, &terms);
+            *directly = group.solve_directly(world, &terms, exactly);
         });
         graph.presses_changed |= presses_changed.into_inner();
         for Numbered { index, group, directly, .. } in groups {

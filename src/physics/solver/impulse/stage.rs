@@ -285,9 +285,8 @@ impl<L: Lanes> Walk<'_, L> {
         let body = unsafe { self.world.bodies.get(self.members[index] as usize) };
         let there = (done > 0 && body.kind == RigidBody::Kinematic).then(|| {
             // Its own pose follows at the end of the step.
-            let since = h * f64::from(done);
             let mut there = body.clone();
-            there.advance(&(body.linear * since), &(body.angular * since));
+            there.coast(h * f64::from(done));
             there
         });
         // SAFETY: as the caller promises.
