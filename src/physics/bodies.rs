@@ -136,7 +136,9 @@ pub(crate) fn world_inverse_inertia(
         Matrix3::from_diagonal(principal)
     } else {
         let r = rotation.to_rotation_matrix().into_inner();
-        r * Matrix3::from_diagonal(principal) * r.transpose()
+        let scaled =
+            Matrix3::from_columns(&[r.column(0) * principal.x, r.column(1) * principal.y, r.column(2) * principal.z]);
+        scaled * r.transpose()
     };
     if *freedom == Vector3::repeat(1.0) {
         world

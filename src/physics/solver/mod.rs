@@ -15,6 +15,7 @@ mod rows;
 mod sequential_impulses;
 mod soft_step;
 mod soft_terms;
+mod substeps;
 mod warm_start;
 mod xpbd;
 

@@ -24,6 +24,7 @@ use super::impulse::{Color, GroupTerms, Plan, Stage};
 use super::soft_terms::{Projection, SoftTerms, UNLIMITED};
 use crate::physics::lanes::Lanes;
 use crate::physics::settings::SolverSettings;
+use crate::physics::solver::substeps::Substeps;
 
 /// Sweeps over positions in a substep.
 pub(crate) const POSITION_SWEEPS: u32 = 3;
@@ -43,7 +44,7 @@ pub(crate) fn terms<L: Lanes>(settings: &SolverSettings) -> GroupTerms<L> {
     let without_bias = SoftTerms::rigid(0.0, UNLIMITED, 0.0, h);
     GroupTerms {
         h,
-        substeps: settings.substeps,
+        substeps: Substeps::of(settings),
         joint: without_bias,
         contact: without_bias,
         projection: Some(Projection {

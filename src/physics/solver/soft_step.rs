@@ -9,6 +9,7 @@ use super::impulse::{Color, GroupTerms, Plan, Stage};
 use super::soft_terms::{SoftTerms, UNLIMITED};
 use crate::physics::lanes::Lanes;
 use crate::physics::settings::SolverSettings;
+use crate::physics::solver::substeps::Substeps;
 
 /// Natural frequency of contacts over substeps a second. What a sweep can follow is about a quarter (Catto 2024);
 /// stiffer, large walls tremble, softer, columns buckle (30 Hz lets `stack 20` fall, at 45 Hz 30 cubes stand).
@@ -27,7 +28,7 @@ pub(crate) fn terms<L: Lanes>(settings: &SolverSettings) -> GroupTerms<L> {
     let soft = |share: f64, damping, slop| SoftTerms::new(share / h, damping, push, slop, h);
     GroupTerms {
         h,
-        substeps: settings.substeps,
+        substeps: Substeps::of(settings),
         joint: soft(JOINT_FREQUENCY, JOINT_DAMPING, 0.0),
         contact: soft(CONTACT_FREQUENCY, CONTACT_DAMPING, settings.slop),
         projection: None,

@@ -34,6 +34,7 @@ use super::impulse::{Color, GroupTerms, Plan, Stage};
 use super::soft_terms::{SoftTerms, UNLIMITED};
 use crate::physics::lanes::Lanes;
 use crate::physics::settings::SolverSettings;
+use crate::physics::solver::substeps::Substeps;
 
 /// Turn in a step beyond which rows of joints turn along, rad: what a turn θ of an arm r misses, ½ r θ², comes back as
 /// a speed.
@@ -45,7 +46,7 @@ pub(crate) fn terms<L: Lanes>(settings: &SolverSettings) -> GroupTerms<L> {
     let push = settings.correction_speed.unwrap_or(UNLIMITED);
     GroupTerms {
         h,
-        substeps: settings.substeps,
+        substeps: Substeps::of(settings),
         joint: SoftTerms::rigid(1.0 / h, UNLIMITED, 0.0, h),
         contact: SoftTerms::rigid(1.0 / h, push, settings.slop, h),
         projection: None,

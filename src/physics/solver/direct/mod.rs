@@ -32,6 +32,7 @@ use crate::physics::bodies::{Body, Joint, world_inverse_inertia};
 use crate::physics::collision::{ContactState, Slot};
 use crate::physics::joint::Softness;
 use crate::physics::lanes::Record;
+use crate::physics::solver::substeps::Parts;
 use cholesky::{BlockMatrix, Part};
 pub(crate) use motion::MotionTerms;
 use patch::{Link, Motion, Patch, Shape, Side, Spring, motion, wrench};
@@ -131,10 +132,8 @@ pub(crate) struct DirectIsland {
     pub is_solved: bool,
     /// Weight of the rows of contacts over the mass of the island.
     hardness: f64,
-    /// Whether contacts are to follow turns within the step.
-    turns_far: bool,
-    /// Into how many parts the step is cut.
-    parts: u32,
+    /// Into what the step is cut; contacts follow who turns far within it.
+    parts: Parts,
     /// What joints stiffen each member by.
     stiffnesses: Vec<Matrix3<f64>>,
     /// Steps for which no guesses were made after the last that failed, and those left.
@@ -177,8 +176,7 @@ impl DirectIsland {
             pattern: Pattern::default(),
             is_solved: false,
             hardness: WEIGHT,
-            turns_far: false,
-            parts: 1,
+            parts: Parts::default(),
             stiffnesses: Vec::new(),
             pause: 0,
             pause_left: 0,

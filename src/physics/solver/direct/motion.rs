@@ -7,7 +7,7 @@
 //!
 //! M with the geometric stiffness that the step cannot resolve ([`Swing`]), so that poses end on the joints to
 //! second order; what is left of gaps is closed by the same factor in the positions alone. Contacts keep the geometry of
-//! the start of the step, as in sweeps, unless a body turns [`FAR`]. Newton's method on which rows act is left as it
+//! the start of the step, as in sweeps, unless a body turns far ([`Substeps`]). Newton's method on which rows act is left as it
 //! stands after [`ITERATIONS`] guesses: a row too many or too few for a substep is mended in the next.
 
 use nalgebra::{Matrix3, Vector3};
@@ -22,6 +22,7 @@ use crate::physics::collision::fastest_approach;
 use crate::physics::integrator::gyroscopic::turn_freely;
 use crate::physics::settings::SolverSettings;
 use crate::physics::solver::joint_tree::{Swing, add_pull};
+use crate::physics::solver::substeps::{Parts, Substeps};
 
 /// Products of blocks in a factorisation up to which an island is solved in motion.
 const MOST_PRODUCTS: usize = 1_000;
@@ -30,10 +31,6 @@ const MOST_PRODUCTS: usize = 1_000;
 const HARDNESS: f64 = 3.0;
 /// Guesses which rows act, in a substep.
 const ITERATIONS: usize = 6;
-/// Turn of a body in a step beyond which contacts take its rotation into account in each substep, rad.
-const FAR: f64 = 0.1;
-/// How many substeps are made one where no body turns that far: joints then end as near to each other.
-const SLOWER: u32 = 2;
 /// Share of the gaps of joints that is closed in a substep.
 const JOINTS_CLOSED: f64 = 0.5;
 /// Share of depths that is closed in a substep.
@@ -42,10 +39,7 @@ const DEPTHS_CLOSED: f64 = 0.1;
 /// What the motion of an island depends on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MotionTerms {
-    /// s.
-    pub step: f64,
-    /// Parts of the step that impulses of contacts are kept for.
-    pub substeps: u32,
+    pub substeps: Substeps,
     /// Fastest way out of an error, m/s.
     correction_speed: f64,
     /// Approach from which a contact bounces, m/s.
@@ -56,8 +50,7 @@ impl MotionTerms {
     /// As the settings want it.
     pub fn of(settings: &SolverSettings) -> Self {
         Self {
-            step: settings.step(),
-            substeps: settings.substeps,
+            substeps: Substeps::of(settings),
             correction_speed: settings.correction_speed.unwrap_or(f64::INFINITY),
             restitution_speed: settings.restitution_speed.unwrap_or(f64::INFINITY),
         }
@@ -69,8 +62,7 @@ impl DirectIsland {
     pub fn set_off(&mut self, world: &impl World, terms: &MotionTerms) -> bool {
         let sets_off = self.can_set_off(world, terms);
         if sets_off {
-            self.turns_far = self.members.iter().any(|&member| world.body(member).angular.norm() * terms.step > FAR);
-            self.parts = if self.turns_far { terms.substeps } else { terms.substeps.div_ceil(SLOWER) };
+            self.parts = terms.substeps.for_bodies(self.members.iter().map(|&member| world.body(member)));
         }
         sets_off
     }
@@ -90,8 +82,8 @@ impl DirectIsland {
         self.is_analysed(world) && self.pattern.products() <= MOST_PRODUCTS
     }
 
-    /// Into how many substeps its step is cut.
-    pub fn parts(&self) -> u32 {
+    /// Into what its step is cut.
+    pub fn parts(&self) -> Parts {
         self.parts
     }
 
@@ -102,12 +94,12 @@ impl DirectIsland {
 
     /// Solves for a substep: velocities and impulses, and what closes gaps besides.
     pub fn substep(&mut self, world: &impl World, terms: &MotionTerms, is_first: bool) {
-        let h = terms.step / f64::from(self.parts);
+        let Parts { count, h, turns_far } = self.parts;
         self.is_going_on = false;
         let (of_contacts, of_joints) = self.ends.split_at(self.contacts.len());
-        if is_first || self.turns_far {
+        if is_first || turns_far {
             for ((patch, &slot), ends) in self.patches.iter_mut().zip(&self.contacts).zip(of_contacts) {
-                *patch = patch_of(world, slot, ends, f64::from(terms.substeps) / f64::from(self.parts));
+                *patch = patch_of(world, slot, ends, f64::from(terms.substeps.most) / f64::from(count));
             }
         }
         for ((link, &joint), ends) in self.links.iter_mut().zip(&self.joints).zip(of_joints) {

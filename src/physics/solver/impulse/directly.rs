@@ -10,6 +10,7 @@ use crate::physics::body::RigidBody;
 use crate::physics::collision::{ContactState, Slot};
 use crate::physics::lanes::{Lanes, Record};
 use crate::physics::solver::direct::{DirectIsland, MotionTerms, Outcome, World};
+use crate::physics::solver::substeps::Parts;
 
 /// Of bodies, contacts and joints that nobody is writing.
 struct View<'a> {
@@ -60,7 +61,7 @@ impl<L: Lanes> Group<L> {
         for island in &mut self.islands {
             let mut is_solved = exactly.rest && rest(island, world, terms, &mut directly);
             if !is_solved && exactly.trees && island.set_off(&View { parts: world, there: &[] }, terms) {
-                directly.row_updates += island.rows() * island.parts();
+                directly.row_updates += island.rows() * island.parts().count;
                 directly.rows += island.rows();
                 travel(island, world, terms);
                 is_solved = true;
@@ -74,9 +75,9 @@ impl<L: Lanes> Group<L> {
 
 /// Takes an island that rests through a step.
 fn rest(island: &mut DirectIsland, world: WorldParts, terms: &MotionTerms, directly: &mut Directly) -> bool {
-    let (step, substeps) = (terms.step, f64::from(terms.substeps));
+    let (step, substeps) = (terms.substeps.step, f64::from(terms.substeps.most));
     let seen = View { parts: world, there: &[] };
-    let outcome = island.solve(&seen, step, terms.substeps, world.totals.len() == 0);
+    let outcome = island.solve(&seen, step, terms.substeps.most, world.totals.len() == 0);
     if outcome == Outcome::Moves {
         return false;
     }
@@ -99,9 +100,9 @@ fn rest(island: &mut DirectIsland, world: WorldParts, terms: &MotionTerms, direc
 /// Takes an island in motion through a step.
 fn travel(island: &mut DirectIsland, world: WorldParts, terms: &MotionTerms) {
     let mut there = Vec::new();
-    let parts = island.parts();
-    let (h, substeps) = (terms.step / f64::from(parts), f64::from(terms.substeps) / f64::from(parts));
-    for substep in 0..parts {
+    let Parts { count, h, .. } = island.parts();
+    let substeps = f64::from(terms.substeps.most) / f64::from(count);
+    for substep in 0..count {
         there.clear();
         for &partner in island.partners() {
             // SAFETY: nobody writes what does not move here.

@@ -19,6 +19,7 @@ use crate::physics::collision::{ContactGraph, ContactState, POINTS, Slot};
 use crate::physics::lanes::{Lanes, READ_ONLY};
 use crate::physics::solver::Scalar;
 use crate::physics::solver::soft_terms::{Projection, SoftTerms};
+use crate::physics::solver::substeps::Substeps;
 use crate::physics::threads::Shared;
 
 /// Bodies that one thread takes at a time.
@@ -87,7 +88,7 @@ pub(crate) enum Stage {
 pub(crate) struct GroupTerms<L> {
     /// Length of a substep, s.
     pub h: f64,
-    pub substeps: u32,
+    pub substeps: Substeps,
     pub joint: SoftTerms<L>,
     pub contact: SoftTerms<L>,
     /// Of methods with [`Stage::Project`].
@@ -242,7 +243,7 @@ impl<L: Lanes> Walk<'_, L> {
             match stage {
                 Stage::Fly => items.for_each(|index| {
                     let body = self.world.bodies.element(self.flying[index] as usize);
-                    free::fly(body, self.terms.h, self.terms.substeps);
+                    free::fly(body, self.terms.h, self.terms.substeps.most);
                 }),
                 Stage::Swing => items.for_each(|index| self.swing(self.trees.element(index))),
                 Stage::Gather { substeps, done } => items.for_each(|index| self.gather(index, substeps, done)),
@@ -296,10 +297,9 @@ impl<L: Lanes> Walk<'_, L> {
     /// # Safety
     /// Nobody else may be using the tree's bodies and joints.
     unsafe fn swing(&self, tree: &mut TreeStep) {
-        let GroupTerms { h, substeps, .. } = *self.terms;
         // SAFETY: as the caller promises.
         unsafe {
-            tree.step(|member| self.world.bodies.get(member as usize), h, substeps);
+            let h = tree.step(|member| self.world.bodies.get(member as usize), &self.terms.substeps);
             for index in 0..tree.moving().len() {
                 let member = tree.moving()[index] as usize;
                 tree.scatter(index, self.world.bodies.element(member));

@@ -7,12 +7,17 @@ use crate::physics::bodies::{Body, Joint, rotation_by, world_inverse_inertia};
 use crate::physics::constraint::row::Twist;
 use crate::physics::integrator::gyroscopic::turn_freely;
 use crate::physics::solver::joint_tree::{JointTree, PoseChange, UNRESOLVED};
+use crate::physics::solver::substeps::{Parts, Substeps};
 
 /// Newton iterations where a tree begins.
 const START_ITERATIONS: usize = 8;
 
 /// Separations under which joints count as closed, m.
 const CLOSED: f64 = 1e-13;
+
+/// Turn of the last projection, rad, times ω²h², up to which the factor of the pose before serves with one step of
+/// refinement: what is left then is its square of the impulses. Nearly redundant rows would be beyond refinement.
+const MOST_LAG: f64 = 1e-3;
 
 /// A body as its tree moves it.
 #[derive(Clone, Debug)]
@@ -103,6 +108,8 @@ pub(crate) struct TreeStep {
     separations: Vec<Vector3<f64>>,
     /// Length of the substeps that it is factored for, s; none: not factored for where it is.
     factored: Option<f64>,
+    /// Whether arms are those of the pose, which the factor is not quite.
+    is_refined: bool,
 }
 
 impl TreeStep {
@@ -130,6 +137,7 @@ impl TreeStep {
             links,
             tree,
             factored: None,
+            is_refined: false,
         }
     }
 
@@ -148,22 +156,33 @@ impl TreeStep {
         self.members == other.members && self.links == other.links
     }
 
-    /// A whole step: `substeps` of length `h`, s.
-    pub fn step<'w>(&mut self, body: impl Fn(u32) -> &'w Body, h: f64, substeps: u32) {
+    /// A whole step. Returns the length of its substeps, s.
+    pub fn step<'w>(&mut self, body: impl Fn(u32) -> &'w Body, substeps: &Substeps) -> f64 {
         self.gather(&body);
-        if self.factored != Some(h) {
-            self.factored = Some(h);
-            self.prepare(h);
-            // What was solved otherwise so far, or moved by hand, is closed at once and without a kick.
-            self.tree.project_positions(&self.separations, START_ITERATIONS, CLOSED);
-            self.take_pose_changes(|_, _| {});
-            self.prepare(h);
+        let Parts { count, h, .. } = substeps.for_bodies(self.moving().iter().map(|&member| body(member)));
+        let before = self.factored.replace(h);
+        match before {
+            Some(before) if before == h => {}
+            Some(before) => {
+                self.tree.scale_impulses(h / before);
+                self.prepare(h);
+            }
+            None => {
+                self.prepare(h);
+                // What was solved otherwise so far, or moved by hand, is closed at once and without a kick.
+                self.tree.project_positions(&self.separations, START_ITERATIONS, CLOSED);
+                self.take_pose_changes(|_, _| {});
+                self.prepare(h);
+            }
         }
+        // Velocities are half a substep behind the poses; those that a user gave are not.
         let is_new = self.moving().iter().all(|&member| !body(member).has_stepped);
-        for substep in 0..substeps {
-            // Velocities are half a substep behind the poses; those that a user gave were not.
-            self.substep(h, if is_new && substep == 0 { 0.5 * h } else { h });
+        let mut behind = if is_new { 0.0 } else { 0.5 * before.unwrap_or(h) };
+        for _ in 0..count {
+            self.substep(h, behind + 0.5 * h);
+            behind = 0.5 * h;
         }
+        h
     }
 
     fn gather<'w>(&mut self, body: &impl Fn(u32) -> &'w Body) {
@@ -178,6 +197,7 @@ impl TreeStep {
             return;
         }
         self.factored = None;
+        self.is_refined = false;
         self.bodies.clear();
         let members = self.members.iter().enumerate();
         self.bodies.extend(members.map(|(local, &member)| TreeBody::of(body(member), local < moving)));
@@ -217,6 +237,9 @@ impl TreeStep {
         }
         self.tree.clear_impulses();
         self.tree.solve_velocities(&mut self.twists, &self.targets);
+        if self.is_refined {
+            self.tree.solve_velocities(&mut self.twists, &self.targets);
+        }
         for (body, twist) in self.bodies.iter_mut().zip(&self.twists) {
             if body.moves {
                 (body.linear, body.angular) = (twist.linear, twist.angular);
@@ -228,17 +251,23 @@ impl TreeStep {
         }
         let swing = self.prepare(h);
         self.tree.project_positions(&self.separations, 1, CLOSED);
+        let mut turn: f64 = 0.0;
         self.take_pose_changes(|body, change| {
+            turn = turn.max(change.rotation.imag().amax());
             body.linear += change.linear / h;
-            body.angular += change.rotation.scaled_axis() / h;
+            // The turn is that of a drift's error; its angle and twice its sine differ by a third power.
+            body.angular += change.rotation.imag() * (2.0 / h);
         });
-        if swing > UNRESOLVED {
+        self.is_refined = swing > UNRESOLVED && turn * swing < MOST_LAG && !self.tree.may_be_redundant();
+        if self.is_refined {
+            self.set_arms();
+        } else if swing > UNRESOLVED {
             self.prepare(h);
         }
     }
 
     /// Moves the bodies as the projection found, and does something else with each.
-    fn take_pose_changes(&mut self, also: impl Fn(&mut TreeBody, &PoseChange)) {
+    fn take_pose_changes(&mut self, mut also: impl FnMut(&mut TreeBody, &PoseChange)) {
         for (change, body) in self.tree.pose_changes().zip(&mut self.bodies).filter(|(_, body)| body.moves) {
             body.position += change.linear;
             body.rotation = change.rotation * body.rotation;

@@ -175,7 +175,7 @@ impl Hub {
 }
 
 /// A B, with fused multiply–adds.
-fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
+pub(super) fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
     Matrix3::from_fn(|row, column| {
         let sum = a[(row, 0)].mul_add(b[(0, column)], a[(row, 1)] * b[(1, column)]);
         a[(row, 2)].mul_add(b[(2, column)], sum)

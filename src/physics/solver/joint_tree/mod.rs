@@ -83,7 +83,6 @@ pub(crate) struct JointTree {
     earlier_motions: Vec<position::Motion>,
     /// What is left of each moving body's angular velocity after a substep's damping.
     dampings: Vec<Matrix3<f64>>,
-    #[cfg_attr(not(test), expect(dead_code, reason = "tests ask"))]
     may_be_redundant: bool,
 }
 
@@ -164,7 +163,6 @@ impl JointTree {
     }
 
     /// Whether two pins may make rows redundant; such rows are dropped where they are.
-    #[cfg(test)]
     pub fn may_be_redundant(&self) -> bool {
         self.may_be_redundant
     }
@@ -197,6 +195,13 @@ impl JointTree {
     pub fn set_impulse(&mut self, joint: usize, impulse: Vector3<f64>) {
         let joint = &mut self.joints[joint];
         joint.impulse = impulse * joint.sign;
+    }
+
+    /// Takes the accumulated impulses to be those of a substep that is so much as long.
+    pub fn scale_impulses(&mut self, ratio: f64) {
+        for joint in &mut self.joints {
+            joint.impulse *= ratio;
+        }
     }
 
     /// Forgets the accumulated impulses: a new substep begins.

@@ -17,6 +17,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::JointTree;
+use super::factor::product;
 use crate::physics::constraint::row::Twist;
 
 /// β. Stability asks for over ¼.
@@ -63,10 +64,10 @@ impl JointTree {
                 *damping = Matrix3::identity();
                 continue;
             };
-            let slowed = share(inverse, &(stiffness * added)) * *inverse;
-            *damping = share(&slowed, &(stiffness * damped));
-            let stiffened = *damping * slowed;
+            // (I + S)⁻¹ for all of S; what is damped leaves 1 − (I + S)⁻¹ S_δ = (I + S)⁻¹ (I + S_β) of ω.
+            let stiffened = product(&share(inverse, &(stiffness * (added + damped))), inverse);
             *inverse = (stiffened + stiffened.transpose()) * 0.5;
+            *damping = Matrix3::identity() - product(inverse, &stiffness) * damped;
         }
         fastest
     }
@@ -114,9 +115,8 @@ pub(crate) fn add_pull(stiffness: &mut Matrix3<f64>, arm: &Vector3<f64>, force: 
     }
 }
 
-/// P = (1 + I⁻¹ S)⁻¹: P I⁻¹ is the inverse of I + S, and P ω the velocity that gives the greater
-/// inertia the same momentum. For a positive S the determinant inverted is at least 1.
+/// P = (1 + I⁻¹ S)⁻¹: P I⁻¹ is the inverse of I + S. For a positive S the determinant inverted is at least 1.
 fn share(inverse_inertia: &Matrix3<f64>, stiffness: &Matrix3<f64>) -> Matrix3<f64> {
-    let matrix = Matrix3::identity() + inverse_inertia * stiffness;
+    let matrix = Matrix3::identity() + product(inverse_inertia, stiffness);
     matrix.try_inverse().unwrap_or_else(Matrix3::identity)
 }

@@ -1,0 +1,49 @@
+//! Into how many substeps a step is cut for what is solved exactly in each of them.
+//!
+//! Nothing has to be passed on from row to row there, so that what is left to resolve is the motion. Its error goes
+//! with the square of how far bodies turn in a substep.
+
+use crate::physics::bodies::Body;
+use crate::physics::settings::SolverSettings;
+
+/// Turn of a body in a step from which on it takes all substeps, rad. Contacts then take its rotation into account in
+/// each of them.
+const FAR: f64 = 0.05;
+/// How many substeps are made one where no body turns that far: joints end as near to each other, and what turns
+/// slowly has no more error than what turns fast.
+const SLOWER: u32 = 2;
+
+/// A step and its parts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Substeps {
+    /// Length of the step, s.
+    pub step: f64,
+    /// As the settings say; impulses of contacts are kept for as many parts.
+    pub most: u32,
+    /// Whether fewer will do where little turns.
+    fitted: bool,
+}
+
+/// What is chosen for a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Parts {
+    pub count: u32,
+    /// Length of each, s.
+    pub h: f64,
+    /// Whether a body turns far.
+    pub turns_far: bool,
+}
+
+impl Substeps {
+    /// As the settings want it.
+    pub fn of(settings: &SolverSettings) -> Self {
+        Self { step: settings.step(), most: settings.substeps, fitted: settings.fitted_effort }
+    }
+
+    /// For a step of these bodies.
+    pub fn for_bodies<'w>(&self, mut bodies: impl Iterator<Item = &'w Body>) -> Parts {
+        let turns_far = bodies.any(|body| body.angular.norm() * self.step > FAR);
+        let count = if turns_far || !self.fitted { self.most } else { self.most.div_ceil(SLOWER) };
+        Parts { count, h: self.step / f64::from(count), turns_far }
+    }
+}
