@@ -163,10 +163,10 @@ impl<L: Lanes> Group<L> {
             terms,
             world,
         };
-        self.progress.begin(stages.iter().map(|&stage| walk.count(stage).div_ceil(walk.chunk(stage))));
+        let chunks = stages.iter().map(|&stage| walk.count(stage).div_ceil(walk.chunk(stage)));
         // SAFETY: a stage's items are worked on by one thread each; those of a colour share no body that moves,
         // and what does not move is not written. Stages follow one another.
-        self.progress.walk(threads, |stage, chunk| unsafe { walk.work(stages[stage], chunk) });
+        self.progress.walk(threads, chunks, |stage, chunk| unsafe { walk.work(stages[stage], chunk) });
     }
 }
 
