@@ -20,6 +20,8 @@ use super::collider::Geometry;
 pub(crate) struct Body {
     pub position: Vector3<f64>,
     pub rotation: UnitQuaternion<f64>,
+    /// The rotation that rows of contacts are made for: this one, or one a little before.
+    pub frame: UnitQuaternion<f64>,
     pub linear: Vector3<f64>,
     pub angular: Vector3<f64>,
     pub entity: Entity,
@@ -65,6 +67,7 @@ impl Body {
             kind: RigidBody::Static,
             position: Vector3::zeros(),
             rotation: UnitQuaternion::identity(),
+            frame: UnitQuaternion::identity(),
             linear: Vector3::zeros(),
             angular: Vector3::zeros(),
             force: Vector3::zeros(),

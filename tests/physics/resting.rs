@@ -101,3 +101,23 @@ fn every_shape_comes_to_rest_on_the_ground() {
         assert_close(clearance(&world, dropped), 0.0, 0.005);
     }
 }
+
+/// A box of 1 × 4 m on edge tips over where its centre is beyond the edge, at atan ¼, and falls back where it is not.
+#[test]
+fn what_leans_falls_to_the_side_where_its_centre_is() {
+    let tipping = 0.25_f64.atan();
+    for fitted_effort in [true, false] {
+        for (lean, falls) in [(tipping - 0.01, false), (tipping + 0.01, true)] {
+            let mut world = world_with(SolverSettings { fitted_effort, ..SolverSettings::game() });
+            ground(&mut world);
+            let turn = DQuat::from_rotation_z(-lean);
+            // Its lower right edge is on the ground.
+            let centre = turn * DVec3::new(-0.5, 2.0, 0.0);
+            let tower = body(&mut world, Collider::cuboid(1.0, 4.0, 1.0), centre);
+            world.entity_mut(tower).insert(Rotation(turn));
+            run(&mut world, 6.0);
+            let height = position(&world, tower).y;
+            assert_eq!(height < 1.0, falls, "fitted {fitted_effort}, leaning by {lean}: {height} m");
+        }
+    }
+}

@@ -20,7 +20,7 @@
 //! `stack 30` falls and `pyramid 40` spreads by metres, with 30 by 0.7 m; a chain under 100 times its links' weight
 //! parts by 0.2 m; what swings loses energy, `chain 100` a sixth in 4 s.
 
-use super::impulse::{Color, GroupTerms, Plan, Stage};
+use super::impulse::{Color, GroupTerms, Plan, Stage, Sweep};
 use super::soft_terms::{Projection, SoftTerms, UNLIMITED};
 use crate::physics::lanes::Lanes;
 use crate::physics::settings::SolverSettings;
@@ -71,7 +71,7 @@ pub(crate) fn stages(plan: &Plan, colors: impl Iterator<Item = Color> + Clone, s
             if is_first {
                 stages.extend(colors.clone().map(Stage::WarmStart));
             }
-            plan.sweeps(true, colors.clone(), stages);
+            plan.sweeps(Sweep::Whole, colors.clone(), stages);
             stages.push(Stage::Drift);
             if !turns {
                 project(stages);

@@ -14,16 +14,18 @@
 //! the velocity what the spring put in.
 //!
 //! Separations are those of the start of the step plus n·(d_B − d_A) + j_B·θ'_B − j_A·θ'_A: the
-//! same row again.
+//! same row again. Normals and arms are those of the frames that bodies keep for a little turn; arms end halfway
+//! between the two points, at the same place where no body has turned.
 //!
 //! Friction acts at the middle of the patch along two tangents, solved together, with |λ_t| ≤ μ Σ λ
 //! (a disc, not a square), and as a twist about n with |λ_τ| ≤ μ ρ Σ λ, ρ the mean distance of the
 //! points from the middle.
 #![allow(unsafe_code)]
 
-use nalgebra::Vector3;
+use nalgebra::{SimdBool, Vector3};
 
 use super::bodies::Frames;
+use super::stage::Sweep;
 use crate::physics::collision::{ContactGeometry, GEOMETRY, POINTS};
 use crate::physics::lanes::{Lanes, READ_ONLY, Record, WIDTH, add_scaled, dot, inverse, vector};
 use crate::physics::solver::Scalar;
@@ -182,11 +184,12 @@ impl<L: Lanes> ContactBlock<L> {
             let at = |first: usize| {
                 Vector3::new(flat(6 * index + first), flat(6 * index + first + 1), flat(6 * index + first + 2))
             };
-            let on_a = of_a.turn(&at(0));
-            let on_b = of_b.turn(&at(3)) + apart;
-            let separation = dot(&normal, &(on_b - on_a));
-            let arm_a = (on_a + on_b) * half;
-            let arm_b = arm_a - apart;
+            let (on_a, on_b) = (of_a.turn(&at(0)), of_b.turn(&at(3)));
+            // As the bodies are turned by now.
+            let to_b = of_b.turn_on(&on_b) - of_a.turn_on(&on_a) + apart;
+            let separation = dot(&normal, &to_b);
+            let to_middle = to_b * half;
+            let (arm_a, arm_b) = (on_a + to_middle, on_b - to_middle);
             let angular_a = of_a.whiten(&arm_a.cross(&normal));
             let angular_b = of_b.whiten(&arm_b.cross(&normal));
             let mass = inverse(linear + dot(&angular_a, &angular_a) + dot(&angular_b, &angular_b)) * active;
@@ -274,7 +277,7 @@ impl<L: Lanes> ContactBlock<L> {
         unsafe { pair.scatter(self, velocity) };
     }
 
-    /// [`ROUNDS`] updates of every row, with springs where `soft` says how, rigid and without bias where not.
+    /// One update.
     ///
     /// # Safety
     /// Nobody else may be using the bodies of its pairs.
@@ -282,29 +285,40 @@ impl<L: Lanes> ContactBlock<L> {
         &mut self,
         velocity: Shared<Record<L::Scalar>>,
         moved: Shared<Record<L::Scalar>>,
-        soft: Option<&SoftTerms<L>>,
+        soft: &SoftTerms<L>,
+        sweep: Sweep,
     ) {
         // SAFETY: as the caller promises.
         let mut pair = unsafe { Pair::gather(self, velocity) };
-        let soft = soft.map(|soft| self.springs(moved, soft));
-        for _ in 0..ROUNDS {
-            match &soft {
-                Some(springs) => self.solve_points(&mut pair, |index, point, speed| {
-                    let Spring { bias, mass, kept, .. } = springs[index];
-                    -(mass * (speed + bias)) - kept * point.impulse
-                }),
-                None => self.solve_points(&mut pair, |_, point, speed| -(point.relaxed * speed)),
+        if sweep == Sweep::Relax {
+            for _ in 0..ROUNDS {
+                self.solve_points(&mut pair, |_, point, speed| -(point.relaxed * speed));
+                self.solve_friction(&mut pair);
             }
-            self.solve_friction(&mut pair);
-        }
-        if let Some(springs) = &soft {
-            for (point, spring) in self.points[..self.point_count].iter_mut().zip(springs) {
+        } else {
+            let springs = self.springs(moved, soft);
+            // What comes fast is to stop before it is through: points of a patch must agree on it.
+            if sweep == Sweep::Whole || self.is_closing() {
+                for _ in 0..ROUNDS {
+                    self.solve_springs(&mut pair, &springs);
+                    self.solve_friction(&mut pair);
+                }
+            } else {
+                self.solve_springs(&mut pair, &springs);
+            }
+            for (point, spring) in self.points[..self.point_count].iter_mut().zip(&springs) {
                 let pushes = point.impulse.simd_gt(L::zero());
                 point.relaxed = point.mass.select(pushes, spring.relaxed);
             }
         }
         // SAFETY: as the caller promises.
         unsafe { pair.scatter(self, velocity) };
+    }
+
+    /// Whether surfaces that were apart at the start of the step may come together at some point.
+    fn is_closing(&self) -> bool {
+        let apart = |point: &Point<L>| (point.separation * point.mass).simd_gt(L::zero()).any();
+        self.points[..self.point_count].iter().any(apart)
     }
 
     /// [`ROUNDS`] updates of the points, with springs, without friction; `anew`, as if nothing had pushed before.
@@ -325,10 +339,7 @@ impl<L: Lanes> ContactBlock<L> {
         }
         let springs = self.springs(moved, soft);
         for _ in 0..ROUNDS {
-            self.solve_points(&mut pair, |index, point, speed| {
-                let Spring { bias, mass, kept, .. } = springs[index];
-                -(mass * (speed + bias)) - kept * point.impulse
-            });
+            self.solve_springs(&mut pair, &springs);
         }
         // SAFETY: as the caller promises.
         unsafe { pair.scatter(self, velocity) };
@@ -413,6 +424,15 @@ impl<L: Lanes> ContactBlock<L> {
             };
         }
         springs
+    }
+
+    /// One update of the points with springs.
+    #[inline(always)]
+    fn solve_springs(&mut self, pair: &mut Pair<L>, springs: &[Spring<L>; POINTS]) {
+        self.solve_points(pair, |index, point, speed| {
+            let Spring { bias, mass, kept, .. } = springs[index];
+            -(mass * (speed + bias)) - kept * point.impulse
+        });
     }
 
     /// One update of the points, by the change of impulse wanted of each for its speed of parting.

@@ -117,8 +117,8 @@ impl<L: Lanes> JointBlock<L> {
         };
         // SAFETY: as the caller promises.
         let (of_a, of_b) = unsafe { (Frames::<L>::gather(frames, &a), Frames::<L>::gather(frames, &b)) };
-        let arm_a = of_a.turn(&each(|site| &site.anchor_a));
-        let arm_b = of_b.turn(&each(|site| &site.anchor_b));
+        let arm_a = of_a.turn_on(&of_a.turn(&each(|site| &site.anchor_a)));
+        let arm_b = of_b.turn_on(&of_b.turn(&each(|site| &site.anchor_b)));
         let rows = |frames: &Frames<L>, arm: &Vector3<L>| {
             let zero = L::zero();
             // Row i of −[r]ₓ is (r × e_i)ᵀ.

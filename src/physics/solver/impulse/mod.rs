@@ -20,7 +20,7 @@ mod tests;
 mod tree;
 
 pub(crate) use plan::Plan;
-pub(crate) use stage::{Color, GroupTerms, Stage};
+pub(crate) use stage::{Color, GroupTerms, Stage, Sweep};
 
 use std::sync::atomic::AtomicBool;
 

@@ -1,7 +1,7 @@
 //! The frame of a step that all impulse methods share: bodies are taken in, rows made, forces act, the method's own
 //! stages, bounces, everything is written back.
 
-use super::stage::{Color, Stage};
+use super::stage::{Color, Stage, Sweep};
 
 /// What the stages of a group's step depend on.
 #[derive(Clone, Copy, Debug)]
@@ -51,10 +51,10 @@ impl Plan {
         stages.extend(colors.map(Stage::Store));
     }
 
-    /// As many sweeps as there are iterations, with springs or without.
-    pub fn sweeps(&self, soft: bool, colors: impl Iterator<Item = Color> + Clone, stages: &mut Vec<Stage>) {
+    /// As many sweeps as there are iterations.
+    pub fn sweeps(&self, sweep: Sweep, colors: impl Iterator<Item = Color> + Clone, stages: &mut Vec<Stage>) {
         for _ in 0..self.iterations {
-            stages.extend(colors.clone().map(|color| Stage::Solve { color, soft }));
+            stages.extend(colors.clone().map(|color| Stage::Solve { color, sweep }));
         }
     }
 }

@@ -27,6 +27,17 @@ const BODIES: usize = 64;
 /// Blocks that one thread takes at a time.
 const BLOCKS: usize = 8;
 
+/// What an update does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sweep {
+    /// Contacts push by their springs and rub only where surfaces come together in the step; joints pull by theirs.
+    Springs,
+    /// As with springs, and contacts rub.
+    Whole,
+    /// Rigid and without bias; contacts rub.
+    Relax,
+}
+
 /// A colour of joints or contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Color {
@@ -53,10 +64,10 @@ pub(crate) enum Stage {
     },
     /// Constraints push as in the step before.
     WarmStart(Color),
-    /// One update, with springs or without.
+    /// One update.
     Solve {
         color: Color,
-        soft: bool,
+        sweep: Sweep,
     },
     /// One update with springs, of contacts without friction; the first of a substep begins with nothing.
     Press {
@@ -327,7 +338,10 @@ impl<L: Lanes> Walk<'_, L> {
                     *block = JointBlock::new(&sites[..lanes.len()], frames, self.terms.h);
                 }
                 Stage::WarmStart(_) => block.warm_start(velocity),
-                Stage::Solve { soft, .. } => block.solve(velocity, moved, soft.then_some(&self.terms.joint)),
+                Stage::Solve { sweep, .. } => {
+                    let springs = (sweep != Sweep::Relax).then_some(&self.terms.joint);
+                    block.solve(velocity, moved, springs);
+                }
                 Stage::Press { is_first, .. } => {
                     if is_first {
                         block.forget();
@@ -383,8 +397,7 @@ impl<L: Lanes> Walk<'_, L> {
                     *self.bounces.element(index) = self.bounce_of(block, lanes);
                 }
                 Stage::WarmStart(_) => block.warm_start(velocity),
-                Stage::Solve { soft: true, .. } => block.solve(velocity, moved, Some(&self.terms.contact)),
-                Stage::Solve { soft: false, .. } => block.solve(velocity, moved, None),
+                Stage::Solve { sweep, .. } => block.solve(velocity, moved, &self.terms.contact, sweep),
                 Stage::Press { is_first, .. } => block.press(velocity, moved, &self.terms.contact, is_first),
                 Stage::Rub(_) => block.rub(velocity),
                 Stage::Settle(_) => block.settle(velocity),

@@ -5,6 +5,7 @@ use super::bodies::GroupBodies;
 use super::coloring::Coloring;
 use super::contact::{ContactBlock, ContactSite};
 use super::joint::{JointBlock, JointSite};
+use super::stage::Sweep;
 use crate::physics::bodies::{Body, world_inverse_inertia};
 use crate::physics::body::RigidBody;
 use crate::physics::collision::{ContactGeometry, ContactState};
@@ -204,7 +205,7 @@ fn contacts_in<L: Lanes>(tolerance: f64) {
         #[allow(unsafe_code)]
         unsafe {
             let mut block = ContactBlock::<L>::new(sites, shared.frames);
-            block.solve(shared.velocity, shared.moved, None);
+            block.solve(shared.velocity, shared.moved, &SoftTerms::rigid(0.0, UNLIMITED, 0.0, 1.0), Sweep::Relax);
         }
     }
     let after = velocities::<L>(&mut group, &bodies);
@@ -334,9 +335,9 @@ fn a_soft_contact_settles_where_its_spring_holds_the_weight() {
             let mut block = ContactBlock::<f64>::new(&[site], shared.frames);
             shared.begin_substep(1, true);
             block.warm_start(shared.velocity);
-            block.solve(shared.velocity, shared.moved, Some(&soft));
+            block.solve(shared.velocity, shared.moved, &soft, Sweep::Springs);
             shared.drift(1, h);
-            block.solve(shared.velocity, shared.moved, None);
+            block.solve(shared.velocity, shared.moved, &soft, Sweep::Relax);
             shared.end_substep(1);
             shared.scatter(1, &mut ball);
             block.impulses()
