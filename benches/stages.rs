@@ -1,4 +1,4 @@
-//! What each phase of a step costs, on three scenes that have settled.
+//! What each phase of a step costs, on three scenes that have settled, sleeping off.
 //!
 //! `cargo bench --profile measure --no-default-features --features lab --bench stages`
 //!
@@ -27,7 +27,7 @@ fn mark<const INDEX: usize>(mut marks: ResMut<Marks>) {
 fn settled(scene: &str, parameters: &[(&str, f64)], threads: u32) -> App {
     let parameters: Vec<_> = parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
     let mut app = headless_app();
-    app.insert_resource(SolverSettings { threads, ..SolverSettings::game() });
+    app.insert_resource(SolverSettings { threads, sleep_speed: None, ..SolverSettings::game() });
     app.insert_resource(Marks([Instant::now(); PHASES.len() + 1]));
     app.add_systems(
         PhysicsSchedule,

@@ -6,7 +6,8 @@
 
 use std::convert::Infallible;
 
-use plumb::lab::verdict::{Verdict, judge};
+use plumb::lab::map::{ATLAS, MapInfo};
+use plumb::lab::verdict::{Judgement, Verdict, judge};
 use plumb::lab::{Plan, measure};
 use plumb::physics::SolverSettings;
 
@@ -36,9 +37,8 @@ impl Border {
     fn verdict(&self, value: f64) -> (Verdict, String) {
         let parameters = [(self.parameter.to_owned(), value)];
         let plan = Plan::new(self.scene, &parameters, self.settings, Some(self.seconds)).unwrap();
-        let metrics = measure(&plan, |_| Ok::<(), Infallible>(())).unwrap();
-        let judgement = judge(&metrics);
-        (judgement.verdict, judgement.reason)
+        let Judgement { verdict, reason } = judged(&plan);
+        (verdict, reason)
     }
 
     fn check(&self) {
@@ -48,6 +48,36 @@ impl Border {
         let (verdict, reason) = self.verdict(*fails);
         assert_eq!(verdict, Verdict::Fails, "{scene} {parameter}={fails}: {reason}");
     }
+}
+
+fn judged(plan: &Plan) -> Judgement {
+    judge(&measure(plan, |_| Ok::<(), Infallible>(())).unwrap())
+}
+
+/// On the corners, edges and middles of the maps.
+#[test]
+fn fitted_effort_does_no_worse_than_full_effort() {
+    let mut better = 0;
+    for map in &ATLAS {
+        for (x, y) in places(map) {
+            let [fitted, full] = [true, false].map(|fitted_effort| {
+                let base = SolverSettings { fitted_effort, ..SolverSettings::game() };
+                let point = map.point("game", base, x, y);
+                judged(&Plan::new(&point.scene, &point.parameters, point.settings, Some(point.seconds)).unwrap())
+            });
+            let cell = format!("{} at {x}, {y}", map.name);
+            assert!(fitted.verdict <= full.verdict, "{cell}: {}; at full effort: {}", fitted.reason, full.reason);
+            better += u32::from(fitted.verdict < full.verdict);
+        }
+    }
+    assert!(better > 5, "nothing is gained by solving what rests directly");
+}
+
+/// First, middle and last values of either side.
+fn places(map: &MapInfo) -> impl Iterator<Item = (f64, f64)> {
+    let of = |values: &'static [f64]| [values[0], values[values.len() / 2], values[values.len() - 1]];
+    let (across, upwards) = (of(map.x.values), of(map.y.values));
+    upwards.into_iter().flat_map(move |y| across.into_iter().map(move |x| (x, y)))
 }
 
 #[test]

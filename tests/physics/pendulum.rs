@@ -54,6 +54,8 @@ fn angle_error(settings: SolverSettings) -> f64 {
 fn a_pendulum_swings_as_its_equation_says() {
     let fine = SolverSettings { hz: 1000.0, ..SolverSettings::classic() };
     for (name, settings, tolerance) in [
+        ("game", SolverSettings::game(), 5e-4),
+        ("game, full effort", SolverSettings { fitted_effort: false, ..SolverSettings::game() }, 5e-5),
         ("steady", SolverSettings::steady(), 0.02),
         ("classic", SolverSettings::classic(), 0.08),
         ("classic at 1000 Hz", fine, 0.005),
@@ -85,4 +87,21 @@ fn a_pendulum_gains_no_energy_and_holds_its_pivot() {
             assert!(seen.joint_error < separation, "{} m", seen.joint_error);
         }
     }
+}
+
+/// It turns by 0.01 to 0.09 rad a step, so that `game` goes from half its substeps to all of them and back.
+#[test]
+fn a_pendulum_loses_no_height_where_its_substeps_change() {
+    let (mut world, rod) = pendulum(SolverSettings::game());
+    for _ in 0..1800 {
+        step(&mut world);
+    }
+    let heights: Vec<f64> = (0..120)
+        .map(|_| {
+            step(&mut world);
+            position(&world, rod).y
+        })
+        .collect();
+    let highest = heights.into_iter().fold(f64::MIN, f64::max);
+    assert!((-1e-3..1e-4).contains(&highest), "{highest} m, from 0 half a minute ago");
 }
