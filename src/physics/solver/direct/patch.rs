@@ -323,14 +323,14 @@ impl Patch {
         let trial = self.friction_if_stuck(motion, weight);
         let friction = self.bounded(trial);
         let bound = |most: f64, gives: bool| if gives { most } else { most + slight };
-        let slides = trial[0].hypot(trial[1]) > bound(self.limit, self.slides);
+        let slides = length(trial[0], trial[1]) > bound(self.limit, self.slides);
         let twists = trial[2].abs() > bound(self.limit * self.radius, self.twists);
         let moved = |row: usize| (friction[row] - self.friction[row]).abs();
         holds &= slides == self.slides && twists == self.twists;
         holds &= !slides || moved(0).max(moved(1)) <= slight;
         holds &= !twists || moved(2) <= slight * self.radius;
         (self.slides, self.twists, self.friction) = (slides, twists, friction);
-        let size = trial[0].hypot(trial[1]);
+        let size = length(trial[0], trial[1]);
         let left = if slides && size > 0.0 { (self.limit / size).sqrt() / size } else { 0.0 };
         self.across = [-trial[1] * left, trial[0] * left];
         holds
@@ -344,7 +344,7 @@ impl Patch {
 
     /// The nearest that the limit admits.
     fn bounded(&self, [x, y, twist]: [f64; 3]) -> [f64; 3] {
-        let size = x.hypot(y);
+        let size = length(x, y);
         let shrink = if size > self.limit { self.limit / size } else { 1.0 };
         let most = self.limit * self.radius;
         [x * shrink, y * shrink, twist.clamp(-most, most)]
@@ -488,4 +488,9 @@ impl Link {
         self.impulse = self.impulse_at(motion);
         holds
     }
+}
+
+/// As `hypot`, which guards against overflow at ten times the cost.
+fn length(x: f64, y: f64) -> f64 {
+    x.mul_add(x, y * y).sqrt()
 }
