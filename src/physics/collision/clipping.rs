@@ -229,8 +229,12 @@ pub(super) fn keep_touching_spread(
 /// adds most area to the triangle of these. Some may be the same.
 fn spread(found: &[ContactPoint], normal: &Vector3<f64>, size: f64) -> [usize; MAX_POINTS] {
     let point = |index: usize| found[index].point;
+    // Of points over one another, as corners of a thin body are that comes fast, the deepest.
     let widest = |value: &dyn Fn(&Vector3<f64>) -> f64| {
-        first_from(found.iter().map(|found| value(&found.point)), |greatest| greatest * NEARLY_WIDEST)
+        let greatest = found.iter().map(|found| value(&found.point)).fold(f64::NEG_INFINITY, f64::max);
+        let is_wide = |found: &ContactPoint| value(&found.point) >= greatest * NEARLY_WIDEST;
+        let depths = found.iter().map(|found| if is_wide(found) { found.depth } else { f64::NEG_INFINITY });
+        first_from(depths, |deepest| deepest - NEARLY_DEEPEST * size)
     };
     let deepest = first_from(found.iter().map(|found| found.depth), |greatest| greatest - NEARLY_DEEPEST * size);
     let farthest = widest(&|at| (at - point(deepest)).norm_squared());
