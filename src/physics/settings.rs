@@ -130,7 +130,8 @@ pub struct SolverSettings {
     /// feature, instead of from zero. Of `pgs` only: `xpbd` never does, the others always do.
     pub warm_starting: bool,
     /// Whether effort follows need: islands at rest are solved at once and directly, where their bodies
-    /// make a tree or nearly one. Of the soft step only.
+    /// make a tree or nearly one, and what joints hold takes half the substeps while none of it turns by
+    /// 0.05 rad in a step. Of the soft step only.
     pub fitted_effort: bool,
     /// Scalar of rows and solver.
     pub precision: Precision,

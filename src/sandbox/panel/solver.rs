@@ -125,7 +125,8 @@ const FIELDS: &[(&str, &[Field])] = &[
                 "fitted_effort",
                 "fitted effort",
                 "Whether islands at rest are solved directly, once a step, where their bodies make a tree or nearly one \
-                 (columns, walls, arches), and not at all while nothing changes. Of the soft step only.",
+                 (columns, walls, arches), and not at all while nothing changes; and whether what joints hold takes half \
+                 the substeps while it turns slowly. Of the soft step only.",
             ),
             Field::choice(
                 "precision",
