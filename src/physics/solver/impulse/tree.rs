@@ -160,6 +160,12 @@ impl TreeStep {
     pub fn step<'w>(&mut self, body: impl Fn(u32) -> &'w Body, substeps: &Substeps) -> f64 {
         self.gather(&body);
         let Parts { count, h, .. } = substeps.for_bodies(self.moving().iter().map(|&member| body(member)));
+        // Velocities are half a substep behind the poses; those that a user gave are not.
+        let is_new = self.moving().iter().all(|&member| !body(member).has_stepped);
+        if is_new {
+            // What another scene's joints pulled with, that had the same indices, is nothing to these.
+            self.tree.clear_impulses();
+        }
         let before = self.factored.replace(h);
         match before {
             Some(before) if before == h => {}
@@ -175,8 +181,6 @@ impl TreeStep {
                 self.prepare(h);
             }
         }
-        // Velocities are half a substep behind the poses; those that a user gave are not.
-        let is_new = self.moving().iter().all(|&member| !body(member).has_stepped);
         let mut behind = if is_new { 0.0 } else { 0.5 * before.unwrap_or(h) };
         for _ in 0..count {
             self.substep(h, behind + 0.5 * h);
