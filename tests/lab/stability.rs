@@ -62,8 +62,7 @@ fn fitted_effort_does_no_worse_than_full_effort() {
         for (x, y) in places(map) {
             let [fitted, full] = [true, false].map(|fitted_effort| {
                 let base = SolverSettings { fitted_effort, ..SolverSettings::game() };
-                let point = map.point("game", base, x, y);
-                judged(&Plan::new(&point.scene, &point.parameters, point.settings, Some(point.seconds)).unwrap())
+                judged(&map.point("game", base, x, y).plan().unwrap())
             });
             let cell = format!("{} at {x}, {y}", map.name);
             assert!(fitted.verdict <= full.verdict, "{cell}: {}; at full effort: {}", fitted.reason, full.reason);
@@ -176,8 +175,7 @@ fn the_default_holds_the_sliding_rod() {
     for &tilt in atlas.y.values {
         for &mu in atlas.x.values.iter().filter(|&&mu| tilt != 70.0 || mu < 1.5) {
             let point = atlas.point("game", SolverSettings::default(), mu, tilt);
-            let plan = Plan::new(&point.scene, &point.parameters, point.settings, Some(point.seconds)).unwrap();
-            let Judgement { verdict, reason } = judged(&plan);
+            let Judgement { verdict, reason } = judged(&point.plan().unwrap());
             assert_ne!(verdict, Verdict::Fails, "friction {mu}, {tilt} degrees: {reason}");
         }
     }

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use xxhash_rust::xxh3::Xxh3;
 
 use crate::lab::settings_file::settings_to_ron;
+use crate::lab::{Plan, PlanError};
 use crate::physics::SolverSettings;
 
 /// What to run.
@@ -28,6 +29,14 @@ impl Point {
     pub fn parameters_text(&self) -> String {
         let parameters: Vec<_> = self.parameters.iter().map(|(name, value)| format!("{name}={value}")).collect();
         parameters.join(" ")
+    }
+
+    /// The run.
+    ///
+    /// # Errors
+    /// No such scene or parameter, or a length that makes no run.
+    pub fn plan(&self) -> Result<Plan, PlanError> {
+        Plan::new(&self.scene, &self.parameters, self.settings, Some(self.seconds))
     }
 
     /// 16 hex digits over everything that the result depends on but the program itself.

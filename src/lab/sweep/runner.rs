@@ -64,9 +64,8 @@ pub fn run<E: From<PlanError> + From<StoreError>>(
 struct OverBudget;
 
 fn run_point(point: &Point, budget: Budget, program: &str) -> Result<Record, PlanError> {
-    let plan = Plan::new(&point.scene, &point.parameters, point.settings, Some(point.seconds))?;
     // A point without an error is on no chart.
-    let plan = Plan { converge: true, ..plan };
+    let plan = Plan { converge: true, ..point.plan()? };
     let started = Instant::now();
     let mut best: Option<Metrics> = None;
     let mut medians = Vec::new();

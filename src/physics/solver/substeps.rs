@@ -30,6 +30,8 @@ pub(crate) struct Parts {
     pub count: u32,
     /// Length of each, s.
     pub h: f64,
+    /// How many of the settings' substeps each stands for.
+    pub replaces: f64,
     /// Whether a body turns far.
     pub turns_far: bool,
 }
@@ -44,6 +46,7 @@ impl Substeps {
     pub fn for_bodies<'w>(&self, mut bodies: impl Iterator<Item = &'w Body>) -> Parts {
         let turns_far = bodies.any(|body| body.angular.norm() * self.step > FAR);
         let count = if turns_far || !self.fitted { self.most } else { self.most.div_ceil(SLOWER) };
-        Parts { count, h: self.step / f64::from(count), turns_far }
+        let replaces = f64::from(self.most) / f64::from(count);
+        Parts { count, h: self.step / f64::from(count), replaces, turns_far }
     }
 }

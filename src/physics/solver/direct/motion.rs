@@ -94,12 +94,12 @@ impl DirectIsland {
 
     /// Solves for a substep: velocities and impulses, and what closes gaps besides.
     pub fn substep(&mut self, world: &impl World, terms: &MotionTerms, is_first: bool) {
-        let Parts { count, h, turns_far } = self.parts;
+        let Parts { h, replaces, turns_far, .. } = self.parts;
         self.is_going_on = false;
         let (of_contacts, of_joints) = self.ends.split_at(self.contacts.len());
         if is_first || turns_far {
             for ((patch, &slot), ends) in self.patches.iter_mut().zip(&self.contacts).zip(of_contacts) {
-                *patch = patch_of(world, slot, ends, f64::from(terms.substeps.most) / f64::from(count));
+                *patch = patch_of(world, slot, ends, replaces);
             }
         }
         for ((link, &joint), ends) in self.links.iter_mut().zip(&self.joints).zip(of_joints) {

@@ -82,13 +82,13 @@ fn whitening(body: &Body) -> (Matrix3<f64>, Matrix3<f64>) {
     }
 }
 
-/// The rotation that rows of contacts are made for: the one they were made for before, unless the body has turned
-/// from there.
-fn frame_of(body: &Body) -> UnitQuaternion<f64> {
-    let turn = turn_between(&body.frame, &body.rotation).norm();
+/// The rotation that rows of contacts are made for, the one they were made for before unless the body has turned
+/// from there, and the turn from it to the present one.
+fn frame_of(body: &Body) -> (UnitQuaternion<f64>, Vector3<f64>) {
+    let turn = turn_between(&body.frame, &body.rotation);
     let is_slow = body.has_stepped && body.angular.norm() < SLOW;
-    let is_kept = body.kind == RigidBody::Dynamic && is_slow && turn < KEPT;
-    if is_kept { body.frame } else { body.rotation }
+    let is_kept = body.kind == RigidBody::Dynamic && is_slow && turn.norm() < KEPT;
+    if is_kept { (body.frame, turn) } else { (body.rotation, Vector3::zeros()) }
 }
 
 /// A small turn from one rotation to another, world axes, rad.
@@ -189,9 +189,8 @@ impl<S: Scalar + Default> SharedBodies<'_, S> {
             *self.positions.element(index) = body.position;
             *self.whitening.element(index) = to_spin;
         }
-        let frame = frame_of(body);
+        let (frame, turned) = frame_of(body);
         let axes = frame.to_rotation_matrix().into_inner();
-        let turned = turn_between(&frame, &body.rotation);
         let mut numbers = [S::of(0.0); FRAME * WIDTH];
         let all = axes.iter().chain(to_spin.iter()).chain(body.inverse_mass.iter()).chain(turned.iter());
         for (number, &value) in numbers.iter_mut().zip(all) {
@@ -259,7 +258,7 @@ impl<S: Scalar + Default> SharedBodies<'_, S> {
         // SAFETY: as the caller promises.
         let to_spin = unsafe { self.whitening.get(index) };
         let part = |record: &Record<S>, first: usize| Vector3::from_fn(|axis, _| record.0[first + axis].to_f64());
-        body.frame = frame_of(body);
+        (body.frame, _) = frame_of(body);
         body.linear = part(velocity, 0);
         body.angular = to_spin * part(velocity, 3);
         body.has_stepped = true;

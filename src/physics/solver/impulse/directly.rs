@@ -100,8 +100,7 @@ fn rest(island: &mut DirectIsland, world: WorldParts, terms: &MotionTerms, direc
 /// Takes an island in motion through a step.
 fn travel(island: &mut DirectIsland, world: WorldParts, terms: &MotionTerms) {
     let mut there = Vec::new();
-    let Parts { count, h, .. } = island.parts();
-    let substeps = f64::from(terms.substeps.most) / f64::from(count);
+    let Parts { count, h, replaces, .. } = island.parts();
     for substep in 0..count {
         there.clear();
         for &partner in island.partners() {
@@ -119,7 +118,7 @@ fn travel(island: &mut DirectIsland, world: WorldParts, terms: &MotionTerms) {
             for (local, &member) in island.members().iter().enumerate() {
                 island.move_on(local, world.bodies.element(member as usize), h);
             }
-            store(island, world, [h, substeps], substep == 0);
+            store(island, world, [h, replaces], substep == 0);
         }
         island.carry_on(h);
     }

@@ -31,7 +31,7 @@
 //! 3. drift;
 //! 4. arms and inertias of the new pose, [`JointTree::stiffen`], [`JointTree::factor`];
 //! 5. [`JointTree::project_positions`], once is enough; V ← V + ΔX/h. If `stiffen` returned more than
-//!    [`UNRESOLVED`], step 4 again.
+//!    [`UNRESOLVED`], step 4 again; or its arms alone and step 2 twice, the second time for what the factor misses.
 //!
 //! This is SHAKE (Ryckaert, Ciccotti and Berendsen 1977) as a velocity solver sees it: leapfrog, with
 //! velocities half a substep behind the poses.

@@ -33,8 +33,8 @@ const STRONG_DAMPING: f64 = 0.6;
 const STRONG: f64 = 100.0;
 
 /// ω²h² over which arms must be those of the pose to the last digit: a turn of δθ between them and
-/// the pose acts like a kick of ω²h δθ. Inertias, arms and factors are then to be set after projection,
-/// too.
+/// the pose acts like a kick of ω²h δθ. Arms are then to be set after projection, too, and inertias
+/// and factors where that turn is not small.
 pub(crate) const UNRESOLVED: f64 = 1.0;
 
 /// ω²h² under which the step resolves the swing: both terms would be under 1e-4 of the inertia.
