@@ -14,7 +14,7 @@ use super::bodies::{Bodies, Joints};
 use super::body::{GravityScale, Position, Rotation, Velocity};
 use super::collision::{ContactGraph, Contacts};
 use super::settings::{Gravity, SolverSettings};
-use super::solver::{ContactCache, IslandSolvers, LaggedContacts};
+use super::solver::{ContactCache, ExactGroups, IslandSolvers, LaggedContacts};
 use super::{PhysicsSchedule, PhysicsSystems};
 
 /// Counts and times of the last step.
@@ -47,6 +47,10 @@ pub struct StepStats {
     pub islands: u32,
     /// Bodies of islands at rest, which were solved directly or had nothing to solve.
     pub resting: u32,
+    /// Parts into which the exact method cut steps that were too long for it, beyond those asked for.
+    pub cuts: u32,
+    /// Parts of the last step that it could not solve however short it cut them: what they held is not exact.
+    pub unsettled: u32,
     /// Bodies quarantined now.
     pub quarantined: u32,
     /// Bodies asleep now.
@@ -274,6 +278,9 @@ pub fn hash_state<H: Hasher>(world: &World, hasher: &mut H) {
     bodies.asleep.iter().map(f64::from).for_each(&mut feed);
     if let Some(cache) = world.get_resource::<ContactCache>() {
         cache.points().iter().flat_map(|(_, force)| force.iter().copied()).for_each(&mut feed);
+    }
+    if let Some(groups) = world.get_resource::<ExactGroups>() {
+        groups.memory().for_each(&mut feed);
     }
     if let Some(graph) = world.get_resource::<ContactGraph>() {
         for (slot, state) in graph.slots.iter().zip(&graph.states).filter(|(slot, _)| slot.touching) {

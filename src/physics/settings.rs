@@ -34,13 +34,17 @@ pub enum Method {
     /// (Müller et al. 2020).
     #[serde(rename = "xpbd")]
     Xpbd,
+    /// Joints by their exact forces, J M⁻¹ Jᵀ λ = b solved directly in each stage of an integrator that converges, all in
+    /// `f64`. What touches something goes by force-level sweeps.
+    #[serde(rename = "exact")]
+    Exact,
 }
 
 impl Method {
     /// Whether contacts last from step to step, with their impulses, instead of being found and
     /// forgotten.
     pub(crate) fn keeps_contacts(self) -> bool {
-        self != Self::ProjectedGaussSeidel
+        !matches!(self, Self::ProjectedGaussSeidel | Self::Exact)
     }
 }
 
@@ -70,6 +74,18 @@ pub enum Integrator {
     Euler,
     /// Kick by h/2, drift by h, kick by h/2. Two solves a (sub)step.
     VelocityVerlet,
+    /// Gauss's collocation method of order 6, implicit and symmetric, for any stiffness. Of `exact` only.
+    Gauss,
+}
+
+impl Integrator {
+    /// Whether it is one of those that a method has.
+    fn is_of(self, method: Method) -> bool {
+        match self {
+            Self::Euler | Self::VelocityVerlet => method != Method::Exact,
+            Self::Gauss => method == Method::Exact,
+        }
+    }
 }
 
 /// How the points of a contact are found once the separating axis test has given a normal.
@@ -119,7 +135,7 @@ pub struct SolverSettings {
     pub hz: f64,
     /// How rows are solved.
     pub method: Method,
-    /// How velocities become poses. Of `pgs` only: the others have their own way.
+    /// How velocities become poses. A choice of `pgs` and of `exact` only: the others have their own way, `Euler` here.
     pub integrator: Integrator,
     /// Equal parts a step is cut into, at least 1. Collision is found once a step; contact
     /// depths, joints and rows are brought up to date each substep.
@@ -242,6 +258,20 @@ impl SolverSettings {
         }
     }
 
+    /// The one that converges with the step to rounding error: joints exactly, Gauss's method.
+    pub fn accurate() -> Self {
+        Self {
+            method: Method::Exact,
+            integrator: Integrator::Gauss,
+            substeps: 1,
+            iterations: 30,
+            precision: Precision::F64,
+            slop: 0.0,
+            restitution_speed: Some(0.0),
+            ..Self::steady()
+        }
+    }
+
     /// Sequential impulses as their kind is used: one substep of many sweeps, and slop that keeps resting contacts in
     /// touch.
     pub fn sequential_impulses() -> Self {
@@ -254,12 +284,23 @@ impl SolverSettings {
     }
 
     /// The presets by name, the default first.
-    pub const PRESETS: [(&'static str, fn() -> Self); 3] =
-        [("game", Self::game), ("steady", Self::steady), ("classic", Self::classic)];
+    pub const PRESETS: [(&'static str, fn() -> Self); 4] = [
+        ("game", Self::game),
+        ("steady", Self::steady),
+        ("classic", Self::classic),
+        ("accurate", Self::accurate),
+    ];
 
     /// The preset of that name.
     pub fn preset(name: &str) -> Option<Self> {
         Self::PRESETS.iter().find(|(known, _)| *known == name).map(|(_, preset)| preset())
+    }
+
+    /// The same with another method, and an integrator of that method where the present one is not.
+    pub fn with_method(self, method: Method) -> Self {
+        let fits = self.integrator.is_of(method);
+        let own = if method == Method::Exact { Integrator::Gauss } else { Integrator::Euler };
+        Self { method, integrator: if fits { self.integrator } else { own }, ..self }
     }
 
     /// The step h, s.
@@ -273,9 +314,16 @@ impl SolverSettings {
     /// The first field that is out of its range, with the range.
     pub fn validate(&self) -> Result<(), SettingsError> {
         let check = |field, value: f64, range, holds: bool| {
-            if value.is_finite() && holds { Ok(()) } else { Err(SettingsError { field, value, range }) }
+            if value.is_finite() && holds { Ok(()) } else { Err(SettingsError { field, value: SettingValue::Number(value), range }) }
         };
         check("hz", self.hz, "greater than 0 and at most 1e9", self.hz > 0.0 && self.hz <= 1e9)?;
+        if !self.integrator.is_of(self.method) {
+            let (value, range) = match self.method {
+                Method::Exact => (SettingValue::Integrator(self.integrator), "Gauss with the method exact"),
+                _ => (SettingValue::Integrator(self.integrator), "Euler or VelocityVerlet with other methods than exact"),
+            };
+            return Err(SettingsError { field: "integrator", value, range });
+        }
         check("substeps", f64::from(self.substeps), "at least 1", self.substeps >= 1)?;
         check("iterations", f64::from(self.iterations), "at least 1", self.iterations >= 1)?;
         check("baumgarte", self.baumgarte, "0 to 1", (0.0..=1.0).contains(&self.baumgarte))?;
@@ -296,6 +344,24 @@ impl SolverSettings {
     }
 }
 
+/// What a setting was that is out of its range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SettingValue {
+    /// A number.
+    Number(f64),
+    /// A choice.
+    Integrator(Integrator),
+}
+
+impl std::fmt::Display for SettingValue {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self {
+            Self::Number(value) => value.fmt(formatter),
+            Self::Integrator(integrator) => write!(formatter, "{integrator:?}"),
+        }
+    }
+}
+
 /// A setting out of its range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{field}: {value} is out of range, must be {range}")]
@@ -303,7 +369,7 @@ pub struct SettingsError {
     /// The field's name.
     pub field: &'static str,
     /// Its value.
-    pub value: f64,
+    pub value: SettingValue,
     /// What it may be.
     pub range: &'static str,
 }

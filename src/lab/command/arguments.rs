@@ -150,13 +150,14 @@ pub(super) struct ParameterArguments {
 /// A preset or a file, and single settings on top of it.
 #[derive(Args)]
 pub(super) struct SettingsArguments {
-    /// Start from these settings: game (the default), steady (force-level sweeps) or classic (the 2009 engine)
+    /// Start from these settings: game (the default), steady (force-level sweeps), classic (the 2009 engine) or accurate
+    /// (converges with the step)
     #[arg(long, value_name = "NAME", value_parser = preset, conflicts_with = "settings")]
     preset: Option<SolverSettings>,
     /// Start from the settings in this RON file
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
-    /// How constraints are solved: soft_step, sequential_impulses, xpbd or pgs
+    /// How constraints are solved: soft_step, sequential_impulses, xpbd, pgs or exact
     #[arg(long, value_name = "METHOD", value_parser = named::<Method>)]
     method: Option<Method>,
     /// Steps per second
@@ -184,13 +185,12 @@ impl SettingsArguments {
             None => self.preset.unwrap_or_default(),
         };
         let settings = SolverSettings {
-            method: self.method.unwrap_or(base.method),
             hz: self.hz.unwrap_or(base.hz),
             substeps: self.substeps.unwrap_or(base.substeps),
             iterations: self.iterations.unwrap_or(base.iterations),
             precision: self.precision.unwrap_or(base.precision),
             threads: self.threads.unwrap_or(base.threads),
-            ..base
+            ..base.with_method(self.method.unwrap_or(base.method))
         };
         settings.validate()?;
         Ok(settings)

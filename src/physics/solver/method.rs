@@ -8,7 +8,7 @@ use crate::physics::settings::{Method, SolverSettings};
 /// What groups need of the settings.
 pub(crate) fn terms<L: Lanes>(settings: &SolverSettings) -> GroupTerms<L> {
     match settings.method {
-        Method::SoftStep | Method::ProjectedGaussSeidel => soft_step::terms(settings),
+        Method::SoftStep | Method::ProjectedGaussSeidel | Method::Exact => soft_step::terms(settings),
         Method::SequentialImpulses => sequential_impulses::terms(settings),
         Method::Xpbd => xpbd::terms(settings),
     }
@@ -27,7 +27,7 @@ pub(crate) fn stages(
         return;
     }
     match method {
-        Method::SoftStep | Method::ProjectedGaussSeidel => soft_step::stages(plan, colors, stages),
+        Method::SoftStep | Method::ProjectedGaussSeidel | Method::Exact => soft_step::stages(plan, colors, stages),
         Method::SequentialImpulses => sequential_impulses::stages(plan, colors, stages),
         Method::Xpbd => xpbd::stages(plan, colors, stages),
     }
@@ -42,7 +42,7 @@ pub(crate) fn solves_trees(method: Method) -> bool {
 /// Sweeps over all rows in a substep.
 pub(crate) fn sweeps(settings: &SolverSettings) -> u32 {
     match settings.method {
-        Method::SoftStep | Method::ProjectedGaussSeidel => 2 * settings.iterations,
+        Method::SoftStep | Method::ProjectedGaussSeidel | Method::Exact => 2 * settings.iterations,
         Method::SequentialImpulses => settings.iterations + sequential_impulses::POSITION_SWEEPS,
         Method::Xpbd => settings.iterations + 1,
     }

@@ -5,6 +5,7 @@
 //! so threads take whole islands and the result does not depend on their number.
 
 mod direct;
+mod exact;
 mod impulse;
 mod island_solver;
 mod joint_tree;
@@ -22,6 +23,7 @@ mod xpbd;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use exact::ExactGroups;
 pub(crate) use island_solver::{IslandSolver, LocalBody, StepTerms};
 pub(crate) use lag::LaggedContacts;
 pub(crate) use rows::Scalar;
@@ -33,7 +35,7 @@ use super::bodies::{Bodies, Joints};
 use super::collision::Contacts;
 use super::diagnostics::{ContactForces, StepStats};
 use super::island::Islands;
-use super::settings::{Gravity, SolverSettings, contacts_last};
+use super::settings::{Gravity, Method, SolverSettings};
 use super::{PhysicsSchedule, PhysicsSystems, threads};
 
 pub(super) fn plugin(app: &mut App) {
@@ -44,8 +46,12 @@ pub(super) fn plugin(app: &mut App) {
             PhysicsSchedule,
             lag::swap_contacts.after(PhysicsSystems::NarrowPhase).before(PhysicsSystems::Islands),
         )
-        .add_plugins(impulse::plugin)
-        .add_systems(PhysicsSchedule, solve_islands.in_set(PhysicsSystems::Solve).run_if(not(contacts_last)));
+        .add_plugins((impulse::plugin, exact::plugin))
+        .add_systems(PhysicsSchedule, solve_islands.in_set(PhysicsSystems::Solve).run_if(sweeps_force_rows));
+}
+
+fn sweeps_force_rows(settings: Res<SolverSettings>) -> bool {
+    settings.method == Method::ProjectedGaussSeidel
 }
 
 /// One solver per island, kept with its buffers from step to step.

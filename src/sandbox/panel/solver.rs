@@ -91,7 +91,8 @@ const FIELDS: &[(&str, &[Field])] = &[
                 "integrator",
                 "integrator",
                 "How velocities become poses.\n\nEuler: v += h a, then x += h v with the new v; one solve a \
-                 substep.\nVelocity Verlet: kick by h/2, drift by h, kick by h/2; two solves a substep.",
+                 substep.\nVelocity Verlet: kick by h/2, drift by h, kick by h/2; two solves a \
+                 substep.\nGauss: of order 6, implicit; of the exact method only.",
             ),
         ],
     ),
@@ -104,7 +105,8 @@ const FIELDS: &[(&str, &[Field])] = &[
                 "How contacts and joints are solved.\n\nSoft Step: impulses with soft constraints, then without, in \
                  each substep (Catto 2024); trees of joints exactly.\nSequential Impulses: on velocities, then positions \
                  on their own (Catto 2006); wants 10 iterations and a slop.\nXpbd: positions of small substeps \
-                 (Müller et al. 2020); wants 8 substeps or more.\nProjected Gauss Seidel: on force-level rows (Catto 2005).",
+                 (Müller et al. 2020); wants 8 substeps or more.\nProjected Gauss Seidel: on force-level rows (Catto \
+                 2005).\nExact: joint forces solved directly, in stages of an integrator that converges.",
             ),
             Field::number(
                 "iterations",
@@ -259,7 +261,7 @@ pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut settings: ResMut<SolverSettin
             }
         });
     }
-    settings.set_if_neq(edited);
+    settings.set_if_neq(edited.with_method(edited.method));
 }
 
 /// Number of fields in which two settings differ.

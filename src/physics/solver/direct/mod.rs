@@ -21,7 +21,7 @@
 mod cholesky;
 mod motion;
 mod patch;
-mod pattern;
+pub(super) mod pattern;
 #[cfg(test)]
 mod tests;
 

@@ -1,0 +1,436 @@
+//! Gauss's collocation method on a mechanism: implicit, symmetric, for any stiffness.
+//!
+//! Unknown are each stage's accelerations a_i and joint forces λ_i. With places and velocities from them by the
+//! [tableau](super::tableau), stage i holds
+//!
+//! M a_i = F − (0, ω_i × I ω_i) + Jᵀλ_i,  J a_i + J̇ v_i = 0.
+//!
+//! Rotations: R(t) = exp φ(t) R_m about the middle rotation R_m = exp ψ R₀, from φ = −ψ to φ = ψ, so that the method is
+//! symmetric on the group, too (Hairer, Lubich and Wanner 2006, V.4.3). φ̇_i = k_i = dexp⁻¹_{φ_i} ω_i gives
+//! ψ = ½ h Σ b_j k_j and φ_i = h Σ (a_ij − ½ b_j) k_j.
+//!
+//! They are found by simplified Newton iteration, a sweep over the stages at a time:
+//!
+//! [M̃ −Jᵀ; J 0] (δa, δλ) = (what is left of the two lines above),  M̃ = M (1 + c h a_ii) + h² L_ii K,
+//!
+//! with drag c, and geometric stiffness K (see `joint_tree::stiffness`), kept to M's pattern; L_ii from the tableau. J and
+//! the factor of J M̃⁻¹ Jᵀ are those of the stage's first guess, which is the stages of the step before continued. Where K
+//! counts nothing each sweep leaves a share of order h²; where it is large, the sweeps still converge, whatever ωh.
+//!
+//! A joint that gives is a row of its own, λ + m(ω²C + 2ζωĊ) = 0 in place of the second line; its softness
+//! 1/(m(ω² h² L_ii + 2ζω h a_ii)) goes on the diagonal of J M̃⁻¹ Jᵀ. At its greatest force it is only a force.
+
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+use super::group::{exponential, inverse_dexp};
+use super::mechanism::{Mechanism, Spring};
+use super::rows::{Rows, Screw, Weight};
+use super::tableau::Tableau;
+
+/// Sweeps at most.
+const MOST_SWEEPS: usize = 40;
+
+/// What the last sweeps may leave of a turn, rad, or of a way, m.
+const LEAST: f64 = 1e-17;
+
+/// Change in the last sweep, in m or rad, that is no convergence.
+const LOST: f64 = 1e-9;
+
+/// Change, in m or rad, that no step is short enough for.
+const FAR: f64 = 1e3;
+
+/// h² K over I under which stiffness counts nothing.
+const SOFT: f64 = 0.3;
+
+/// One stage.
+#[derive(Clone, Debug, Default)]
+struct Stage {
+    /// a_i of each member.
+    accelerations: Vec<Screw>,
+    /// λ_i.
+    forces: Vec<Vector3<f64>>,
+    /// k_i of each member.
+    rates: Vec<Vector3<f64>>,
+    rows: Rows,
+}
+
+/// What a step that converged leaves to the next.
+#[derive(Clone, Debug, Default)]
+struct Past {
+    accelerations: Vec<Screw>,
+    forces: Vec<Vector3<f64>>,
+}
+
+/// Stages and what is needed to find them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Gauss<const S: usize> {
+    tableau: Tableau<S>,
+    stages: Vec<Stage>,
+    /// Of the last step that converged, and its length, s; 0 where there is none.
+    history: Vec<Past>,
+    length: f64,
+    /// R_m of each member.
+    middles: Vec<UnitQuaternion<f64>>,
+    /// Of the stage at hand.
+    rotations: Vec<Matrix3<f64>>,
+    angular: Vec<Vector3<f64>>,
+    arms: Vec<[Vector3<f64>; 2]>,
+    /// What is left of the balance of forces, and then what it changes.
+    wrenches: Vec<Screw>,
+    unknowns: Vec<Vector3<f64>>,
+    right: Vec<Vector3<f64>>,
+    stiffness: Vec<Matrix3<f64>>,
+    guess: Vec<Screw>,
+}
+
+/// How the sweeps went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Sweeps {
+    pub count: u32,
+    pub converged: bool,
+}
+
+impl<const S: usize> Gauss<S> {
+    /// Forgets the step before.
+    pub fn forget(&mut self) {
+        self.length = 0.0;
+    }
+
+    /// What the next step starts from beside the mechanism's motion.
+    pub fn memory(&self) -> impl Iterator<Item = f64> + '_ {
+        let known = self.history.iter().filter(|_| self.length > 0.0);
+        known.flat_map(|past| {
+            let screws = past.accelerations.iter().flat_map(|screw| screw.linear.iter().chain(screw.angular.iter()));
+            screws.chain(past.forces.iter().flatten()).copied()
+        })
+    }
+
+    /// Mean of the forces over the step.
+    pub fn mean_force(&self, link: usize) -> Vector3<f64> {
+        let weights = self.tableau.weights.iter();
+        weights.zip(&self.stages).map(|(weight, stage)| stage.forces[link] * *weight).sum()
+    }
+
+    /// Takes the mechanism through a step of h, s. Where the sweeps do not converge it stays where it was.
+    pub fn step(&mut self, mechanism: &mut Mechanism, h: f64) -> Sweeps {
+        self.begin(mechanism, h);
+        let (mut before, mut share, mut rising) = (f64::INFINITY, 0.0, 0);
+        for count in 1..=MOST_SWEEPS {
+            let mut change: f64 = 0.0;
+            if count <= 3 {
+                self.find_stiffness(mechanism, h);
+            }
+            let anew = count == 1
+                || (!self.stiffness.is_empty() && (count <= 4 || share > 0.3))
+                || mechanism.may_be_singular;
+            self.find_middles(mechanism, h);
+            for stage in 0..S {
+                if stage > 0 && !self.stiffness.is_empty() {
+                    self.refresh_rates(mechanism, h);
+                    self.find_middles(mechanism, h);
+                }
+                self.set_out(mechanism, h, stage);
+                if anew {
+                    self.assemble(mechanism, h, stage);
+                }
+                if mechanism.may_be_singular {
+                    self.stages[stage].forces.fill(Vector3::zeros());
+                }
+                self.balance(mechanism, h, stage);
+                let stage = self.correct(mechanism, stage);
+                change = if stage > change || stage.is_nan() { stage } else { change };
+            }
+            let change = change * h * h;
+            rising = if share > 1.0 { rising + 1 } else { 0 };
+            if change.is_nan() || change > FAR || rising > 4 && change > LOST {
+                break;
+            }
+            share = change / before;
+            let settled = count > 1 && (change * share / (1.0 - share).max(0.1) <= LEAST || change == 0.0);
+            // Rounding leaves a change that does not fall.
+            let stuck = count > 3 && share > 0.5 && change < LOST;
+            if settled || stuck {
+                self.finish(mechanism, h);
+                self.remember(h);
+                return Sweeps { count: count as u32, converged: true };
+            }
+            before = change;
+        }
+        Sweeps { count: MOST_SWEEPS as u32, converged: false }
+    }
+
+    /// A first guess of all stages.
+    fn begin(&mut self, mechanism: &Mechanism, h: f64) {
+        let count = mechanism.members.len();
+        self.stages.resize_with(S, Stage::default);
+        for stage in &mut self.stages {
+            stage.accelerations.clear();
+            stage.accelerations.resize(count, Screw::ZERO);
+            stage.forces.clear();
+            stage.forces.resize(mechanism.links.len(), Vector3::zeros());
+        }
+        if self.length > 0.0 {
+            self.look_ahead(mechanism, h);
+        }
+        for stage in &mut self.stages {
+            stage.rates.clear();
+            stage.rates.extend(mechanism.motion.iter().map(|motion| motion.angular));
+        }
+        self.refresh_rates(mechanism, h);
+    }
+
+    /// Keeps the stages for the next step.
+    fn remember(&mut self, h: f64) {
+        self.length = h;
+        self.history.resize_with(S, Past::default);
+        for (past, stage) in self.history.iter_mut().zip(&self.stages) {
+            past.accelerations.clone_from(&stage.accelerations);
+            past.forces.clone_from(&stage.forces);
+        }
+    }
+
+    /// Continues the polynomials through the stages of the step before.
+    fn look_ahead(&mut self, mechanism: &Mechanism, h: f64) {
+        let ahead = if h == self.length { self.tableau.ahead } else { self.tableau.ahead_by(h / self.length) };
+        for member in 0..mechanism.moving {
+            let old: [Screw; S] = std::array::from_fn(|j| self.history[j].accelerations[member]);
+            for (stage, shares) in self.stages.iter_mut().zip(&ahead) {
+                stage.accelerations[member] = combine(&old, shares);
+            }
+        }
+        for link in 0..mechanism.links.len() {
+            let old: [Vector3<f64>; S] = std::array::from_fn(|j| self.history[j].forces[link]);
+            for (stage, shares) in self.stages.iter_mut().zip(&ahead) {
+                stage.forces[link] = old.iter().zip(shares).map(|(force, share)| force * *share).sum();
+            }
+        }
+    }
+
+    /// K of all members from the guessed forces; none where it counts nothing.
+    fn find_stiffness(&mut self, mechanism: &Mechanism, h: f64) {
+        self.stiffness.clear();
+        let stage = &self.stages[S - 1];
+        let mut largest: f64 = 0.0;
+        for (link, force) in mechanism.links.iter().zip(&stage.forces) {
+            for (member, anchor) in [(link.a, &link.anchor_a), (link.b, &link.anchor_b)] {
+                let member = &mechanism.members[member as usize];
+                if member.moves() {
+                    largest = largest.max(force.norm_squared() * anchor.norm_squared() / member.inertia.max().powi(2));
+                }
+            }
+        }
+        if largest.sqrt() * h * h > SOFT {
+            self.stiffness.resize(mechanism.members.len(), Matrix3::zeros());
+        }
+    }
+
+    /// R_m from the rates as they are.
+    fn find_middles(&mut self, mechanism: &Mechanism, h: f64) {
+        self.middles.resize(mechanism.motion.len(), UnitQuaternion::identity());
+        for (member, (middle, motion)) in self.middles.iter_mut().zip(&mechanism.motion).enumerate() {
+            let mut half = Vector3::zeros();
+            for (stage, weight) in self.stages.iter().zip(&self.tableau.weights) {
+                half += stage.rates[member] * (0.5 * h * weight);
+            }
+            *middle = exponential(&half) * motion.rotation;
+        }
+    }
+
+    /// k of all stages from the accelerations as they are.
+    fn refresh_rates(&mut self, mechanism: &Mechanism, h: f64) {
+        let Tableau { weights, matrix, .. } = &self.tableau;
+        for (member, motion) in mechanism.motion.iter().enumerate().take(mechanism.moving) {
+            let rates: [Vector3<f64>; S] = std::array::from_fn(|j| self.stages[j].rates[member]);
+            for (stage, shares) in (0..S).zip(matrix) {
+                let (mut turn, mut angular) = (Vector3::zeros(), motion.angular);
+                for (j, other) in self.stages.iter().enumerate() {
+                    turn += rates[j] * (h * shares[j] - 0.5 * h * weights[j]);
+                    angular += other.accelerations[member].angular * (h * shares[j]);
+                }
+                self.stages[stage].rates[member] = inverse_dexp(&turn, &angular);
+            }
+        }
+    }
+
+    /// Rotations, angular velocities and arms of a stage from the accelerations as they are.
+    fn set_out(&mut self, mechanism: &Mechanism, h: f64, stage: usize) {
+        let Tableau { weights, matrix, .. } = &self.tableau;
+        let gain: [f64; S] = std::array::from_fn(|j| h * matrix[stage][j]);
+        let way: [f64; S] = std::array::from_fn(|j| gain[j] - 0.5 * h * weights[j]);
+        self.rotations.clear();
+        self.angular.clear();
+        for (member, motion) in mechanism.motion.iter().enumerate() {
+            let (mut turn, mut angular) = (Vector3::zeros(), motion.angular);
+            for (j, other) in self.stages.iter().enumerate() {
+                turn += other.rates[member] * way[j];
+                angular += other.accelerations[member].angular * gain[j];
+            }
+            self.stages[stage].rates[member] = inverse_dexp(&turn, &angular);
+            let rotation = exponential(&turn) * self.middles[member];
+            self.rotations.push(rotation.to_rotation_matrix().into_inner());
+            self.angular.push(angular);
+        }
+        self.arms.clear();
+        for link in &mechanism.links {
+            let arm_a = self.rotations[link.a as usize] * link.anchor_a;
+            let arm_b = self.rotations[link.b as usize] * link.anchor_b;
+            self.arms.push([arm_a, arm_b]);
+        }
+    }
+
+    /// Factors the rows of a stage at its present rotations.
+    fn assemble(&mut self, mechanism: &Mechanism, h: f64, stage: usize) {
+        let own = self.tableau.matrix[stage][stage] * h;
+        let swing = self.tableau.pivots[stage] * h * h;
+        let turn = h * self.angular.iter().fold(0.0, |most: f64, angular| most.max(angular.norm_squared())).sqrt();
+        let Stage { rows, forces, .. } = &mut self.stages[stage];
+        let stiff = !self.stiffness.is_empty();
+        if stiff {
+            self.stiffness.fill(Matrix3::zeros());
+            for ((link, arms), force) in mechanism.links.iter().zip(&self.arms).zip(&*forces) {
+                add_pull(&mut self.stiffness[link.a as usize], &arms[0], &-force);
+                add_pull(&mut self.stiffness[link.b as usize], &arms[1], force);
+            }
+        }
+        rows.arms.clone_from(&self.arms);
+        rows.weights.clear();
+        for (index, member) in mechanism.members.iter().enumerate() {
+            let slowed = (1.0 / (1.0 + member.drag.0 * own), 1.0 / (1.0 + member.drag.1 * own));
+            let added = stiff.then(|| self.stiffness[index] * (swing * slowed.1));
+            let angular = member.inverse_inertia(&self.rotations[index], added.as_ref());
+            rows.weights.push(Weight { linear: member.inverse_mass * slowed.0, angular: angular * slowed.1 });
+        }
+        rows.assemble(mechanism, turn, |link, diagonal| {
+            let spring = mechanism.links[link].spring.as_ref();
+            spring.map_or(Vector3::zeros(), |spring| softness(spring, diagonal, own, swing))
+        });
+    }
+
+    /// What is left of both lines: of the first into `wrenches`, of the second less what the first will do to it into
+    /// `unknowns`.
+    fn balance(&mut self, mechanism: &Mechanism, h: f64, stage: usize) {
+        let Stage { accelerations, forces, rows, .. } = &self.stages[stage];
+        self.wrenches.clear();
+        for (index, member) in mechanism.members.iter().enumerate() {
+            if !member.moves() {
+                self.wrenches.push(Screw::ZERO);
+                continue;
+            }
+            let Screw { linear, angular } = &accelerations[index];
+            let omega = &self.angular[index];
+            let mut force = member.force - linear * member.mass;
+            let mut torque = member.torque;
+            if member.is_round() {
+                torque -= angular * member.inertia.x;
+            } else {
+                // In body axes, where the inertia is diagonal.
+                let rotation = &self.rotations[index];
+                let (spin, gain) = (rotation.tr_mul(omega), rotation.tr_mul(angular));
+                let momentum = member.inertia.component_mul(&spin);
+                torque -= rotation * (member.inertia.component_mul(&gain) + spin.cross(&momentum));
+            }
+            if member.drag != (0.0, 0.0) {
+                let shares = &self.tableau.matrix[stage];
+                let gained: Vector3<f64> = shares
+                    .iter()
+                    .zip(&self.stages)
+                    .map(|(share, other)| other.accelerations[index].linear * (*share * h))
+                    .sum();
+                force -= (mechanism.motion[index].linear + gained) * (member.mass * member.drag.0);
+                torque -= member.world_inertia(&self.rotations[index]) * omega * member.drag.1;
+            }
+            self.wrenches.push(Screw { linear: force, angular: torque });
+        }
+        for ((link, arms), force) in mechanism.links.iter().zip(&self.arms).zip(forces) {
+            let a = &mut self.wrenches[link.a as usize];
+            a.linear -= force;
+            a.angular -= arms[0].cross(force);
+            let b = &mut self.wrenches[link.b as usize];
+            b.linear += force;
+            b.angular += arms[1].cross(force);
+        }
+        // What the accelerations would be, were the forces right.
+        self.guess.clear();
+        for ((acceleration, wrench), weight) in accelerations.iter().zip(&self.wrenches).zip(&rows.weights) {
+            let more = weight.of(wrench);
+            let (linear, angular) = (acceleration.linear + more.linear, acceleration.angular + more.angular);
+            self.guess.push(Screw { linear, angular });
+        }
+        self.unknowns.clear();
+        for (link, [arm_a, arm_b]) in mechanism.links.iter().zip(&self.arms) {
+            let gain = |member: u32, arm: &Vector3<f64>| {
+                let (guess, omega) = (&self.guess[member as usize], &self.angular[member as usize]);
+                guess.linear + guess.angular.cross(arm) + omega.cross(&omega.cross(arm))
+            };
+            self.unknowns.push(gain(link.a, arm_a) - gain(link.b, arm_b));
+        }
+    }
+
+    /// Changes a stage's accelerations and forces by what is left. The largest change of an acceleration.
+    fn correct(&mut self, mechanism: &Mechanism, stage: usize) -> f64 {
+        let Stage { accelerations, forces, rows, .. } = &mut self.stages[stage];
+        if mechanism.may_be_singular {
+            // From zero: what comes of it depends on the pose alone.
+            std::mem::swap(&mut self.unknowns, &mut self.right);
+            rows.solve(mechanism, &self.right, &mut self.unknowns);
+        } else {
+            rows.solve_once(mechanism, &mut self.unknowns);
+        }
+        for (force, more) in forces.iter_mut().zip(&self.unknowns) {
+            *force += more;
+        }
+        rows.add_wrenches(mechanism, &self.unknowns, &mut self.wrenches);
+        let mut largest: f64 = 0.0;
+        let moved = accelerations.iter_mut().zip(&self.wrenches).zip(&rows.weights);
+        for ((acceleration, wrench), weight) in moved.take(mechanism.moving) {
+            let change = weight.of(wrench);
+            acceleration.linear += change.linear;
+            acceleration.angular += change.angular;
+            let size = change.linear.abs().sum() + change.angular.abs().sum();
+            // A NaN stays.
+            largest = if size <= largest { largest } else { size };
+        }
+        largest
+    }
+
+    /// From the stages to the end of the step.
+    fn finish(&mut self, mechanism: &mut Mechanism, h: f64) {
+        let Tableau { weights, last, .. } = &self.tableau;
+        for (member, motion) in mechanism.motion.iter_mut().enumerate() {
+            let (mut gained, mut moved, mut half) = (Screw::ZERO, Vector3::zeros(), Vector3::zeros());
+            for (j, stage) in self.stages.iter().enumerate() {
+                let Screw { linear, angular } = &stage.accelerations[member];
+                gained.linear += linear * weights[j];
+                gained.angular += angular * weights[j];
+                moved += linear * last[j];
+                half += stage.rates[member] * (0.5 * h * weights[j]);
+            }
+            motion.position += (motion.linear + moved * h) * h;
+            motion.linear += gained.linear * h;
+            motion.angular += gained.angular * h;
+            let turn = exponential(&half);
+            motion.rotation = UnitQuaternion::new_normalize((turn * turn * motion.rotation).into_inner());
+        }
+    }
+}
+
+fn combine<const S: usize>(screws: &[Screw; S], shares: &[f64; S]) -> Screw {
+    screws.iter().zip(shares).fold(Screw::ZERO, |sum, (screw, &share)| Screw {
+        linear: sum.linear + screw.linear * share,
+        angular: sum.angular + screw.angular * share,
+    })
+}
+
+/// 1/(m(ω² h² L_ii + 2ζω h a_ii)) along each axis, 1/m given.
+fn softness(spring: &Spring, diagonal: &Vector3<f64>, own: f64, swing: f64) -> Vector3<f64> {
+    diagonal / (spring.frequency * (spring.frequency * swing + 2.0 * spring.damping_ratio * own))
+}
+
+/// Adds max(0, r·f) (1 − r̂ r̂ᵀ).
+fn add_pull(stiffness: &mut Matrix3<f64>, arm: &Vector3<f64>, force: &Vector3<f64>) {
+    let along = arm.dot(force);
+    if along > 0.0 {
+        let unit = arm * (along / arm.norm_squared());
+        *stiffness += Matrix3::from_diagonal_element(along) - unit * arm.transpose();
+    }
+}

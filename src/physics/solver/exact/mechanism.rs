@@ -1,0 +1,228 @@
+//! A mechanism: bodies that joints hold together, with all that stays the same from step to step.
+//!
+//! Bodies that constraints move come first; those after them (static, kinematic, or of no concern here) have a zero
+//! inverse mass. Links stand in the order in which their rows are eliminated (least degree, which on a tree is from its
+//! leaves, without fill).
+
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+
+use super::group::{exponential, in_world};
+use crate::physics::solver::direct::pattern::Pattern;
+
+/// What of a body does not change in a step. SI; world axes unless stated.
+#[derive(Clone, Debug)]
+pub(crate) struct Member {
+    /// 0 for what constraints do not move.
+    pub mass: f64,
+    /// Zero along locked axes.
+    pub inverse_mass: Vector3<f64>,
+    /// Principal, body axes; zero for what constraints do not move.
+    pub inertia: Vector3<f64>,
+    /// 0 about a locked world axis, 1 else.
+    pub freedom: Vector3<f64>,
+    /// 1/s, linear and angular.
+    pub drag: (f64, f64),
+    pub force: Vector3<f64>,
+    pub torque: Vector3<f64>,
+}
+
+impl Member {
+    /// Whether constraints move it.
+    pub fn moves(&self) -> bool {
+        self.mass > 0.0
+    }
+
+    /// Whether its inertia is the same about all axes.
+    pub fn is_round(&self) -> bool {
+        self.inertia.x == self.inertia.y && self.inertia.y == self.inertia.z
+    }
+
+    /// Whether it turns about all axes.
+    pub fn turns_freely(&self) -> bool {
+        self.freedom == Vector3::repeat(1.0)
+    }
+
+    /// Inertia in world axes.
+    pub fn world_inertia(&self, rotation: &Matrix3<f64>) -> Matrix3<f64> {
+        if self.is_round() { Matrix3::from_diagonal(&self.inertia) } else { in_world(&self.inertia, rotation) }
+    }
+
+    /// The inverse, on the axes about which it turns, of the inertia and what is added to it.
+    pub fn inverse_inertia(&self, rotation: &Matrix3<f64>, added: Option<&Matrix3<f64>>) -> Matrix3<f64> {
+        if !self.moves() {
+            return Matrix3::zeros();
+        }
+        if added.is_none() && self.turns_freely() {
+            let inverse = self.inertia.map(f64::recip);
+            return if self.is_round() { Matrix3::from_diagonal(&inverse) } else { in_world(&inverse, rotation) };
+        }
+        let sum = self.world_inertia(rotation) + added.copied().unwrap_or_else(Matrix3::zeros);
+        invert_on(&sum, &self.freedom)
+    }
+}
+
+/// (P m P)⁺ for a symmetric positive definite m and a projection P on some axes.
+fn invert_on(m: &Matrix3<f64>, freedom: &Vector3<f64>) -> Matrix3<f64> {
+    let free = Matrix3::from_diagonal(freedom);
+    let rest = Matrix3::from_diagonal(&freedom.map(|free| 1.0 - free));
+    let inverse = (free * m * free + rest).try_inverse().unwrap_or_else(Matrix3::zeros);
+    let inverse = free * inverse * free;
+    (inverse + inverse.transpose()) * 0.5
+}
+
+/// Where a body is and how it moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Motion {
+    pub position: Vector3<f64>,
+    pub rotation: UnitQuaternion<f64>,
+    pub linear: Vector3<f64>,
+    pub angular: Vector3<f64>,
+}
+
+impl Motion {
+    /// At rest at the origin.
+    pub const REST: Self = Self {
+        position: Vector3::new(0.0, 0.0, 0.0),
+        rotation: UnitQuaternion::new_unchecked(Quaternion::new(1.0, 0.0, 0.0, 0.0)),
+        linear: Vector3::new(0.0, 0.0, 0.0),
+        angular: Vector3::new(0.0, 0.0, 0.0),
+    };
+
+    /// Goes on with the velocities as they are for h, s.
+    pub fn drift(&mut self, h: f64) {
+        self.position += self.linear * h;
+        self.turn(&(self.angular * h));
+    }
+
+    /// Turns by a rotation vector.
+    pub fn turn(&mut self, turn: &Vector3<f64>) {
+        if *turn != Vector3::zeros() {
+            self.rotation = UnitQuaternion::new_normalize((exponential(turn) * self.rotation).into_inner());
+        }
+    }
+}
+
+/// A ball joint between two members.
+#[derive(Clone, Debug)]
+pub(crate) struct Link {
+    pub a: u32,
+    pub b: u32,
+    /// From the centres of mass, body axes.
+    pub anchor_a: Vector3<f64>,
+    pub anchor_b: Vector3<f64>,
+    pub spring: Option<Spring>,
+}
+
+/// A joint that gives: λ = −m (ω² C + 2ζω Ċ) along each axis, m the mass that the joint feels there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spring {
+    /// ω, rad/s.
+    pub frequency: f64,
+    /// ζ.
+    pub damping_ratio: f64,
+    /// N, along each axis.
+    pub most: f64,
+}
+
+/// Two links that share a member that moves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Coupling {
+    /// Link and end (0: A, 1: B) of the row and of the column.
+    pub row: (u32, usize),
+    pub column: (u32, usize),
+    pub member: u32,
+    pub sign: f64,
+    /// Block of the factor.
+    pub block: u32,
+}
+
+/// Links from the member that is held, or the first one, outwards, each with its nearer end; none if not all members are
+/// reached, each once.
+fn walk(moving: usize, links: &[[u32; 2]], at: &[Vec<(u32, usize)>]) -> Option<Vec<(u32, usize)>> {
+    let moves = |member: u32| (member as usize) < moving;
+    let held = (0..).zip(links).find(|(_, ends)| !ends.iter().all(|&member| moves(member)));
+    let mut tree: Vec<(u32, usize)> = Vec::with_capacity(links.len());
+    let mut reached = vec![false; moving];
+    let reach = |link: u32, end: usize, tree: &mut Vec<(u32, usize)>, reached: &mut [bool]| {
+        tree.push((link, end));
+        !std::mem::replace(&mut reached[links[link as usize][1 - end] as usize], true)
+    };
+    match held {
+        Some((link, ends)) => _ = reach(link, usize::from(moves(ends[0])), &mut tree, &mut reached),
+        None => {
+            *reached.first_mut()? = true;
+            for &(link, end) in &at[0] {
+                if !reach(link, end, &mut tree, &mut reached) {
+                    return None;
+                }
+            }
+        }
+    }
+    let mut next = 0;
+    while let Some(&(by, end)) = tree.get(next) {
+        let member = links[by as usize][1 - end];
+        for &(link, end) in at[member as usize].iter().filter(|(link, _)| *link != by) {
+            if !moves(links[link as usize][1 - end]) || !reach(link, end, &mut tree, &mut reached) {
+                return None;
+            }
+        }
+        next += 1;
+    }
+    reached.iter().all(|&reached| reached).then_some(tree)
+}
+
+/// Bodies and joints, and the pattern of their rows.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Mechanism {
+    pub members: Vec<Member>,
+    /// As many of the members, the first ones, are moved by constraints.
+    pub moving: usize,
+    pub links: Vec<Link>,
+    pub motion: Vec<Motion>,
+    /// Where the members that move make a tree, held at one point or none: its links from the root outwards, each with
+    /// the end (0: A, 1: B) that is nearer to the root.
+    pub(super) tree: Option<Vec<(u32, usize)>>,
+    /// Whether links may ask for the same, or for what nothing can do: loops, several fixed points, locked axes.
+    pub may_be_singular: bool,
+    pub(super) pattern: Pattern,
+    pub(super) couplings: Vec<Coupling>,
+}
+
+impl Mechanism {
+    /// The order in which `links` (pairs of members) are to stand, and a mechanism without members and links whose
+    /// pattern is for that order.
+    pub fn plan(moving: usize, locked: bool, links: &[[u32; 2]]) -> (Vec<u32>, Self) {
+        let mut at: Vec<Vec<(u32, usize)>> = vec![Vec::new(); moving];
+        for (link, ends) in (0..).zip(links) {
+            for (end, &member) in ends.iter().enumerate().filter(|(_, member)| (**member as usize) < moving) {
+                at[member as usize].push((link, end));
+            }
+        }
+        let pairs = at.iter().flat_map(|ends| {
+            ends.iter().enumerate().flat_map(move |(index, one)| ends[..index].iter().map(move |other| [other.0, one.0]))
+        });
+        let edges = pairs.clone().filter(|[a, b]| a != b);
+        let pattern = Pattern::new(links.len(), edges, usize::MAX).unwrap_or_default();
+        let mut order = vec![0; links.len()];
+        for link in 0..links.len() as u32 {
+            order[pattern.place(link) as usize] = link;
+        }
+        let mut couplings = Vec::new();
+        for (member, ends) in (0..).zip(&at) {
+            for (index, &one) in ends.iter().enumerate() {
+                for &other in ends[..index].iter().filter(|other| other.0 != one.0) {
+                    let place = |(link, end): (u32, usize)| (pattern.place(link), end);
+                    let (row, column) = if place(one) > place(other) { (one, other) } else { (other, one) };
+                    let sign = if row.1 == column.1 { 1.0 } else { -1.0 };
+                    let (block, _) = pattern.block(row.0, column.0);
+                    couplings.push(Coupling { row: place(row), column: place(column), member, sign, block });
+                }
+            }
+        }
+        // A tree of so many bodies with one fixed point has as many links; any more close a loop.
+        let may_be_singular = locked || links.len() > moving;
+        let tree = if may_be_singular { None } else { walk(moving, links, &at) };
+        let tree = tree.map(|tree| tree.into_iter().map(|(link, end)| (pattern.place(link), end)).collect());
+        (order, Self { moving, may_be_singular, tree, pattern, couplings, ..Self::default() })
+    }
+}

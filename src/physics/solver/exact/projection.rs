@@ -1,0 +1,154 @@
+//! Back onto the joints: places and velocities moved the least way, as masses count, to where joints hold to rounding.
+//!
+//! Places: δ = M⁻¹Jᵀμ with J M⁻¹ Jᵀ μ = −C, again until C is zero to rounding (Newton's method on the group, J and its
+//! factor those of the first turn: the error is small when it starts). Velocities: v −= M⁻¹Jᵀ(J M⁻¹ Jᵀ)⁻¹ J v.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::mechanism::{Mechanism, Motion};
+use super::rows::{Rows, Screw, Weight};
+
+/// Turns at most.
+const MOST_TURNS: usize = 8;
+
+/// What of a joint's arms may be left, as a share of them: some units of rounding.
+const ROUNDING: f64 = 4e-16;
+
+/// Levers, as a share, that are too short to be asked.
+const PROJECTED: f64 = 1e-4;
+
+/// Buffers.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Projection {
+    pub rows: Rows,
+    rotations: Vec<Matrix3<f64>>,
+    errors: Vec<Vector3<f64>>,
+    forces: Vec<Vector3<f64>>,
+    motion: Vec<Screw>,
+}
+
+impl Projection {
+    /// Arms, weights and the factor at the present pose.
+    pub fn assemble(&mut self, mechanism: &Mechanism) {
+        self.rotations.clear();
+        self.rotations.extend(mechanism.motion.iter().map(|motion| motion.rotation.to_rotation_matrix().into_inner()));
+        self.set_arms(mechanism);
+        self.rows.weights.clear();
+        for (member, rotation) in mechanism.members.iter().zip(&self.rotations) {
+            let weight = Weight { linear: member.inverse_mass, angular: member.inverse_inertia(rotation, None) };
+            self.rows.weights.push(weight);
+        }
+        self.rows.assemble(mechanism, PROJECTED, |_, _| Vector3::repeat(f64::INFINITY));
+    }
+
+    fn set_arms(&mut self, mechanism: &Mechanism) {
+        self.rows.arms.clear();
+        for link in &mechanism.links {
+            let arm_a = self.rotations[link.a as usize] * link.anchor_a;
+            let arm_b = self.rotations[link.b as usize] * link.anchor_b;
+            self.rows.arms.push([arm_a, arm_b]);
+        }
+    }
+
+    /// Places and velocities of a tree from its rotations and angular velocities, its centre of mass kept where nothing
+    /// holds it.
+    fn follow(&mut self, mechanism: &mut Mechanism) {
+        let Mechanism { members, links, motion, tree, moving, .. } = mechanism;
+        let Some(tree) = tree.as_ref() else { return };
+        let floats = tree.len() < *moving;
+        let mean = |motion: &[Motion]| {
+            let mut sum = (0.0, Vector3::zeros(), Vector3::zeros());
+            for (member, motion) in members.iter().zip(motion).take(*moving) {
+                sum.0 += member.mass;
+                sum.1 += motion.position * member.mass;
+                sum.2 += motion.linear * member.mass;
+            }
+            (sum.1 / sum.0, sum.2 / sum.0)
+        };
+        let before = if floats { mean(motion) } else { Default::default() };
+        for &(link, end) in tree {
+            let link = &links[link as usize];
+            let ends = [(link.a, &link.anchor_a), (link.b, &link.anchor_b)];
+            let ((near, near_anchor), (far, far_anchor)) = (ends[end], ends[1 - end]);
+            let (near, arms) = {
+                let near = motion[near as usize];
+                (near, [near.rotation * near_anchor, motion[far as usize].rotation * far_anchor])
+            };
+            let far = &mut motion[far as usize];
+            far.position = near.position + (arms[0] - arms[1]);
+            far.linear = near.linear + near.angular.cross(&arms[0]) - far.angular.cross(&arms[1]);
+        }
+        if floats {
+            let after = mean(motion);
+            for motion in &mut motion[..*moving] {
+                motion.position += before.0 - after.0;
+                motion.linear += before.1 - after.1;
+            }
+        }
+    }
+
+    /// Both, at the present pose. The largest error of a place that is left, m.
+    pub fn project(&mut self, mechanism: &mut Mechanism) -> f64 {
+        if mechanism.tree.is_some() {
+            self.follow(mechanism);
+            return 0.0;
+        }
+        self.assemble(mechanism);
+        let left = self.project_places(mechanism);
+        self.project_velocities(mechanism);
+        left
+    }
+
+    fn project_places(&mut self, mechanism: &mut Mechanism) -> f64 {
+        let mut before = f64::INFINITY;
+        for _ in 0..MOST_TURNS {
+            let (largest, rounding) = self.find_errors(mechanism);
+            if largest <= rounding || largest > 0.5 * before {
+                return largest;
+            }
+            before = largest;
+            self.rows.solve_once(mechanism, &mut self.errors);
+            self.rows.respond(mechanism, &self.errors, &mut self.motion);
+            for (index, (motion, moved)) in mechanism.motion.iter_mut().zip(&self.motion).enumerate() {
+                if moved.linear != Vector3::zeros() || moved.angular != Vector3::zeros() {
+                    motion.position += moved.linear;
+                    motion.turn(&moved.angular);
+                    self.rotations[index] = motion.rotation.to_rotation_matrix().into_inner();
+                }
+            }
+            self.set_arms(mechanism);
+        }
+        before
+    }
+
+    /// −C of all links; the largest, and what rounding may leave.
+    fn find_errors(&mut self, mechanism: &Mechanism) -> (f64, f64) {
+        self.errors.clear();
+        let (mut largest, mut rounding): (f64, f64) = (0.0, 0.0);
+        for (link, [arm_a, arm_b]) in mechanism.links.iter().zip(&self.rows.arms) {
+            let (a, b) = (&mechanism.motion[link.a as usize], &mechanism.motion[link.b as usize]);
+            let error = a.position - b.position + (arm_a - arm_b);
+            largest = largest.max(error.amax());
+            rounding = rounding.max(ROUNDING * (arm_a.amax() + arm_b.amax() + a.position.amax()));
+            self.errors.push(error);
+        }
+        (largest, rounding)
+    }
+
+    /// Velocities, with the rows of [`Self::assemble`].
+    pub fn project_velocities(&mut self, mechanism: &mut Mechanism) {
+        self.motion.clear();
+        let screws = mechanism.motion.iter().map(|motion| Screw { linear: motion.linear, angular: motion.angular });
+        self.motion.extend(screws);
+        self.errors.clear();
+        for (index, link) in mechanism.links.iter().enumerate() {
+            self.errors.push(-self.rows.relative(index, link.a, link.b, &self.motion));
+        }
+        self.rows.solve(mechanism, &self.errors, &mut self.forces);
+        self.rows.respond(mechanism, &self.forces, &mut self.motion);
+        for (motion, gained) in mechanism.motion.iter_mut().zip(&self.motion) {
+            motion.linear += gained.linear;
+            motion.angular += gained.angular;
+        }
+    }
+}

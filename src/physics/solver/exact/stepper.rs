@@ -1,0 +1,119 @@
+//! One mechanism through one step, by the integrator that the settings ask for.
+//!
+//! Where the sweeps of a step do not converge, because it is too long for what the forces make of the mechanism, it is
+//! cut in two, and its parts again, and later ones begin with parts of that length; after some that converged longer
+//! ones are tried. How often is counted. At the shortest a part goes by a plain Euler step, and is reported.
+
+use nalgebra::Vector3;
+
+use super::gauss::Gauss;
+use super::mechanism::Mechanism;
+use super::projection::Projection;
+use super::rows::Screw;
+
+/// A step is cut into 2 to this power parts at most.
+const MOST_CUTS: u32 = 12;
+
+/// Parts that must converge before longer ones are tried.
+const CALM: u32 = 8;
+
+/// Stages.
+const STAGES: usize = 3;
+
+/// What a step took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Effort {
+    /// Solves of all rows.
+    pub solves: u32,
+    /// Parts beyond those asked for.
+    pub cuts: u32,
+    /// Parts that did not converge however short.
+    pub unsettled: u32,
+}
+
+/// Integrators with what they keep from step to step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Stepper {
+    gauss: Gauss<STAGES>,
+    projection: Projection,
+    /// Steps are cut into 2 to this power parts.
+    level: u32,
+    calm: u32,
+    /// Mean of each link's force on B over the step, N.
+    pub forces: Vec<Vector3<f64>>,
+    screws: Vec<Screw>,
+}
+
+impl Stepper {
+    /// Forgets the steps before: the mechanism was moved by somebody else.
+    pub fn forget(&mut self) {
+        self.gauss.forget();
+        self.level = 0;
+        self.calm = 0;
+    }
+
+    /// All that the next step depends on beside the mechanism.
+    pub fn memory(&self) -> impl Iterator<Item = f64> + '_ {
+        self.gauss.memory().chain([f64::from(self.level), f64::from(self.calm)])
+    }
+
+    /// Takes the mechanism through so many equal parts of h, s, each.
+    pub fn advance(&mut self, mechanism: &mut Mechanism, h: f64, parts: u32) -> Effort {
+        self.forces.clear();
+        self.forces.resize(mechanism.links.len(), Vector3::zeros());
+        let mut effort = Effort::default();
+        for _ in 0..parts {
+            self.advance_part(mechanism, h, 1.0 / f64::from(parts), &mut effort);
+        }
+        effort
+    }
+
+    fn advance_part(&mut self, mechanism: &mut Mechanism, h: f64, share: f64, effort: &mut Effort) {
+        let whole = 1_u32 << MOST_CUTS;
+        let mut left = whole;
+        while left > 0 {
+            let size = whole >> self.level;
+            let length = f64::from(size) / f64::from(whole);
+            let sweeps = self.gauss.step(mechanism, h * length);
+            effort.solves += sweeps.count * STAGES as u32;
+            if !sweeps.converged && self.level < MOST_CUTS {
+                self.level += 1;
+                self.calm = 0;
+                effort.cuts += left / size;
+                continue;
+            }
+            if sweeps.converged {
+                for (link, force) in self.forces.iter_mut().enumerate() {
+                    *force += self.gauss.mean_force(link) * (length * share);
+                }
+            } else {
+                self.fall_back(mechanism, h * length);
+                effort.unsettled += 1;
+            }
+            self.projection.project(mechanism);
+            left -= size;
+            self.calm += 1;
+            if self.calm >= CALM && self.level > 0 && left.is_multiple_of(2 * size) {
+                self.level -= 1;
+                self.calm = 0;
+            }
+        }
+    }
+
+    /// v += h a without the joints, which the projection brings back, then x += h v.
+    fn fall_back(&mut self, mechanism: &mut Mechanism, h: f64) {
+        self.projection.assemble(mechanism);
+        self.screws.clear();
+        self.screws.extend(mechanism.members.iter().map(|member| Screw { linear: member.force, angular: member.torque }));
+        for ((motion, wrench), weight) in mechanism.motion.iter_mut().zip(&self.screws).zip(&self.projection.rows.weights)
+        {
+            let gain = weight.of(wrench);
+            motion.linear += gain.linear * h;
+            motion.angular += gain.angular * h;
+        }
+        self.projection.project_velocities(mechanism);
+        for motion in &mut mechanism.motion {
+            motion.drift(h);
+        }
+    }
+}
