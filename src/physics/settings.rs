@@ -74,8 +74,14 @@ pub enum Integrator {
     Euler,
     /// Kick by h/2, drift by h, kick by h/2. Two solves a (sub)step.
     VelocityVerlet,
-    /// Gauss's collocation method of order 6, implicit and symmetric, for any stiffness. Of `exact` only.
+    /// Gauss's collocation method of order 6, implicit and symmetric, for any stiffness. Of `exact` only, as all below.
     Gauss,
+    /// The classic Runge–Kutta method of order 4, explicit: cut finer where joints pull hard.
+    RungeKutta4,
+    /// RATTLE: kicks and free flight, symmetric, of order 2.
+    Rattle,
+    /// Five steps of RATTLE composed, symmetric, of order 4.
+    ComposedRattle,
 }
 
 impl Integrator {
@@ -83,7 +89,7 @@ impl Integrator {
     fn is_of(self, method: Method) -> bool {
         match self {
             Self::Euler | Self::VelocityVerlet => method != Method::Exact,
-            Self::Gauss => method == Method::Exact,
+            Self::Gauss | Self::RungeKutta4 | Self::Rattle | Self::ComposedRattle => method == Method::Exact,
         }
     }
 }
@@ -319,7 +325,7 @@ impl SolverSettings {
         check("hz", self.hz, "greater than 0 and at most 1e9", self.hz > 0.0 && self.hz <= 1e9)?;
         if !self.integrator.is_of(self.method) {
             let (value, range) = match self.method {
-                Method::Exact => (SettingValue::Integrator(self.integrator), "Gauss with the method exact"),
+                Method::Exact => (SettingValue::Integrator(self.integrator), "Gauss, RungeKutta4, Rattle or ComposedRattle with the method exact"),
                 _ => (SettingValue::Integrator(self.integrator), "Euler or VelocityVerlet with other methods than exact"),
             };
             return Err(SettingsError { field: "integrator", value, range });

@@ -1,5 +1,6 @@
 //! Tests of scenes, measuring and the command line, one module a subject.
 
+mod accurate;
 mod command_line;
 mod export;
 mod metrics;

@@ -68,8 +68,8 @@ impl Substep {
     fn of(settings: &SolverSettings) -> Self {
         let length = settings.step() / f64::from(settings.substeps);
         let (acts, moves) = match settings.integrator {
-            Integrator::Euler => (length, length),
             Integrator::VelocityVerlet => (0.5 * length, 0.0),
+            _ => (length, length),
         };
         Self { length, acts, moves, is_present: settings.contact_lag == 0 }
     }

@@ -36,6 +36,9 @@ const LEAST: f64 = 1e-17;
 /// Change in the last sweep, in m or rad, that is no convergence.
 const LOST: f64 = 1e-9;
 
+/// Factor on the softness of a spring at its greatest force.
+const SLACK: f64 = 1e9;
+
 /// Change, in m or rad, that no step is short enough for.
 const FAR: f64 = 1e3;
 
@@ -121,7 +124,7 @@ impl<const S: usize> Gauss<S> {
                 self.find_stiffness(mechanism, h);
             }
             let anew = count == 1
-                || (!self.stiffness.is_empty() && (count <= 4 || share > 0.3))
+                || ((!self.stiffness.is_empty() || mechanism.gives) && (count <= 4 || share > 0.3))
                 || mechanism.may_be_singular;
             self.find_middles(mechanism, h);
             for stage in 0..S {
@@ -302,7 +305,7 @@ impl<const S: usize> Gauss<S> {
         }
         rows.assemble(mechanism, turn, |link, diagonal| {
             let spring = mechanism.links[link].spring.as_ref();
-            spring.map_or(Vector3::zeros(), |spring| softness(spring, diagonal, own, swing))
+            spring.map_or(Vector3::zeros(), |spring| softness(spring, diagonal, &forces[link], own, swing))
         });
     }
 
@@ -357,13 +360,45 @@ impl<const S: usize> Gauss<S> {
             self.guess.push(Screw { linear, angular });
         }
         self.unknowns.clear();
-        for (link, [arm_a, arm_b]) in mechanism.links.iter().zip(&self.arms) {
+        for (index, (link, [arm_a, arm_b])) in mechanism.links.iter().zip(&self.arms).enumerate() {
             let gain = |member: u32, arm: &Vector3<f64>| {
                 let (guess, omega) = (&self.guess[member as usize], &self.angular[member as usize]);
                 guess.linear + guess.angular.cross(arm) + omega.cross(&omega.cross(arm))
             };
-            self.unknowns.push(gain(link.a, arm_a) - gain(link.b, arm_b));
+            let unknown = match &link.spring {
+                None => gain(link.a, arm_a) - gain(link.b, arm_b),
+                Some(spring) => {
+                    let pull = self.pull(mechanism, h, stage, index, spring);
+                    let given = rows.softness[index].component_mul(&(pull - forces[index]));
+                    let left = |member: u32, arm: &Vector3<f64>| {
+                        let left = rows.weights[member as usize].of(&self.wrenches[member as usize]);
+                        left.linear + left.angular.cross(arm)
+                    };
+                    given + left(link.a, arm_a) - left(link.b, arm_b)
+                }
+            };
+            self.unknowns.push(unknown);
         }
+    }
+
+    /// Force of a spring on its B at a stage, N.
+    fn pull(&self, mechanism: &Mechanism, h: f64, stage: usize, index: usize, spring: &Spring) -> Vector3<f64> {
+        let Tableau { nodes, matrix, squared, .. } = &self.tableau;
+        let link = &mechanism.links[index];
+        let [a, b] = [(link.a, 0), (link.b, 1)].map(|(member, end)| {
+            let (member, arm) = (member as usize, &self.arms[index][end]);
+            let motion = &mechanism.motion[member];
+            let (mut place, mut speed) = (motion.position + motion.linear * (h * nodes[stage]), motion.linear);
+            for (j, other) in self.stages.iter().enumerate() {
+                place += other.accelerations[member].linear * (h * h * squared[stage][j]);
+                speed += other.accelerations[member].linear * (h * matrix[stage][j]);
+            }
+            (place + arm, speed + self.angular[member].cross(arm))
+        });
+        let Spring { frequency, damping_ratio, most } = *spring;
+        let pull = ((b.0 - a.0) * frequency + (b.1 - a.1) * (2.0 * damping_ratio)) * -frequency;
+        let mobility = &self.stages[stage].rows.mobility[index];
+        pull.zip_map(mobility, |pull, mobility| if mobility > 0.0 { pull / mobility } else { 0.0 }).map(|pull| pull.clamp(-most, most))
     }
 
     /// Changes a stage's accelerations and forces by what is left. The largest change of an acceleration.
@@ -421,9 +456,17 @@ fn combine<const S: usize>(screws: &[Screw; S], shares: &[f64; S]) -> Screw {
     })
 }
 
-/// 1/(m(ω² h² L_ii + 2ζω h a_ii)) along each axis, 1/m given.
-fn softness(spring: &Spring, diagonal: &Vector3<f64>, own: f64, swing: f64) -> Vector3<f64> {
-    diagonal / (spring.frequency * (spring.frequency * swing + 2.0 * spring.damping_ratio * own))
+/// 1/(m(ω² h² L_ii + 2ζω h a_ii)) along each axis, 1/m given; where the force is at its greatest, so much that it stays.
+fn softness(
+    spring: &Spring,
+    diagonal: &Vector3<f64>,
+    force: &Vector3<f64>,
+    own: f64,
+    swing: f64,
+) -> Vector3<f64> {
+    let softness = diagonal / (spring.frequency * (spring.frequency * swing + 2.0 * spring.damping_ratio * own));
+    let stays = force.map(|force| if force.abs() >= spring.most { SLACK } else { 1.0 });
+    softness.component_mul(&stays)
 }
 
 /// Adds max(0, r·f) (1 − r̂ r̂ᵀ).

@@ -9,6 +9,8 @@ use super::stepper::{Effort, Stepper};
 use crate::physics::bodies::{Bodies, Body, Joint, Joints};
 use crate::physics::disjoint_sets::DisjointSets;
 use crate::physics::island::Islands;
+use crate::physics::joint::Softness;
+use crate::physics::settings::Integrator;
 
 /// A mechanism and the bodies and joints that it stands for.
 #[derive(Default)]
@@ -107,7 +109,7 @@ impl ExactGroup {
     }
 
     /// Takes all that touches nothing through the step.
-    pub fn step(&mut self, bodies: &Bodies, h: f64, parts: u32) {
+    pub fn step(&mut self, bodies: &Bodies, integrator: Integrator, h: f64, parts: u32) {
         for (index, motion) in &mut self.free {
             let body = &bodies.list[*index as usize];
             *motion = self::motion(body);
@@ -118,7 +120,7 @@ impl ExactGroup {
             }
         }
         for piece in &mut self.pieces {
-            piece.effort = piece.stepper.advance(&mut piece.mechanism, h, parts);
+            piece.effort = piece.stepper.advance(&mut piece.mechanism, integrator, h, parts);
         }
     }
 
@@ -165,9 +167,10 @@ impl Piece {
         };
         let ends = |joint: &u32| [joints.list[*joint as usize].a, joints.list[*joint as usize].b];
         let pairs: Vec<[u32; 2]> = links.iter().map(|joint| ends(joint).map(&mut place)).collect();
-        let (order, mut mechanism) = Mechanism::plan(moving, locked, &pairs);
+        let gives = links.iter().any(|&joint| joints.list[joint as usize].softness.is_some());
+        let (order, mut mechanism) = Mechanism::plan(moving, locked, gives, &pairs);
         self.joints = order.iter().map(|&link| links[link as usize]).collect();
-        let spring = |softness: crate::physics::joint::Softness| Spring {
+        let spring = |softness: Softness| Spring {
             frequency: std::f64::consts::TAU * softness.frequency,
             damping_ratio: softness.damping_ratio,
             most: softness.max_force,

@@ -179,6 +179,8 @@ pub(crate) struct Mechanism {
     pub moving: usize,
     pub links: Vec<Link>,
     pub motion: Vec<Motion>,
+    /// Whether some link is a spring.
+    pub gives: bool,
     /// Where the members that move make a tree, held at one point or none: its links from the root outwards, each with
     /// the end (0: A, 1: B) that is nearer to the root.
     pub(super) tree: Option<Vec<(u32, usize)>>,
@@ -190,8 +192,8 @@ pub(crate) struct Mechanism {
 
 impl Mechanism {
     /// The order in which `links` (pairs of members) are to stand, and a mechanism without members and links whose
-    /// pattern is for that order.
-    pub fn plan(moving: usize, locked: bool, links: &[[u32; 2]]) -> (Vec<u32>, Self) {
+    /// pattern is for that order. `locked`: axes of some member are locked; `gives`: some link is a spring.
+    pub fn plan(moving: usize, locked: bool, gives: bool, links: &[[u32; 2]]) -> (Vec<u32>, Self) {
         let mut at: Vec<Vec<(u32, usize)>> = vec![Vec::new(); moving];
         for (link, ends) in (0..).zip(links) {
             for (end, &member) in ends.iter().enumerate().filter(|(_, member)| (**member as usize) < moving) {
@@ -221,8 +223,8 @@ impl Mechanism {
         }
         // A tree of so many bodies with one fixed point has as many links; any more close a loop.
         let may_be_singular = locked || links.len() > moving;
-        let tree = if may_be_singular { None } else { walk(moving, links, &at) };
+        let tree = if may_be_singular || gives { None } else { walk(moving, links, &at) };
         let tree = tree.map(|tree| tree.into_iter().map(|(link, end)| (pattern.place(link), end)).collect());
-        (order, Self { moving, may_be_singular, tree, pattern, couplings, ..Self::default() })
+        (order, Self { moving, may_be_singular, gives, tree, pattern, couplings, ..Self::default() })
     }
 }

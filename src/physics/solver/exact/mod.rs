@@ -4,9 +4,10 @@
 //! 1. what is in a group is planned where it changed ([`island`]): pieces held together by joints, bodies by themselves;
 //! 2. what touches something goes through the force-level rows of `island_solver`, in `f64`;
 //! 3. bodies by themselves move in closed form ([`free`]) if no torque turns them;
-//! 4. pieces ([`mechanism`]) go through the integrator ([`stepper`], [`gauss`]), whose stages solve J M⁻¹ Jᵀ λ = b
+//! 4. pieces ([`mechanism`]) go through the integrator ([`stepper`], [`gauss`], [`runge_kutta`], [`rattle`]), whose stages solve J M⁻¹ Jᵀ λ = b
 //!    ([`rows`], [`factor`]), and are brought back onto their joints ([`projection`]).
 
+mod evaluation;
 mod factor;
 mod free;
 mod gauss;
@@ -14,7 +15,9 @@ mod group;
 mod island;
 mod mechanism;
 mod projection;
+mod rattle;
 mod rows;
+mod runge_kutta;
 mod stepper;
 mod tableau;
 
@@ -88,7 +91,7 @@ fn solve_exactly(
         let (bodies, joints) = (&*bodies, &*joints);
         threads::for_each_block(settings.threads, list, |group| {
             group.gather(&islands, bodies, joints, touching);
-            group.step(bodies, h, parts);
+            group.step(bodies, settings.integrator, h, parts);
         });
     }
     // What touches something: whole groups, of which the rest is overwritten.

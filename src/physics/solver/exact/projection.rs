@@ -17,6 +17,9 @@ const ROUNDING: f64 = 4e-16;
 /// Levers, as a share, that are too short to be asked.
 const PROJECTED: f64 = 1e-4;
 
+/// Softness of what does not hold, 1/kg.
+pub(super) const LOOSE: f64 = 1e200;
+
 /// Buffers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Projection {
@@ -38,7 +41,7 @@ impl Projection {
             let weight = Weight { linear: member.inverse_mass, angular: member.inverse_inertia(rotation, None) };
             self.rows.weights.push(weight);
         }
-        self.rows.assemble(mechanism, PROJECTED, |_, _| Vector3::repeat(f64::INFINITY));
+        self.rows.assemble(mechanism, PROJECTED, |_, _| Vector3::repeat(LOOSE));
     }
 
     fn set_arms(&mut self, mechanism: &Mechanism) {
@@ -121,11 +124,25 @@ impl Projection {
         before
     }
 
+    /// −C of all links at the present pose; the largest, and what rounding may leave.
+    pub fn errors_of(&mut self, mechanism: &Mechanism, errors: &mut Vec<Vector3<f64>>) -> (f64, f64) {
+        self.rotations.clear();
+        self.rotations.extend(mechanism.motion.iter().map(|motion| motion.rotation.to_rotation_matrix().into_inner()));
+        self.set_arms(mechanism);
+        let found = self.find_errors(mechanism);
+        errors.clone_from(&self.errors);
+        found
+    }
+
     /// −C of all links; the largest, and what rounding may leave.
     fn find_errors(&mut self, mechanism: &Mechanism) -> (f64, f64) {
         self.errors.clear();
         let (mut largest, mut rounding): (f64, f64) = (0.0, 0.0);
         for (link, [arm_a, arm_b]) in mechanism.links.iter().zip(&self.rows.arms) {
+            if link.spring.is_some() {
+                self.errors.push(Vector3::zeros());
+                continue;
+            }
             let (a, b) = (&mechanism.motion[link.a as usize], &mechanism.motion[link.b as usize]);
             let error = a.position - b.position + (arm_a - arm_b);
             largest = largest.max(error.amax());
@@ -142,7 +159,8 @@ impl Projection {
         self.motion.extend(screws);
         self.errors.clear();
         for (index, link) in mechanism.links.iter().enumerate() {
-            self.errors.push(-self.rows.relative(index, link.a, link.b, &self.motion));
+            let error = -self.rows.relative(index, link.a, link.b, &self.motion);
+            self.errors.push(if link.spring.is_some() { Vector3::zeros() } else { error });
         }
         self.rows.solve(mechanism, &self.errors, &mut self.forces);
         self.rows.respond(mechanism, &self.forces, &mut self.motion);

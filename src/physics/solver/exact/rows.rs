@@ -81,9 +81,8 @@ impl Rows {
                 }
             }
             let own = diagonal.diagonal();
-            if link.spring.is_some() || !self.softness.is_empty() {
-                self.softness.resize(index, Vector3::zeros());
-                let softness = soften(index, &own);
+            if mechanism.gives {
+                let softness = if link.spring.is_some() { soften(index, &own) } else { Vector3::zeros() };
                 self.softness.push(softness);
                 diagonal += Matrix3::from_diagonal(&softness);
             }

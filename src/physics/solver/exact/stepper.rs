@@ -6,10 +6,13 @@
 
 use nalgebra::Vector3;
 
-use super::gauss::Gauss;
+use super::gauss::{Gauss, Sweeps};
 use super::mechanism::Mechanism;
 use super::projection::Projection;
+use super::rattle::Rattle;
 use super::rows::Screw;
+use super::runge_kutta::RungeKutta;
+use crate::physics::settings::Integrator;
 
 /// A step is cut into 2 to this power parts at most.
 const MOST_CUTS: u32 = 12;
@@ -23,7 +26,7 @@ const STAGES: usize = 3;
 /// What a step took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Effort {
-    /// Solves of all rows.
+    /// Evaluations of all rows.
     pub solves: u32,
     /// Parts beyond those asked for.
     pub cuts: u32,
@@ -35,6 +38,8 @@ pub(crate) struct Effort {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Stepper {
     gauss: Gauss<STAGES>,
+    runge_kutta: RungeKutta,
+    rattle: Rattle,
     projection: Projection,
     /// Steps are cut into 2 to this power parts.
     level: u32,
@@ -58,24 +63,51 @@ impl Stepper {
     }
 
     /// Takes the mechanism through so many equal parts of h, s, each.
-    pub fn advance(&mut self, mechanism: &mut Mechanism, h: f64, parts: u32) -> Effort {
+    pub fn advance(&mut self, mechanism: &mut Mechanism, integrator: Integrator, h: f64, parts: u32) -> Effort {
         self.forces.clear();
         self.forces.resize(mechanism.links.len(), Vector3::zeros());
         let mut effort = Effort::default();
         for _ in 0..parts {
-            self.advance_part(mechanism, h, 1.0 / f64::from(parts), &mut effort);
+            self.advance_part(mechanism, integrator, h, 1.0 / f64::from(parts), &mut effort);
         }
         effort
     }
 
-    fn advance_part(&mut self, mechanism: &mut Mechanism, h: f64, share: f64, effort: &mut Effort) {
+    fn step(&mut self, mechanism: &mut Mechanism, integrator: Integrator, h: f64) -> Sweeps {
+        match integrator {
+            Integrator::RungeKutta4 => self.runge_kutta.step(mechanism, h),
+            Integrator::Rattle => self.rattle.step(mechanism, h),
+            Integrator::ComposedRattle => self.rattle.composed_step(mechanism, h),
+            _ => {
+                let sweeps = self.gauss.step(mechanism, h);
+                Sweeps { count: sweeps.count * STAGES as u32, ..sweeps }
+            }
+        }
+    }
+
+    fn force(&self, integrator: Integrator, link: usize) -> Vector3<f64> {
+        match integrator {
+            Integrator::RungeKutta4 => self.runge_kutta.forces[link],
+            Integrator::Rattle | Integrator::ComposedRattle => self.rattle.forces[link],
+            _ => self.gauss.mean_force(link),
+        }
+    }
+
+    fn advance_part(
+        &mut self,
+        mechanism: &mut Mechanism,
+        integrator: Integrator,
+        h: f64,
+        share: f64,
+        effort: &mut Effort,
+    ) {
         let whole = 1_u32 << MOST_CUTS;
         let mut left = whole;
         while left > 0 {
             let size = whole >> self.level;
             let length = f64::from(size) / f64::from(whole);
-            let sweeps = self.gauss.step(mechanism, h * length);
-            effort.solves += sweeps.count * STAGES as u32;
+            let sweeps = self.step(mechanism, integrator, h * length);
+            effort.solves += sweeps.count;
             if !sweeps.converged && self.level < MOST_CUTS {
                 self.level += 1;
                 self.calm = 0;
@@ -83,8 +115,9 @@ impl Stepper {
                 continue;
             }
             if sweeps.converged {
-                for (link, force) in self.forces.iter_mut().enumerate() {
-                    *force += self.gauss.mean_force(link) * (length * share);
+                for link in 0..self.forces.len() {
+                    let force = self.force(integrator, link);
+                    self.forces[link] += force * (length * share);
                 }
             } else {
                 self.fall_back(mechanism, h * length);
