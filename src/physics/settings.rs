@@ -290,12 +290,8 @@ impl SolverSettings {
     }
 
     /// The presets by name, the default first.
-    pub const PRESETS: [(&'static str, fn() -> Self); 4] = [
-        ("game", Self::game),
-        ("steady", Self::steady),
-        ("classic", Self::classic),
-        ("accurate", Self::accurate),
-    ];
+    pub const PRESETS: [(&'static str, fn() -> Self); 4] =
+        [("game", Self::game), ("steady", Self::steady), ("classic", Self::classic), ("accurate", Self::accurate)];
 
     /// The preset of that name.
     pub fn preset(name: &str) -> Option<Self> {
@@ -320,13 +316,22 @@ impl SolverSettings {
     /// The first field that is out of its range, with the range.
     pub fn validate(&self) -> Result<(), SettingsError> {
         let check = |field, value: f64, range, holds: bool| {
-            if value.is_finite() && holds { Ok(()) } else { Err(SettingsError { field, value: SettingValue::Number(value), range }) }
+            if value.is_finite() && holds {
+                Ok(())
+            } else {
+                Err(SettingsError { field, value: SettingValue::Number(value), range })
+            }
         };
         check("hz", self.hz, "greater than 0 and at most 1e9", self.hz > 0.0 && self.hz <= 1e9)?;
         if !self.integrator.is_of(self.method) {
             let (value, range) = match self.method {
-                Method::Exact => (SettingValue::Integrator(self.integrator), "Gauss, RungeKutta4, Rattle or ComposedRattle with the method exact"),
-                _ => (SettingValue::Integrator(self.integrator), "Euler or VelocityVerlet with other methods than exact"),
+                Method::Exact => (
+                    SettingValue::Integrator(self.integrator),
+                    "Gauss, RungeKutta4, Rattle or ComposedRattle with the method exact",
+                ),
+                _ => {
+                    (SettingValue::Integrator(self.integrator), "Euler or VelocityVerlet with other methods than exact")
+                }
             };
             return Err(SettingsError { field: "integrator", value, range });
         }

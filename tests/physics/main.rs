@@ -7,6 +7,7 @@ mod classic;
 mod cones;
 mod determinism;
 mod endurance;
+mod exact;
 mod far;
 mod fast_bodies;
 mod free_motion;

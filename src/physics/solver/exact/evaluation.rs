@@ -25,7 +25,8 @@ impl Evaluation {
         self.assemble(mechanism, motion, h);
         self.find_wrenches(mechanism, motion);
         self.accelerations.clear();
-        self.accelerations.extend(self.wrenches.iter().zip(&self.rows.weights).map(|(wrench, weight)| weight.of(wrench)));
+        self.accelerations
+            .extend(self.wrenches.iter().zip(&self.rows.weights).map(|(wrench, weight)| weight.of(wrench)));
         self.right.clear();
         for (index, (link, [arm_a, arm_b])) in mechanism.links.iter().zip(&self.rows.arms).enumerate() {
             let swirl = |member: u32, arm: &Vector3<f64>| {

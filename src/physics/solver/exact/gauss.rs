@@ -20,9 +20,9 @@
 //! A joint that gives is a row of its own, λ + m(ω²C + 2ζωĊ) = 0 in place of the second line; its softness
 //! 1/(m(ω² h² L_ii + 2ζω h a_ii)) goes on the diagonal of J M̃⁻¹ Jᵀ. At its greatest force it is only a force.
 
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, SVector, UnitQuaternion, Vector3, Vector4};
 
-use super::group::{exponential, inverse_dexp};
+use super::group::{exponential, exponential_less_one, inverse_dexp};
 use super::mechanism::{Mechanism, Spring};
 use super::rows::{Rows, Screw, Weight};
 use super::tableau::Tableau;
@@ -31,10 +31,13 @@ use super::tableau::Tableau;
 const MOST_SWEEPS: usize = 40;
 
 /// What the last sweeps may leave of a turn, rad, or of a way, m.
-const LEAST: f64 = 1e-17;
+const LEAST: f64 = 1e-18;
 
 /// Change in the last sweep, in m or rad, that is no convergence.
 const LOST: f64 = 1e-9;
+
+/// How far from 1 a rotation's square may be.
+const NORMAL: f64 = 1e-14;
 
 /// Factor on the softness of a spring at its greatest force.
 const SLACK: f64 = 1e9;
@@ -64,6 +67,13 @@ struct Past {
     forces: Vec<Vector3<f64>>,
 }
 
+/// What rounding took from a member's sums in the last step.
+#[derive(Clone, Copy, Debug, Default)]
+struct Carry {
+    angular: Vector3<f64>,
+    rotation: Vector4<f64>,
+}
+
 /// Stages and what is needed to find them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Gauss<const S: usize> {
@@ -71,6 +81,7 @@ pub(crate) struct Gauss<const S: usize> {
     stages: Vec<Stage>,
     /// Of the last step that converged, and its length, s; 0 where there is none.
     history: Vec<Past>,
+    carries: Vec<Carry>,
     length: f64,
     /// R_m of each member.
     middles: Vec<UnitQuaternion<f64>>,
@@ -102,10 +113,12 @@ impl<const S: usize> Gauss<S> {
     /// What the next step starts from beside the mechanism's motion.
     pub fn memory(&self) -> impl Iterator<Item = f64> + '_ {
         let known = self.history.iter().filter(|_| self.length > 0.0);
-        known.flat_map(|past| {
+        let known = known.flat_map(|past| {
             let screws = past.accelerations.iter().flat_map(|screw| screw.linear.iter().chain(screw.angular.iter()));
             screws.chain(past.forces.iter().flatten()).copied()
-        })
+        });
+        let carries = self.carries.iter().filter(|_| self.length > 0.0);
+        known.chain(carries.flat_map(|carry| carry.angular.iter().chain(carry.rotation.iter()).copied()))
     }
 
     /// Mean of the forces over the step.
@@ -174,6 +187,9 @@ impl<const S: usize> Gauss<S> {
         }
         if self.length > 0.0 {
             self.look_ahead(mechanism, h);
+        } else {
+            self.carries.clear();
+            self.carries.resize(count, Carry::default());
         }
         for stage in &mut self.stages {
             stage.rates.clear();
@@ -398,7 +414,8 @@ impl<const S: usize> Gauss<S> {
         let Spring { frequency, damping_ratio, most } = *spring;
         let pull = ((b.0 - a.0) * frequency + (b.1 - a.1) * (2.0 * damping_ratio)) * -frequency;
         let mobility = &self.stages[stage].rows.mobility[index];
-        pull.zip_map(mobility, |pull, mobility| if mobility > 0.0 { pull / mobility } else { 0.0 }).map(|pull| pull.clamp(-most, most))
+        pull.zip_map(mobility, |pull, mobility| if mobility > 0.0 { pull / mobility } else { 0.0 })
+            .map(|pull| pull.clamp(-most, most))
     }
 
     /// Changes a stage's accelerations and forces by what is left. The largest change of an acceleration.
@@ -442,11 +459,27 @@ impl<const S: usize> Gauss<S> {
             }
             motion.position += (motion.linear + moved * h) * h;
             motion.linear += gained.linear * h;
-            motion.angular += gained.angular * h;
-            let turn = exponential(&half);
-            motion.rotation = UnitQuaternion::new_normalize((turn * turn * motion.rotation).into_inner());
+            let carry = &mut self.carries[member];
+            add_carrying(&mut motion.angular, gained.angular * h, &mut carry.angular);
+            let mut rotation = motion.rotation.into_inner();
+            let added = exponential_less_one(&(half * 2.0)) * rotation;
+            add_carrying(&mut rotation.coords, added.coords, &mut carry.rotation);
+            // Carried sums keep it unit to rounding for long.
+            motion.rotation = if (rotation.norm_squared() - 1.0).abs() < NORMAL {
+                UnitQuaternion::new_unchecked(rotation)
+            } else {
+                UnitQuaternion::new_normalize(rotation)
+            };
         }
     }
+}
+
+/// sum += added, what rounding takes carried to the next time (Kahan 1965): over a million steps it adds up.
+fn add_carrying<const N: usize>(sum: &mut SVector<f64, N>, added: SVector<f64, N>, carry: &mut SVector<f64, N>) {
+    let added = added + *carry;
+    let new = *sum + added;
+    *carry = added - (new - *sum);
+    *sum = new;
 }
 
 fn combine<const S: usize>(screws: &[Screw; S], shares: &[f64; S]) -> Screw {
@@ -457,13 +490,7 @@ fn combine<const S: usize>(screws: &[Screw; S], shares: &[f64; S]) -> Screw {
 }
 
 /// 1/(m(ω² h² L_ii + 2ζω h a_ii)) along each axis, 1/m given; where the force is at its greatest, so much that it stays.
-fn softness(
-    spring: &Spring,
-    diagonal: &Vector3<f64>,
-    force: &Vector3<f64>,
-    own: f64,
-    swing: f64,
-) -> Vector3<f64> {
+fn softness(spring: &Spring, diagonal: &Vector3<f64>, force: &Vector3<f64>, own: f64, swing: f64) -> Vector3<f64> {
     let softness = diagonal / (spring.frequency * (spring.frequency * swing + 2.0 * spring.damping_ratio * own));
     let stays = force.map(|force| if force.abs() >= spring.most { SLACK } else { 1.0 });
     softness.component_mul(&stays)

@@ -32,6 +32,18 @@ pub(crate) fn exponential(turn: &Vector3<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::new_unchecked(Quaternion::from_parts(cos, turn * (0.5 * sinc)))
 }
 
+/// exp φ − 1 as a quaternion: what a small turn adds, without the rounding of the sum.
+pub(crate) fn exponential_less_one(turn: &Vector3<f64>) -> Quaternion<f64> {
+    let s = 0.25 * turn.norm_squared();
+    let less = if s < 0.25 * SMALL {
+        s * (COS[0] + s * (COS[1] + s * (COS[2] + s * (COS[3] + s * (COS[4] + s * COS[5])))))
+    } else {
+        let sin = (0.5 * s.sqrt()).sin();
+        -2.0 * sin * sin
+    };
+    Quaternion::from_parts(less, exponential(turn).vector().into_owned())
+}
+
 /// dexp⁻¹_φ ω.
 #[inline]
 pub(crate) fn inverse_dexp(turn: &Vector3<f64>, angular: &Vector3<f64>) -> Vector3<f64> {

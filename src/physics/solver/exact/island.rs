@@ -100,7 +100,8 @@ impl ExactGroup {
                 self.free.push((own[root], motion(body)));
                 continue;
             }
-            let members = (root..own.len()).filter(|&body| roots[body] as usize == root).map(|body| own[body]).collect();
+            let members =
+                (root..own.len()).filter(|&body| roots[body] as usize == root).map(|body| own[body]).collect();
             let is_here = |joint: &u32| ends(*joint).into_iter().flatten().any(|body| roots[body] as usize == root);
             let links = if jointed[root] { links.iter().copied().filter(is_here).collect() } else { Vec::new() };
             let piece = kept.next().unwrap_or_default();
@@ -159,7 +160,8 @@ impl Piece {
         let mut place = |body: u32| {
             // Those that move are in order; the few others are found one by one.
             let known = self.bodies[..moving].binary_search(&body).ok();
-            let known = known.or_else(|| self.bodies[moving..].iter().position(|&other| other == body).map(|at| at + moving));
+            let known =
+                known.or_else(|| self.bodies[moving..].iter().position(|&other| other == body).map(|at| at + moving));
             known.unwrap_or_else(|| {
                 self.bodies.push(body);
                 self.bodies.len() - 1

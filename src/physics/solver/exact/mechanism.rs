@@ -201,7 +201,9 @@ impl Mechanism {
             }
         }
         let pairs = at.iter().flat_map(|ends| {
-            ends.iter().enumerate().flat_map(move |(index, one)| ends[..index].iter().map(move |other| [other.0, one.0]))
+            ends.iter()
+                .enumerate()
+                .flat_map(move |(index, one)| ends[..index].iter().map(move |other| [other.0, one.0]))
         });
         let edges = pairs.clone().filter(|[a, b]| a != b);
         let pattern = Pattern::new(links.len(), edges, usize::MAX).unwrap_or_default();

@@ -125,7 +125,9 @@ impl Rattle {
             self.evaluation.evaluate(mechanism, &mechanism.motion, h.abs());
             let forces = mechanism.links.iter().zip(&self.evaluation.forces);
             self.errors.clear();
-            self.errors.extend(forces.map(|(link, force)| if link.spring.is_some() { force * (0.5 * h) } else { force * 0.0 }));
+            self.errors.extend(
+                forces.map(|(link, force)| if link.spring.is_some() { force * (0.5 * h) } else { force * 0.0 }),
+            );
             self.evaluation.rows.add_wrenches(mechanism, &self.errors, &mut self.screws);
         } else {
             self.evaluation.assemble(mechanism, &mechanism.motion, h.abs());

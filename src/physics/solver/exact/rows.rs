@@ -63,7 +63,12 @@ impl Rows {
     /// Makes and factors J W Jᵀ for the arms and weights set; `soften` tells what is added to a link's diagonal, whose
     /// own is given.
     /// For what may be singular, `turn` is how far it turns meanwhile, rad: levers shorter than that are not resolved.
-    pub fn assemble(&mut self, mechanism: &Mechanism, turn: f64, mut soften: impl FnMut(usize, &Vector3<f64>) -> Vector3<f64>) {
+    pub fn assemble(
+        &mut self,
+        mechanism: &Mechanism,
+        turn: f64,
+        mut soften: impl FnMut(usize, &Vector3<f64>) -> Vector3<f64>,
+    ) {
         let factor = &mut self.factor;
         factor.clear(&mechanism.pattern);
         self.levers.clear();

@@ -137,8 +137,10 @@ impl Stepper {
     fn fall_back(&mut self, mechanism: &mut Mechanism, h: f64) {
         self.projection.assemble(mechanism);
         self.screws.clear();
-        self.screws.extend(mechanism.members.iter().map(|member| Screw { linear: member.force, angular: member.torque }));
-        for ((motion, wrench), weight) in mechanism.motion.iter_mut().zip(&self.screws).zip(&self.projection.rows.weights)
+        self.screws
+            .extend(mechanism.members.iter().map(|member| Screw { linear: member.force, angular: member.torque }));
+        for ((motion, wrench), weight) in
+            mechanism.motion.iter_mut().zip(&self.screws).zip(&self.projection.rows.weights)
         {
             let gain = weight.of(wrench);
             motion.linear += gain.linear * h;
