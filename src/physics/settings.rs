@@ -74,7 +74,8 @@ pub enum Integrator {
     Euler,
     /// Kick by h/2, drift by h, kick by h/2. Two solves a (sub)step.
     VelocityVerlet,
-    /// Gauss's collocation method of order 6, implicit and symmetric, for any stiffness. Of `exact` only, as all below.
+    /// Gauss's collocation method, implicit and symmetric: of order 8 where nothing is stiff, of order 6 where something
+    /// is, whatever the stiffness. Of `exact` only, as all below.
     Gauss,
     /// The classic Runge–Kutta method of order 4, explicit: cut finer where joints pull hard.
     RungeKutta4,

@@ -23,7 +23,7 @@
 use nalgebra::{Matrix3, SVector, UnitQuaternion, Vector3, Vector4};
 
 use super::group::{exponential, exponential_less_one, inverse_dexp};
-use super::mechanism::{Mechanism, Spring};
+use super::mechanism::{Mechanism, Motion, Spring};
 use super::rows::{Rows, Screw, Weight};
 use super::tableau::Tableau;
 
@@ -69,9 +69,30 @@ struct Past {
 
 /// What rounding took from a member's sums in the last step.
 #[derive(Clone, Copy, Debug, Default)]
-struct Carry {
+pub(super) struct Carry {
     angular: Vector3<f64>,
     rotation: Vector4<f64>,
+}
+
+impl Carry {
+    /// All of it.
+    pub fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
+        self.angular.iter().chain(self.rotation.iter()).copied()
+    }
+
+    /// Adds to the angular velocity and turns by a rotation vector.
+    pub fn advance(&mut self, motion: &mut Motion, gained: Vector3<f64>, turn: &Vector3<f64>) {
+        add_carrying(&mut motion.angular, gained, &mut self.angular);
+        let mut rotation = motion.rotation.into_inner();
+        let added = exponential_less_one(turn) * rotation;
+        add_carrying(&mut rotation.coords, added.coords, &mut self.rotation);
+        // Carried sums keep it unit to rounding for long.
+        motion.rotation = if (rotation.norm_squared() - 1.0).abs() < NORMAL {
+            UnitQuaternion::new_unchecked(rotation)
+        } else {
+            UnitQuaternion::new_normalize(rotation)
+        };
+    }
 }
 
 /// Stages and what is needed to find them.
@@ -118,7 +139,7 @@ impl<const S: usize> Gauss<S> {
             screws.chain(past.forces.iter().flatten()).copied()
         });
         let carries = self.carries.iter().filter(|_| self.length > 0.0);
-        known.chain(carries.flat_map(|carry| carry.angular.iter().chain(carry.rotation.iter()).copied()))
+        known.chain(carries.flat_map(Carry::numbers))
     }
 
     /// Mean of the forces over the step.
@@ -459,17 +480,7 @@ impl<const S: usize> Gauss<S> {
             }
             motion.position += (motion.linear + moved * h) * h;
             motion.linear += gained.linear * h;
-            let carry = &mut self.carries[member];
-            add_carrying(&mut motion.angular, gained.angular * h, &mut carry.angular);
-            let mut rotation = motion.rotation.into_inner();
-            let added = exponential_less_one(&(half * 2.0)) * rotation;
-            add_carrying(&mut rotation.coords, added.coords, &mut carry.rotation);
-            // Carried sums keep it unit to rounding for long.
-            motion.rotation = if (rotation.norm_squared() - 1.0).abs() < NORMAL {
-                UnitQuaternion::new_unchecked(rotation)
-            } else {
-                UnitQuaternion::new_normalize(rotation)
-            };
+            self.carries[member].advance(motion, gained.angular * h, &(half * 2.0));
         }
     }
 }

@@ -4,7 +4,7 @@
 //! 1. what is in a group is planned where it changed ([`island`]): pieces held together by joints, bodies by themselves;
 //! 2. what touches something goes through the force-level rows of `island_solver`, in `f64`;
 //! 3. bodies by themselves move in closed form ([`free`]) if no torque turns them;
-//! 4. pieces ([`mechanism`]) go through the integrator ([`stepper`], [`gauss`], [`runge_kutta`], [`rattle`]), whose stages solve J M⁻¹ Jᵀ λ = b
+//! 4. pieces ([`mechanism`]) go through the integrator ([`stepper`]; [`lockstep`] and [`gauss`], [`runge_kutta`], [`rattle`]), whose stages solve J M⁻¹ Jᵀ λ = b
 //!    ([`rows`], [`factor`]), and are brought back onto their joints ([`projection`]).
 
 mod evaluation;
@@ -13,6 +13,7 @@ mod free;
 mod gauss;
 mod group;
 mod island;
+mod lockstep;
 mod mechanism;
 mod projection;
 mod rattle;

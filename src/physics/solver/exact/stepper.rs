@@ -7,6 +7,7 @@
 use nalgebra::Vector3;
 
 use super::gauss::{Gauss, Sweeps};
+use super::lockstep::Lockstep;
 use super::mechanism::Mechanism;
 use super::projection::Projection;
 use super::rattle::Rattle;
@@ -38,6 +39,9 @@ pub(crate) struct Effort {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Stepper {
     gauss: Gauss<STAGES>,
+    lockstep: Lockstep,
+    /// Which of the two had the last step.
+    in_lockstep: bool,
     runge_kutta: RungeKutta,
     rattle: Rattle,
     projection: Projection,
@@ -53,13 +57,16 @@ impl Stepper {
     /// Forgets the steps before: the mechanism was moved by somebody else.
     pub fn forget(&mut self) {
         self.gauss.forget();
+        self.lockstep.forget();
+        self.in_lockstep = false;
         self.level = 0;
         self.calm = 0;
     }
 
     /// All that the next step depends on beside the mechanism.
     pub fn memory(&self) -> impl Iterator<Item = f64> + '_ {
-        self.gauss.memory().chain([f64::from(self.level), f64::from(self.calm)])
+        let kept = self.gauss.memory().chain(self.lockstep.memory());
+        kept.chain([f64::from(self.level), f64::from(self.calm), f64::from(u8::from(self.in_lockstep))])
     }
 
     /// Takes the mechanism through so many equal parts of h, s, each.
@@ -79,6 +86,13 @@ impl Stepper {
             Integrator::Rattle => self.rattle.step(mechanism, h),
             Integrator::ComposedRattle => self.rattle.composed_step(mechanism, h),
             _ => {
+                if let Some(sweeps) = self.lockstep.step(mechanism, h) {
+                    self.in_lockstep = true;
+                    return sweeps;
+                }
+                if std::mem::replace(&mut self.in_lockstep, false) {
+                    self.gauss.forget();
+                }
                 let sweeps = self.gauss.step(mechanism, h);
                 Sweeps { count: sweeps.count * STAGES as u32, ..sweeps }
             }
@@ -89,6 +103,7 @@ impl Stepper {
         match integrator {
             Integrator::RungeKutta4 => self.runge_kutta.forces[link],
             Integrator::Rattle | Integrator::ComposedRattle => self.rattle.forces[link],
+            _ if self.in_lockstep => self.lockstep.mean_force(link),
             _ => self.gauss.mean_force(link),
         }
     }

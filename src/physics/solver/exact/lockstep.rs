@@ -1,0 +1,509 @@
+//! Gauss's method of four stages (order 8), all four at once in the lanes of a register: for what is not stiff.
+//!
+//! The stages of a collocation method do the same work, each on its own numbers. Here a number is one of
+//! [`WideF64x4`], with the stages in its lanes; what differs is where sums over the stages mix them. The equations are
+//! those of [`gauss`](super::gauss); a sweep changes all stages at once (Jacobi's way instead of Gauss and Seidel's), with
+//! M̃ = M.
+
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use simba::simd::{SimdValue, WideF64x4};
+
+use super::gauss::{Carry, Sweeps};
+use super::group::exponential;
+use super::mechanism::Mechanism;
+use super::tableau::Tableau;
+use crate::physics::solver::direct::pattern::{Pattern, Target};
+
+type Lane = WideF64x4;
+type Vector = Vector3<Lane>;
+type Matrix = Matrix3<Lane>;
+
+const STAGES: usize = 4;
+
+/// Sweeps at most.
+const MOST_SWEEPS: usize = 16;
+
+/// What the last sweeps may leave of a turn, rad, or of a way, m.
+const LEAST: f64 = 1e-18;
+
+/// Change in the last sweep, in m or rad, that is more than rounding.
+const LOST: f64 = 1e-13;
+
+/// ω²h² of bodies about the line of a pull up to which stages are found one from the other.
+const SOFT: f64 = 1.0;
+
+/// Turn of a step, rad, up to which the series below are exact to rounding.
+const TURN: f64 = 0.8;
+
+/// Series of cos and sin x/x by x².
+const COSINE: [f64; 7] = [1.0, -0.5, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40320.0, -1.0 / 3_628_800.0, 1.0 / 479_001_600.0];
+const SINC: [f64; 7] =
+    [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0, -1.0 / 39_916_800.0, 1.0 / 6_227_020_800.0];
+
+/// Series of c by θ².
+const BERNOULLI: [f64; 6] =
+    [1.0 / 12.0, 1.0 / 720.0, 1.0 / 30240.0, 1.0 / 1_209_600.0, 1.0 / 47_900_160.0, 5.284_190_138_7e-10];
+
+/// Linear and angular, in all stages.
+#[derive(Clone, Copy, Debug)]
+struct Screw {
+    linear: Vector,
+    angular: Vector,
+}
+
+/// LDLᵀ of a block on the diagonal: L below its diagonal, D⁻¹.
+#[derive(Clone, Copy, Debug)]
+struct Pivot([Lane; 6]);
+
+/// Stages and what is needed to find them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Lockstep {
+    tableau: Tableau<STAGES>,
+    /// Of the last step, s; 0 where there is none.
+    length: f64,
+    carries: Vec<Carry>,
+    accelerations: Vec<Screw>,
+    forces: Vec<Vector>,
+    rates: Vec<Vector>,
+    rotations: Vec<Matrix>,
+    angular: Vec<Vector>,
+    /// Of the poses at hand, and of the rows.
+    arms: Vec<[Vector; 2]>,
+    row_arms: Vec<[Vector; 2]>,
+    inverse_inertia: Vec<Matrix>,
+    levers: Vec<[Matrix; 2]>,
+    diagonal: Vec<Matrix>,
+    pivots: Vec<Pivot>,
+    below: Vec<Matrix>,
+    column: Vec<Matrix>,
+    wrenches: Vec<Screw>,
+    guess: Vec<Screw>,
+    unknowns: Vec<Vector>,
+}
+
+#[inline]
+fn lane(value: f64) -> Lane {
+    Lane::splat(value)
+}
+
+#[inline]
+fn all(v: &Vector3<f64>) -> Vector {
+    Vector::new(lane(v.x), lane(v.y), lane(v.z))
+}
+
+fn zero() -> Vector {
+    all(&Vector3::zeros())
+}
+
+#[inline]
+fn one(v: &Vector, stage: usize) -> Vector3<f64> {
+    Vector3::new(v.x.extract(stage), v.y.extract(stage), v.z.extract(stage))
+}
+
+/// Columns of a matrix over the stages.
+fn columns(matrix: &[[f64; STAGES]; STAGES]) -> [Lane; STAGES] {
+    std::array::from_fn(|j| Lane::from([matrix[0][j], matrix[1][j], matrix[2][j], matrix[3][j]]))
+}
+
+/// A matrix over the stages, by columns, times what is in the stages.
+#[inline]
+fn mix(columns: &[Lane; STAGES], v: &Vector) -> Vector {
+    v.map(|value| {
+        columns[0] * lane(value.extract(0))
+            + columns[1] * lane(value.extract(1))
+            + (columns[2] * lane(value.extract(2)) + columns[3] * lane(value.extract(3)))
+    })
+}
+
+/// Σ w v over the stages.
+#[inline]
+fn sum(weights: &[f64; STAGES], v: &Vector) -> Vector3<f64> {
+    v.map(|value| (0..STAGES).map(|stage| value.extract(stage) * weights[stage]).sum())
+}
+
+impl Lockstep {
+    /// Forgets the step before.
+    pub fn forget(&mut self) {
+        self.length = 0.0;
+    }
+
+    /// What the next step starts from beside the mechanism's motion.
+    pub fn memory(&self) -> impl Iterator<Item = f64> + '_ {
+        let known = self.length > 0.0;
+        let screws = self.accelerations.iter().flat_map(|screw| [screw.linear, screw.angular]);
+        let stages = screws.chain(self.forces.iter().copied()).filter(move |_| known);
+        let numbers = stages.flat_map(|v| (0..STAGES).flat_map(move |stage| <[f64; 3]>::from(one(&v, stage))));
+        numbers.chain(self.carries.iter().filter(move |_| known).flat_map(Carry::numbers))
+    }
+
+    /// Mean of the forces over the step.
+    pub fn mean_force(&self, link: usize) -> Vector3<f64> {
+        sum(&self.tableau.weights, &self.forces[link])
+    }
+
+    /// Takes the mechanism through a step of h, s; not where something asks for more than this, or the sweeps do not
+    /// converge quickly.
+    pub fn step(&mut self, mechanism: &mut Mechanism, h: f64) -> Option<Sweeps> {
+        let fixed = mechanism.motion[mechanism.moving..].iter();
+        let rests = fixed.clone().all(|motion| motion.linear == Vector3::zeros() && motion.angular == Vector3::zeros());
+        let turns = mechanism.motion.iter().any(|motion| motion.angular.norm_squared() * h * h > TURN * TURN);
+        let plain = rests && !turns && !mechanism.may_be_singular && !mechanism.gives;
+        if !plain || mechanism.members.iter().any(|member| member.drag != (0.0, 0.0)) {
+            return None;
+        }
+        self.begin(mechanism, h);
+        if self.is_stiff(mechanism, h) {
+            self.forget();
+            return None;
+        }
+        let mut before = f64::INFINITY;
+        for count in 1..=MOST_SWEEPS {
+            self.set_out(mechanism, h);
+            if count == 1 {
+                self.assemble(mechanism);
+            }
+            self.balance(mechanism);
+            let change = self.correct(mechanism) * h * h;
+            let share = change / before;
+            let stuck = count > 3 && share > 0.5;
+            if change.is_nan() || stuck && change > LOST {
+                break;
+            }
+            if count > 1 && (change * share / (1.0 - share).max(0.1) <= LEAST || stuck) {
+                self.finish(mechanism, h);
+                return Some(Sweeps { count: count as u32 * STAGES as u32, converged: true });
+            }
+            before = change;
+        }
+        self.forget();
+        None
+    }
+
+    fn begin(&mut self, mechanism: &Mechanism, h: f64) {
+        if self.length == 0.0
+            || self.accelerations.len() != mechanism.moving
+            || self.forces.len() != mechanism.links.len()
+        {
+            let none = Screw { linear: zero(), angular: zero() };
+            self.accelerations.clear();
+            self.accelerations.resize(mechanism.moving, none);
+            self.forces.clear();
+            self.forces.resize(mechanism.links.len(), zero());
+            self.carries.clear();
+            self.carries.resize(mechanism.moving, Carry::default());
+        } else {
+            let ahead = if h == self.length { self.tableau.ahead } else { self.tableau.ahead_by(h / self.length) };
+            let ahead = columns(&ahead);
+            for screw in &mut self.accelerations {
+                *screw = Screw { linear: mix(&ahead, &screw.linear), angular: mix(&ahead, &screw.angular) };
+            }
+            for force in &mut self.forces {
+                *force = mix(&ahead, force);
+            }
+        }
+        let gain = columns(&self.tableau.matrix).map(|column| column * lane(h));
+        self.rates.clear();
+        for (motion, acceleration) in mechanism.motion.iter().zip(&self.accelerations) {
+            self.rates.push(all(&motion.angular) + mix(&gain, &acceleration.angular));
+        }
+        self.rotations.resize(mechanism.moving, Matrix::from_element(lane(0.0)));
+        self.angular.resize(mechanism.moving, zero());
+        self.wrenches.resize(mechanism.moving, Screw { linear: zero(), angular: zero() });
+        self.guess.resize(mechanism.moving, Screw { linear: zero(), angular: zero() });
+        self.unknowns.resize(mechanism.links.len(), zero());
+        self.arms.clear();
+        for link in &mechanism.links {
+            let arm = |member: u32, anchor: &Vector3<f64>| all(&(mechanism.motion[member as usize].rotation * anchor));
+            self.arms.push([arm(link.a, &link.anchor_a), arm(link.b, &link.anchor_b)]);
+        }
+    }
+
+    fn is_stiff(&self, mechanism: &Mechanism, h: f64) -> bool {
+        mechanism.links.iter().zip(&self.forces).any(|(link, force)| {
+            let force = one(force, STAGES - 1).norm();
+            [(link.a, &link.anchor_a), (link.b, &link.anchor_b)].into_iter().any(|(member, anchor)| {
+                let member = &mechanism.members[member as usize];
+                member.moves() && force * anchor.norm() * h * h > SOFT * member.inertia.max()
+            })
+        })
+    }
+
+    /// Rotations, angular velocities and arms of all stages.
+    fn set_out(&mut self, mechanism: &Mechanism, h: f64) {
+        let Tableau { weights, matrix, .. } = &self.tableau;
+        let gain = columns(matrix).map(|column| column * lane(h));
+        let way: [Lane; STAGES] = std::array::from_fn(|j| gain[j] - lane(0.5 * h * weights[j]));
+        let half = weights.map(|weight| 0.5 * h * weight);
+        for (member, motion) in mechanism.motion[..mechanism.moving].iter().enumerate() {
+            let angular = all(&motion.angular) + mix(&gain, &self.accelerations[member].angular);
+            let rate = self.rates[member];
+            let turn = mix(&way, &rate);
+            let middle = exponential(&sum(&half, &rate)) * motion.rotation;
+            self.rates[member] = inverse_dexp(&turn, &angular);
+            self.rotations[member] = turned(&turn, &middle);
+            self.angular[member] = angular;
+        }
+        for (link, arms) in mechanism.links.iter().zip(&mut self.arms) {
+            if let Some(rotation) = self.rotations.get(link.a as usize) {
+                arms[0] = times(rotation, &link.anchor_a);
+            }
+            if let Some(rotation) = self.rotations.get(link.b as usize) {
+                arms[1] = times(rotation, &link.anchor_b);
+            }
+        }
+    }
+
+    /// J, M⁻¹ and the factor of J M⁻¹ Jᵀ at the present rotations.
+    fn assemble(&mut self, mechanism: &Mechanism) {
+        self.row_arms.clone_from(&self.arms);
+        self.inverse_inertia.clear();
+        for (member, rotation) in mechanism.members.iter().zip(&self.rotations) {
+            let inverse = member.inertia.map(f64::recip);
+            self.inverse_inertia.push(in_world(&inverse, rotation, member.is_round()));
+        }
+        let nothing = Matrix::from_element(lane(0.0));
+        self.levers.clear();
+        self.diagonal.clear();
+        for (link, arms) in mechanism.links.iter().zip(&self.row_arms) {
+            let (mut block, mut levers) = (nothing, [nothing; 2]);
+            for (end, member) in [link.a, link.b].into_iter().enumerate() {
+                if let Some(inverse) = self.inverse_inertia.get(member as usize) {
+                    levers[end] = lever(inverse, &arms[end]);
+                    block += crossed(&arms[end], &levers[end]);
+                    let mass = &mechanism.members[member as usize].inverse_mass;
+                    (0..3).for_each(|axis| block[(axis, axis)] += lane(mass[axis]));
+                }
+            }
+            self.levers.push(levers);
+            self.diagonal.push(block);
+        }
+        self.below.clear();
+        self.below.resize(mechanism.pattern.blocks(), nothing);
+        for coupling in &mechanism.couplings {
+            let arm = &self.row_arms[coupling.row.0 as usize][coupling.row.1];
+            let mut block = crossed(arm, &self.levers[coupling.column.0 as usize][coupling.column.1]);
+            let mass = &mechanism.members[coupling.member as usize].inverse_mass;
+            (0..3).for_each(|axis| block[(axis, axis)] += lane(mass[axis]));
+            self.below[coupling.block as usize] += block * lane(coupling.sign);
+        }
+        self.factor(&mechanism.pattern);
+    }
+
+    /// As [`super::factor`].
+    fn factor(&mut self, pattern: &Pattern) {
+        self.pivots.clear();
+        let mut targets = pattern.targets().iter();
+        for column in 0..pattern.count() {
+            let pivot = Pivot::new(&self.diagonal[column]);
+            self.pivots.push(pivot);
+            let (first, count) = (pattern.first(column), pattern.rows(column).len());
+            self.column.clear();
+            self.column.extend_from_slice(&self.below[first..first + count]);
+            for (index, original) in self.column.iter().enumerate() {
+                let scaled = pivot.divide(original);
+                self.below[first + index] = scaled;
+                for (other, target) in self.column[..=index].iter().zip(&mut targets) {
+                    let target = match *target {
+                        Target::Diagonal(place) => &mut self.diagonal[place as usize],
+                        Target::Below(block) => &mut self.below[block as usize],
+                    };
+                    *target -= scaled * other.transpose();
+                }
+            }
+        }
+    }
+
+    /// What is left of the balance of forces, and of joints.
+    fn balance(&mut self, mechanism: &Mechanism) {
+        for (index, member) in mechanism.members[..mechanism.moving].iter().enumerate() {
+            let Screw { linear, angular } = &self.accelerations[index];
+            let force = all(&member.force) - linear * lane(member.mass);
+            let mut torque = all(&member.torque);
+            if member.is_round() {
+                torque -= angular * lane(member.inertia.x);
+            } else {
+                let rotation = &self.rotations[index];
+                let (spin, gain) = (rotation.tr_mul(&self.angular[index]), rotation.tr_mul(angular));
+                let inertia = all(&member.inertia);
+                let momentum = inertia.component_mul(&spin);
+                torque -= rotation * (inertia.component_mul(&gain) + spin.cross(&momentum));
+            }
+            self.wrenches[index] = Screw { linear: force, angular: torque };
+        }
+        add_wrenches(mechanism, &self.arms, &self.forces, &mut self.wrenches);
+        for (index, member) in mechanism.members[..mechanism.moving].iter().enumerate() {
+            let (wrench, old) = (&self.wrenches[index], &self.accelerations[index]);
+            self.guess[index] = Screw {
+                linear: old.linear + all(&member.inverse_mass).component_mul(&wrench.linear),
+                angular: old.angular + self.inverse_inertia[index] * wrench.angular,
+            };
+        }
+        for ((link, [arm_a, arm_b]), unknown) in mechanism.links.iter().zip(&self.arms).zip(&mut self.unknowns) {
+            let gain = |member: u32, arm: &Vector| match self.guess.get(member as usize) {
+                Some(guess) => {
+                    let omega = &self.angular[member as usize];
+                    guess.linear + guess.angular.cross(arm) + omega.cross(&omega.cross(arm))
+                }
+                None => zero(),
+            };
+            *unknown = gain(link.a, arm_a) - gain(link.b, arm_b);
+        }
+    }
+
+    /// Changes accelerations and forces by what is left; the largest change of an acceleration.
+    fn correct(&mut self, mechanism: &Mechanism) -> f64 {
+        let pattern = &mechanism.pattern;
+        let x = &mut self.unknowns;
+        for column in 0..pattern.count() {
+            let known = x[column];
+            let blocks = &self.below[pattern.first(column)..];
+            for (&row, block) in pattern.rows(column).iter().zip(blocks) {
+                x[row as usize] -= block * known;
+            }
+        }
+        for column in (0..pattern.count()).rev() {
+            let mut sum = self.pivots[column].solve(&x[column]);
+            let blocks = &self.below[pattern.first(column)..];
+            for (&row, block) in pattern.rows(column).iter().zip(blocks) {
+                sum -= block.tr_mul(&x[row as usize]);
+            }
+            x[column] = sum;
+        }
+        for (force, more) in self.forces.iter_mut().zip(&*x) {
+            *force += more;
+        }
+        add_wrenches(mechanism, &self.row_arms, x, &mut self.wrenches);
+        let mut largest = lane(0.0);
+        for (index, member) in mechanism.members[..mechanism.moving].iter().enumerate() {
+            let wrench = &self.wrenches[index];
+            let linear = all(&member.inverse_mass).component_mul(&wrench.linear);
+            let angular = self.inverse_inertia[index] * wrench.angular;
+            let old = &mut self.accelerations[index];
+            old.linear += linear;
+            old.angular += angular;
+            // Squares: a NaN stays in the sum.
+            largest += linear.dot(&linear) + angular.dot(&angular);
+        }
+        (0..STAGES).map(|stage| largest.extract(stage)).sum::<f64>().sqrt()
+    }
+
+    fn finish(&mut self, mechanism: &mut Mechanism, h: f64) {
+        let Tableau { weights, last, .. } = &self.tableau;
+        for (member, motion) in mechanism.motion[..mechanism.moving].iter_mut().enumerate() {
+            let Screw { linear, angular } = &self.accelerations[member];
+            motion.position += (motion.linear + sum(last, linear) * h) * h;
+            motion.linear += sum(weights, linear) * h;
+            let turn = sum(weights, &self.rates[member]) * h;
+            self.carries[member].advance(motion, sum(weights, angular) * h, &turn);
+        }
+        self.length = h;
+    }
+}
+
+/// a polynomial, its lowest coefficient first.
+#[inline]
+fn polynomial<const N: usize>(coefficients: &[f64; N], x: Lane) -> Lane {
+    coefficients.iter().rev().fold(lane(0.0), |sum, &coefficient| sum * x + lane(coefficient))
+}
+
+/// exp φ of small turns, scalar and vector.
+#[inline]
+fn exponential_parts(turn: &Vector) -> (Lane, Vector) {
+    let s = turn.dot(turn) * lane(0.25);
+    (polynomial(&COSINE, s), turn * (polynomial(&SINC, s) * lane(0.5)))
+}
+
+/// dexp⁻¹_φ ω of small turns.
+#[inline]
+fn inverse_dexp(turn: &Vector, angular: &Vector) -> Vector {
+    let c = polynomial(&BERNOULLI, turn.dot(turn));
+    let once = turn.cross(angular);
+    angular - once * lane(0.5) + turn.cross(&once) * c
+}
+
+/// exp φ R_m as matrices.
+#[inline]
+fn turned(turn: &Vector, middle: &UnitQuaternion<f64>) -> Matrix {
+    let (w, v) = exponential_parts(turn);
+    let (mw, m) = (lane(middle.w), Vector::new(lane(middle.i), lane(middle.j), lane(middle.k)));
+    let scalar = w * mw - v.dot(&m);
+    let vector = m * w + v * mw + v.cross(&m);
+    let (x, y, z) = (vector.x, vector.y, vector.z);
+    let two = lane(2.0);
+    let (xx, yy, zz) = (two * x * x, two * y * y, two * z * z);
+    let (xy, xz, yz) = (two * x * y, two * x * z, two * y * z);
+    let (wx, wy, wz) = (two * scalar * x, two * scalar * y, two * scalar * z);
+    let one = lane(1.0);
+    Matrix::new(one - yy - zz, xy - wz, xz + wy, xy + wz, one - xx - zz, yz - wx, xz - wy, yz + wx, one - xx - yy)
+}
+
+#[inline]
+fn times(rotation: &Matrix, v: &Vector3<f64>) -> Vector {
+    rotation.column(0) * lane(v.x) + rotation.column(1) * lane(v.y) + rotation.column(2) * lane(v.z)
+}
+
+fn add_wrenches(mechanism: &Mechanism, arms: &[[Vector; 2]], forces: &[Vector], wrenches: &mut [Screw]) {
+    for ((link, [arm_a, arm_b]), force) in mechanism.links.iter().zip(arms).zip(forces) {
+        if let Some(a) = wrenches.get_mut(link.a as usize) {
+            a.linear -= force;
+            a.angular -= arm_a.cross(force);
+        }
+        if let Some(b) = wrenches.get_mut(link.b as usize) {
+            b.linear += force;
+            b.angular += arm_b.cross(force);
+        }
+    }
+}
+
+/// R diag(p) Rᵀ.
+fn in_world(principal: &Vector3<f64>, rotation: &Matrix, round: bool) -> Matrix {
+    if round {
+        return Matrix::from_diagonal(&all(principal));
+    }
+    let p = all(principal);
+    let scaled = Matrix::from_columns(&[rotation.column(0) * p.x, rotation.column(1) * p.y, rotation.column(2) * p.z]);
+    scaled * rotation.transpose()
+}
+
+/// I⁻¹ [r]×ᵀ: its columns are I⁻¹ (e × r)·.
+#[inline]
+fn lever(inverse: &Matrix, r: &Vector) -> Matrix {
+    let (x, y, z) = (inverse.column(0), inverse.column(1), inverse.column(2));
+    Matrix::from_columns(&[z * r.y - y * r.z, x * r.z - z * r.x, y * r.x - x * r.y])
+}
+
+/// [r]× m.
+#[inline]
+fn crossed(r: &Vector, m: &Matrix) -> Matrix {
+    Matrix::from_columns(&[r.cross(&m.column(0)), r.cross(&m.column(1)), r.cross(&m.column(2))])
+}
+
+impl Pivot {
+    #[inline]
+    fn new(m: &Matrix) -> Self {
+        let one = lane(1.0);
+        let d0 = one / m[(0, 0)];
+        let (l10, l20) = (m[(1, 0)] * d0, m[(2, 0)] * d0);
+        let d1 = one / (m[(1, 1)] - l10 * m[(1, 0)]);
+        let rest = m[(2, 1)] - l20 * m[(1, 0)];
+        let l21 = rest * d1;
+        let d2 = one / (m[(2, 2)] - l20 * m[(2, 0)] - l21 * rest);
+        Self([l10, l20, l21, d0, d1, d2])
+    }
+
+    #[inline]
+    fn solve(&self, x: &Vector) -> Vector {
+        let [l10, l20, l21, d0, d1, d2] = self.0;
+        let y = x.y - l10 * x.x;
+        let z = (x.z - l20 * x.x - l21 * y) * d2;
+        let y = y * d1 - l21 * z;
+        Vector::new(x.x * d0 - l10 * y - l20 * z, y, z)
+    }
+
+    #[inline]
+    fn divide(&self, m: &Matrix) -> Matrix {
+        let row = |row: usize| self.solve(&Vector::new(m[(row, 0)], m[(row, 1)], m[(row, 2)]));
+        let (x, y, z) = (row(0), row(1), row(2));
+        Matrix::new(x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z)
+    }
+}
