@@ -52,7 +52,8 @@ impl RungeKutta {
             self.stage.clear();
             self.stage.extend(mechanism.motion.iter().zip(&self.rates).map(|(start, rate)| at(start, rate, node * h)));
             self.evaluation.evaluate(mechanism, &self.stage, h);
-            if !(self.evaluation.swing(mechanism) * h * h <= REACH * REACH) {
+            let swing = self.evaluation.swing(mechanism) * h * h;
+            if swing.is_nan() || swing > REACH * REACH {
                 return Sweeps { count: stage as u32 + 1, converged: false };
             }
             for (index, gain) in self.evaluation.accelerations.iter().enumerate() {
