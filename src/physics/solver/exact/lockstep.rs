@@ -21,7 +21,7 @@ type Matrix = Matrix3<Lane>;
 const STAGES: usize = 4;
 
 /// Sweeps at most.
-const MOST_SWEEPS: usize = 16;
+const MOST_SWEEPS: usize = 24;
 
 /// What the last sweeps may leave of a turn, rad, or of a way, m.
 const LEAST: f64 = 1e-18;
@@ -30,7 +30,7 @@ const LEAST: f64 = 1e-18;
 const LOST: f64 = 1e-13;
 
 /// ω²h² of bodies about the line of a pull up to which stages are found one from the other.
-const SOFT: f64 = 1.0;
+const SOFT: f64 = 3.0;
 
 /// Turn of a step, rad, up to which the series below are exact to rounding.
 const TURN: f64 = 0.8;
