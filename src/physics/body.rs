@@ -154,6 +154,11 @@ impl CollisionLayers {
     pub fn interact(self, other: Self) -> bool {
         self.memberships & other.filters != 0 && other.memberships & self.filters != 0
     }
+
+    /// Whether no other layers interact with these.
+    pub(crate) fn touch_nothing(self) -> bool {
+        self.memberships == 0 || self.filters == 0
+    }
 }
 
 impl Default for CollisionLayers {

@@ -92,6 +92,12 @@ impl Room {
         }
     }
 
+    /// Whether a body need not be looked at to know that it has not left.
+    #[inline(always)]
+    pub fn is_unbounded(&self) -> bool {
+        self.half[0] == f32::INFINITY
+    }
+
     /// Whether a body placed so has certainly not left.
     #[inline(always)]
     pub fn holds(&self, placement: &Placement) -> bool {

@@ -85,10 +85,11 @@ impl NearPairs {
 }
 
 /// The bodies as the broad phase asks for them.
-struct InStep<'a> {
-    bodies: &'a [Body],
-    joined: &'a JoinedPairs,
-    h: f64,
+pub(super) struct InStep<'a> {
+    pub bodies: &'a [Body],
+    pub joined: &'a JoinedPairs,
+    /// s.
+    pub h: f64,
 }
 
 impl BoundedBodies for InStep<'_> {
@@ -104,6 +105,9 @@ impl BoundedBodies for InStep<'_> {
 
     fn bounds(&self, body: u32) -> Bounds {
         let body = &self.bodies[body as usize];
+        if body.layers.touch_nothing() {
+            return Bounds::None;
+        }
         let axes = body.rotation.to_rotation_matrix().into_inner();
         let reach = match &body.geometry {
             None => return Bounds::None,
@@ -171,8 +175,7 @@ pub(super) fn update_pairs(
     match search {
         Search::Tree(tree) => {
             let in_step = InStep { bodies: &bodies.list, joined: &joined, h: settings.step() };
-            let moving = bodies.awake().filter(|&body| bodies.list[body as usize].kind != RigidBody::Static);
-            tree.update(&in_step, moving, changes);
+            tree.update(&in_step, bodies.awake(), changes);
         }
         Search::Sweep(sweep) => sweep.update(&bodies.list, &joined, &settings, changes),
     }

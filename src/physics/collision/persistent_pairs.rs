@@ -249,7 +249,8 @@ impl PersistentPairs {
                     self.has_moved[index] = true;
                     self.moved.push(body);
                 }
-                self.rooms[index] = Room::new(&self.fat[index], &extent, placement);
+                self.rooms[index] =
+                    if extent.moves { Room::new(&self.fat[index], &extent, placement) } else { Room::UNBOUNDED };
             }
         }
     }
@@ -372,7 +373,8 @@ fn find_leaving(
 ) {
     leaving.clear();
     for body in moving {
-        if !rooms[body as usize].holds(&bodies.placement(body)) {
+        let room = &rooms[body as usize];
+        if !room.is_unbounded() && !room.holds(&bodies.placement(body)) {
             leaving.push(body);
         }
     }

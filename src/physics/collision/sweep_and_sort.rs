@@ -89,8 +89,7 @@ pub(super) fn find_candidate_pairs(
 /// Whether a body has a bounding sphere that may touch something.
 fn is_swept(body: &Body) -> bool {
     body.geometry.as_ref().is_some_and(|geometry| !matches!(geometry, Geometry::HalfSpace))
-        && body.layers.memberships != 0
-        && body.layers.filters != 0
+        && !body.layers.touch_nothing()
 }
 
 /// The bounding radius, and what rounding may take from a gap of zero; where contacts last, also the body's part of

@@ -31,11 +31,13 @@ struct World {
     bodies: Vec<TestBody>,
     joined: BTreeSet<(u32, u32)>,
     boxes_computed: Cell<usize>,
+    looked_at: Cell<usize>,
     asked: RefCell<Vec<(u32, u32)>>,
 }
 
 impl BoundedBodies for World {
     fn placement(&self, body: u32) -> Placement {
+        self.looked_at.set(self.looked_at.get() + 1);
         self.bodies[body as usize].at
     }
 
@@ -346,6 +348,21 @@ fn nothing_is_done_where_nothing_leaves_its_box() {
         assert_eq!(pairs.moved_count(), 0);
     }
     assert_eq!((world.boxes_computed.get(), world.asked.take().len()), (0, 0));
+}
+
+#[test]
+fn what_touches_nothing_or_stands_is_not_looked_at() {
+    let mut world = World::default();
+    for place in 0..10 {
+        let at = 3.0 * Vector3::repeat(f64::from(place));
+        world.add(Shape::Nothing, at, true);
+        world.add(Shape::Cuboid(Vector3::repeat(0.5)), at, false);
+    }
+    world.add(Shape::Cuboid(Vector3::repeat(0.5)), Vector3::new(-3.0, 0.0, 0.0), true);
+    let (mut pairs, mut changes, _) = started(&world);
+    world.looked_at.set(0);
+    pairs.update(&world, world.all(), &mut changes);
+    assert_eq!(world.looked_at.get(), 1, "what moves and may touch");
 }
 
 /// `may_pair` is asked when two boxes begin to overlap and not again while they do.

@@ -3,11 +3,13 @@ use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use nalgebra::{UnitQuaternion, Vector3};
 
+use super::super::near_pairs::InStep;
+use super::super::persistent_pairs::{BoundedBodies, Bounds};
 use super::super::{CandidatePairs, Contacts, narrow_phase, sweep_and_sort};
 use super::hulls::{hull_body, random_hull};
 use super::{KINDS, body, random, random_rotation, random_vector, touch, upright};
 use crate::physics::bodies::{Bodies, Body};
-use crate::physics::body::{RigidBody, SurfaceMaterial};
+use crate::physics::body::{CollisionLayers, RigidBody, SurfaceMaterial};
 use crate::physics::collider::Collider;
 use crate::physics::diagnostics::StepStats;
 use crate::physics::joint::JoinedPairs;
@@ -180,4 +182,14 @@ fn bodies_without_shape_find_nothing() {
     let shapeless = Body { geometry: None, radius: 0.0, ..upright(&Collider::sphere(1.0), [0.0; 3]) };
     let contacts = find(&mut world(vec![shapeless; 10], SolverSettings::default()));
     assert!(contacts.manifolds.is_empty() && contacts.points.is_empty());
+}
+
+#[test]
+fn bodies_of_no_layer_have_no_box() {
+    let apart = Body { layers: CollisionLayers::NONE, ..upright(&Collider::sphere(1.0), [0.0; 3]) };
+    let deaf = Body { layers: CollisionLayers { filters: 0, ..CollisionLayers::ALL }, ..apart.clone() };
+    for (body, has_box) in [(apart, false), (deaf, false), (upright(&Collider::sphere(1.0), [0.0; 3]), true)] {
+        let bodies = InStep { bodies: &[body], joined: &JoinedPairs::default(), h: 0.1 };
+        assert_eq!(matches!(bodies.bounds(0), Bounds::Within(_)), has_box);
+    }
 }

@@ -4,12 +4,14 @@
 //! Column j: D_j is what is left of A_jj; L_ij = A_ij D_j⁻¹; then A_ik −= L_ij D_j L_kjᵀ = L_ij A_kjᵀ for all i ≥ k of the
 //! column (right-looking). On a tree that is two products a body.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{ArrayStorage, SMatrix, SVector};
 
 use super::pattern::{Pattern, Target};
 
 /// A block: two bodies' velocities, linear and angular.
 pub(crate) type Block = SMatrix<f64, 6, 6>;
+/// The columns of a block.
+pub(crate) type Columns = [[f64; 6]; 6];
 /// What goes with one body: linear, angular.
 pub(crate) type Part = SVector<f64, 6>;
 
@@ -96,27 +98,28 @@ impl BlockMatrix {
 /// a b of which b is symmetric.
 #[inline]
 fn product(a: &Block, b: &Block) -> Block {
-    let mut result = Block::zeros();
-    for column in 0..6 {
-        for inner in 0..6 {
-            let factor = b[(inner, column)];
-            for row in 0..6 {
-                result[(row, column)] = a[(row, inner)].mul_add(factor, result[(row, column)]);
-            }
-        }
+    let mut result = Columns::default();
+    for (column, factors) in result.iter_mut().zip(&b.data.0) {
+        add_combination(column, &a.data.0, factors);
     }
-    result
+    Block::from_data(ArrayStorage(result))
 }
 
 /// target −= a bᵀ.
 #[inline]
 fn subtract_product(target: &mut Block, a: &Block, b: &Block) {
-    for column in 0..6 {
-        for inner in 0..6 {
-            let factor = -b[(column, inner)];
-            for row in 0..6 {
-                target[(row, column)] = a[(row, inner)].mul_add(factor, target[(row, column)]);
-            }
+    for (row, column) in target.data.0.iter_mut().enumerate() {
+        let factors = b.data.0.map(|column| -column[row]);
+        add_combination(column, &a.data.0, &factors);
+    }
+}
+
+/// target += Σ columns · factors, which stays in vector registers.
+#[inline]
+fn add_combination(target: &mut [f64; 6], columns: &Columns, factors: &[f64; 6]) {
+    for (column, factor) in columns.iter().zip(factors) {
+        for (sum, entry) in target.iter_mut().zip(column) {
+            *sum = entry.mul_add(*factor, *sum);
         }
     }
 }
@@ -124,25 +127,23 @@ fn subtract_product(target: &mut Block, a: &Block, b: &Block) {
 /// The inverse of a symmetric positive definite block, by sweeping its pivots one by one (Goodnight 1979).
 #[inline]
 fn invert(block: &Block) -> Option<Block> {
-    let mut swept = *block;
+    let mut swept = block.data.0;
     for pivot in 0..6 {
-        let square = swept[(pivot, pivot)];
+        let square = swept[pivot][pivot];
         if square.is_nan() || square <= 0.0 {
             return None;
         }
         let inverse = 1.0 / square;
-        let column: Part = swept.column(pivot).into_owned();
-        for other in (0..6).filter(|&other| other != pivot) {
-            let share = swept[(pivot, other)] * inverse;
-            for row in 0..6 {
-                swept[(row, other)] = column[row].mul_add(-share, swept[(row, other)]);
+        let column = swept[pivot];
+        for (_, other) in swept.iter_mut().enumerate().filter(|(other, _)| *other != pivot) {
+            let share = other[pivot] * inverse;
+            for (entry, of_pivot) in other.iter_mut().zip(&column) {
+                *entry = of_pivot.mul_add(-share, *entry);
             }
-            swept[(pivot, other)] = share;
+            other[pivot] = share;
         }
-        for row in 0..6 {
-            swept[(row, pivot)] = column[row] * -inverse;
-        }
-        swept[(pivot, pivot)] = inverse;
+        swept[pivot] = column.map(|entry| entry * -inverse);
+        swept[pivot][pivot] = inverse;
     }
-    Some(swept)
+    Some(Block::from_data(ArrayStorage(swept)))
 }

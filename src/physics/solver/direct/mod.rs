@@ -25,6 +25,8 @@ pub(super) mod pattern;
 #[cfg(test)]
 mod tests;
 
+use std::ops::RangeInclusive;
+
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::soft_terms::{SoftTerms, UNLIMITED};
@@ -35,7 +37,7 @@ use crate::physics::lanes::Record;
 use crate::physics::solver::substeps::Parts;
 use cholesky::{BlockMatrix, Part};
 pub(crate) use motion::MotionTerms;
-use patch::{Link, Motion, Patch, Shape, Side, Spring, motion, wrench};
+use patch::{Blocks, Link, Motion, Patch, Shape, Side, Spring, motion, wrench};
 use pattern::Pattern;
 
 /// Speed of a body, centre and rim together, up to which it is at rest, m/s.
@@ -61,6 +63,8 @@ const SLIGHT: f64 = 1e-3;
 const FLAT: f64 = 0.01;
 /// Places at which a line is looked at for where it is level.
 const LOOKS: usize = 8;
+/// Kinetic energy over that without rows which rounding does not explain.
+const GAINED: f64 = 1.001;
 /// Change of a world inertia over its size that a factor bears.
 const INERTIA_MOVED: f64 = 1e-3;
 /// Share of depths and gaps that is closed in a step.
@@ -132,6 +136,8 @@ pub(crate) struct DirectIsland {
     pub is_solved: bool,
     /// Weight of the rows of contacts over the mass of the island.
     hardness: f64,
+    /// Whether the guesses of the last substep in motion came to an end.
+    has_settled: bool,
     /// Into what the step is cut; contacts follow who turns far within it.
     parts: Parts,
     /// What joints stiffen each member by.
@@ -154,6 +160,8 @@ pub(crate) struct DirectIsland {
     is_going_on: bool,
     /// What the factor was made of, patches first; empty: there is none.
     factored: Vec<Shape>,
+    /// What each adds to the matrix.
+    blocks: Vec<Blocks>,
     /// Of the members, what the factor was made of.
     inertias: Vec<(f64, Matrix3<f64>)>,
     /// What does not move here but touches or holds it.
@@ -176,6 +184,7 @@ impl DirectIsland {
             pattern: Pattern::default(),
             is_solved: false,
             hardness: WEIGHT,
+            has_settled: true,
             parts: Parts::default(),
             stiffnesses: Vec::new(),
             pause: 0,
@@ -190,6 +199,7 @@ impl DirectIsland {
             links: Vec::new(),
             is_going_on: false,
             factored: Vec::new(),
+            blocks: Vec::new(),
             inertias: Vec::new(),
             partners: Vec::new(),
             seen: Vec::new(),
@@ -216,6 +226,7 @@ impl DirectIsland {
         self.inertias.resize(count, (0.0, Matrix3::zeros()));
         self.patches.resize(self.contacts.len(), Patch::default());
         self.links.resize(self.joints.len(), Link::default());
+        self.blocks.resize(self.ends.len(), Blocks::default());
         Analysis::Done
     }
 
@@ -260,7 +271,7 @@ impl DirectIsland {
         }
         self.gather(world, step, f64::from(substeps));
         self.hardness = WEIGHT;
-        let settles = self.settle(1.0 / step, ITERATIONS);
+        let settles = self.settle(1.0 / step, ITERATIONS..=ITERATIONS);
         if settles {
             let share_per_step = CLOSED / step;
             self.correct([
@@ -357,17 +368,33 @@ impl DirectIsland {
         }
     }
 
+    /// Whether there is more kinetic energy than without any rows: contacts and joints only take, so that some row
+    /// pushes what another guess had it push.
+    fn has_gained(&self) -> bool {
+        let (mut kinetic, mut free) = (0.0, 0.0);
+        for (local, (mass, inertia)) in self.inertias.iter().enumerate() {
+            let place = self.pattern.place(local as u32) as usize;
+            let (linear, angular) = halves(&self.velocity[place]);
+            kinetic += mass * linear.norm_squared() + angular.dot(&(inertia * angular));
+            let (linear, angular) = halves(&self.momentum[place]);
+            let spin = inertia.cholesky().map_or_else(Vector3::zeros, |factor| factor.solve(&angular));
+            free += linear.norm_squared() / mass + angular.dot(&spin);
+        }
+        kinetic > GAINED * free
+    }
+
     /// Weight of the rows of contacts.
     fn weight(&self) -> f64 {
         self.hardness * self.inertias.iter().map(|(mass, _)| mass).sum::<f64>()
     }
 
-    /// Newton's method on which rows act, with at most so many guesses. Whether it found out.
-    fn settle(&mut self, per_step: f64, guesses: usize) -> bool {
+    /// Newton's method on which rows act. Whether it found out within so many guesses: the fewer where what they end
+    /// with can be gone on from.
+    fn settle(&mut self, per_step: f64, guesses: RangeInclusive<usize>) -> bool {
         let weight = self.weight();
         let momentum: f64 = self.momentum.iter().map(|part| part.fixed_rows::<3>(0).norm()).sum();
         let slight = SLIGHT * momentum / self.members.len() as f64;
-        for guess in 0..guesses {
+        for guess in 0..*guesses.end() {
             if !self.factor(weight) {
                 self.velocity.iter_mut().for_each(|part| part.fill(0.0));
                 return false;
@@ -399,6 +426,9 @@ impl DirectIsland {
             }
             if holds {
                 return true;
+            }
+            if guess + 1 >= *guesses.start() && !self.has_gained() {
+                return false;
             }
         }
         false
@@ -444,7 +474,7 @@ impl DirectIsland {
 
     /// Factors the matrix of the rows that act, unless the factor at hand will do.
     fn factor(&mut self, weight: f64) -> bool {
-        let Self { matrix, patches, links, pattern, ends, factored, inertias, .. } = self;
+        let Self { matrix, patches, links, pattern, ends, factored, inertias, blocks, .. } = self;
         let shapes = patches.iter().map(Patch::shape).chain(links.iter().map(Link::shape));
         if factored.len() == ends.len() && shapes.clone().zip(factored.iter()).all(|(now, then)| now.is_nearly(then)) {
             return true;
@@ -457,16 +487,22 @@ impl DirectIsland {
             block.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::from_diagonal_element(*mass));
             block.fixed_view_mut::<3, 3>(3, 3).copy_from(inertia);
         }
-        let stiffnesses = patches.iter().map(|patch| (patch.sides, patch.stiffness(weight)));
-        let stiffnesses = stiffnesses.chain(links.iter().map(|link| (link.sides, link.stiffness())));
-        for ([a, b], stiffness) in stiffnesses {
-            for side in [a, b] {
-                if let Some(body) = side.body {
-                    *matrix.diagonal_mut(pattern, body) += stiffness.between(&side.arm, &side.arm);
+        let (of_patches, of_links) = blocks.split_at_mut(patches.len());
+        let (shapes_of_patches, shapes_of_links) = factored.split_at(patches.len());
+        for ((held, patch), shape) in of_patches.iter_mut().zip(patches.iter()).zip(shapes_of_patches) {
+            held.update(shape, weight, || patch.blocks(weight));
+        }
+        for ((held, link), shape) in of_links.iter_mut().zip(links.iter()).zip(shapes_of_links) {
+            held.update(shape, link.weight, || link.blocks());
+        }
+        for (held, [a, b]) in blocks.iter().zip(&*ends) {
+            for (body, block) in [(a, &held.own[0]), (b, &held.own[1])] {
+                if let Some(body) = *body {
+                    *matrix.diagonal_mut(pattern, body) += block;
                 }
             }
-            if let (Some(body_a), Some(body_b)) = (a.body, b.body) {
-                matrix.add(pattern, body_a, body_b, &-stiffness.between(&a.arm, &b.arm));
+            if let (Some(a), Some(b)) = (*a, *b) {
+                matrix.add(pattern, a, b, &held.across);
             }
         }
         let is_positive = matrix.factor(pattern);
@@ -479,10 +515,11 @@ impl DirectIsland {
     /// What closes depths and gaps besides, as a velocity.
     fn correct(&mut self, [depths, gaps]: [Closing; 2]) {
         let weight = self.weight();
-        let Self { patches, links, pattern, correction, matrix, .. } = self;
+        let Self { patches, links, pattern, correction, matrix, factored, .. } = self;
         correction.fill(Part::zeros());
-        for patch in patches.iter() {
-            push(pattern, correction, &patch.sides, &patch.correction(weight, &depths));
+        // What closes a row must be in the factor.
+        for (patch, shape) in patches.iter().zip(&*factored) {
+            push(pattern, correction, &patch.sides, &patch.correction(shape, weight, &depths));
         }
         for link in links.iter().filter(|link| link.spring.is_none()) {
             let linear = link.separation * (-link.weight * gaps.rate(link.separation.norm()));

@@ -8,10 +8,10 @@
 //!
 //! K_uu = Σρ_i n nᵀ + ρ_t (1 − n nᵀ), K_uw = n Σρ_i q_iᵀ, K_ww = Σρ_i q_i q_iᵀ + ρ_τ n nᵀ.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{ArrayStorage, Matrix3, Vector3};
 
 use super::Closing;
-use super::cholesky::{Block, Part};
+use super::cholesky::{Block, Columns, Part};
 use crate::physics::collision::{ContactState, POINTS};
 use crate::physics::lanes::Record;
 
@@ -62,17 +62,61 @@ pub(super) struct Stiffness {
 
 impl Stiffness {
     /// S_Xᵀ K S_Y for arms of two sides, S = (1, −[r]ₓ; 0, 1).
-    pub fn between(&self, x: &Vector3<f64>, y: &Vector3<f64>) -> Block {
+    fn between(&self, x: &Vector3<f64>, y: &Vector3<f64>) -> Block {
         let (x, y) = (x.cross_matrix(), y.cross_matrix());
         let right = self.uw - self.uu * y;
         let left = self.uw.transpose() + x * self.uu;
         let turn = x * right + self.ww - self.uw.tr_mul(&y);
-        let mut block = Block::zeros();
-        block.fixed_view_mut::<3, 3>(0, 0).copy_from(&self.uu);
-        block.fixed_view_mut::<3, 3>(0, 3).copy_from(&right);
-        block.fixed_view_mut::<3, 3>(3, 0).copy_from(&left);
-        block.fixed_view_mut::<3, 3>(3, 3).copy_from(&turn);
-        block
+        let (upper, lower) = ([&self.uu, &right], [&left, &turn]);
+        Block::from_fn(|row, column| {
+            let half = if row < 3 { &upper } else { &lower };
+            half[column / 3][(row % 3, column % 3)]
+        })
+    }
+}
+
+/// The same of K_uu = w alone: w (1, −[y]ₓ; [x]ₓ, (x·y) 1 − y xᵀ).
+fn isotropic(w: f64, x: &Vector3<f64>, y: &Vector3<f64>) -> Block {
+    let (along, scaled) = (w * x.dot(y), y * w);
+    let mut block = Columns::default();
+    for axis in 0..3 {
+        let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+        block[axis][axis] = w;
+        block[axis][3 + next] = w * x[last];
+        block[axis][3 + last] = -w * x[next];
+        block[3 + axis][next] = -scaled[last];
+        block[3 + axis][last] = scaled[next];
+        for row in 0..3 {
+            block[3 + axis][3 + row] = -scaled[row] * x[axis];
+        }
+        block[3 + axis][3 + axis] += along;
+    }
+    Block::from_data(ArrayStorage(block))
+}
+
+/// What rows add to the matrix, as they were when it was last made of them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Blocks {
+    /// Of A and B, each with itself.
+    pub own: [Block; 2],
+    /// A's rows, B's columns.
+    pub across: Block,
+    of: Option<(Shape, f64)>,
+}
+
+impl Blocks {
+    /// From S_XᵀKS_Y of two arms.
+    fn of([a, b]: &[Side; 2], between: impl Fn(&Vector3<f64>, &Vector3<f64>) -> Block) -> Self {
+        let own = [a, b].map(|side| if side.body.is_some() { between(&side.arm, &side.arm) } else { Block::zeros() });
+        let across = if a.body.and(b.body).is_some() { -between(&a.arm, &b.arm) } else { Block::zeros() };
+        Self { own, across, of: None }
+    }
+
+    /// Makes them anew where rows of that weight and shape would make others.
+    pub fn update(&mut self, shape: &Shape, weight: f64, made: impl FnOnce() -> Self) {
+        if shape.is_springy || self.of != Some((*shape, weight)) {
+            *self = Self { of: Some((*shape, weight)), ..made() };
+        }
     }
 }
 
@@ -112,6 +156,8 @@ pub(super) struct Shape {
     acts: [bool; POINTS],
     gives: [bool; 2],
     across: [f64; 2],
+    /// Then it is not all that the stiffness is made of.
+    is_springy: bool,
 }
 
 impl Shape {
@@ -228,11 +274,18 @@ impl Patch {
             acts: self.points.map(|point| point.pushes),
             gives: [self.slides, self.twists].map(|gives| gives || self.coefficient == 0.0),
             across: if self.slides { self.across } else { [0.0; 2] },
+            is_springy: false,
         }
     }
 
+    /// JᵀKJ for rows of that weight.
+    pub fn blocks(&self, weight: f64) -> Blocks {
+        let stiffness = self.stiffness(weight);
+        Blocks::of(&self.sides, |x, y| stiffness.between(x, y))
+    }
+
     /// K for rows of that weight.
-    pub fn stiffness(&self, weight: f64) -> Stiffness {
+    pub(super) fn stiffness(&self, weight: f64) -> Stiffness {
         let normal = &self.normal;
         let (mut pressed, mut lever, mut ww) = (0.0, Vector3::zeros(), Matrix3::zeros());
         for point in self.points[..self.count].iter().filter(|point| point.pushes) {
@@ -270,10 +323,11 @@ impl Patch {
         impulse
     }
 
-    /// Impulse on B that closes a share of the depths.
-    pub fn correction(&self, weight: f64, closing: &Closing) -> Motion {
+    /// Impulse on B that closes a share of the depths, by the rows that act in a factor.
+    pub fn correction(&self, factored: &Shape, weight: f64, closing: &Closing) -> Motion {
         let mut impulse = Motion::default();
-        for point in self.points[..self.count].iter().filter(|point| point.pushes) {
+        let acting = self.points[..self.count].iter().zip(factored.acts).filter(|(_, acts)| *acts);
+        for (point, _) in acting {
             let depth = (-point.separation - self.touching).max(0.0);
             let push = weight * depth * closing.rate(depth);
             impulse.linear += self.normal * push;
@@ -445,14 +499,16 @@ pub(super) struct Link {
 }
 
 impl Link {
-    /// K.
-    pub fn stiffness(&self) -> Stiffness {
-        let uu = match &self.spring {
-            None => Matrix3::from_diagonal_element(self.weight),
-            Some(spring) if spring.is_spent => Matrix3::zeros(),
-            Some(spring) => spring.weight,
-        };
-        Stiffness { uu, uw: Matrix3::zeros(), ww: Matrix3::zeros() }
+    /// JᵀKJ.
+    pub fn blocks(&self) -> Blocks {
+        match &self.spring {
+            None => Blocks::of(&self.sides, |x, y| isotropic(self.weight, x, y)),
+            Some(spring) if spring.is_spent => Blocks::default(),
+            Some(spring) => {
+                let stiffness = Stiffness { uu: spring.weight, uw: Matrix3::zeros(), ww: Matrix3::zeros() };
+                Blocks::of(&self.sides, |x, y| stiffness.between(x, y))
+            }
+        }
     }
 
     /// What K is made of.
@@ -465,6 +521,7 @@ impl Link {
             acts: [true; POINTS],
             gives: [self.spring.is_some_and(|spring| spring.is_spent), false],
             across: [0.0; 2],
+            is_springy: self.spring.is_some(),
         }
     }
 

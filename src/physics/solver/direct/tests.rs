@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3, SVector, UnitQuaternion, Vector3};
 
 use super::cholesky::{Block, BlockMatrix, Part};
-use super::patch::{Link, Motion, Patch, Spring, motion, wrench};
+use super::patch::{Blocks, Link, Motion, Patch, Side, Spring, motion, wrench};
 use super::pattern::Pattern;
 use super::{Closing, level};
 use crate::physics::collision::{ContactGeometry, ContactState};
@@ -138,18 +138,66 @@ fn rows(sample: &Sample) -> Vec<SVector<f64, 12>> {
     points.chain(across).chain([twist]).collect()
 }
 
+/// As bodies 0 and 1.
+fn name(sides: &mut [Side; 2]) {
+    for (side, body) in sides.iter_mut().zip(0..) {
+        side.body = Some(body);
+    }
+}
+
+/// vᵀAv of what the rows between two bodies add to the matrix.
+fn energy(blocks: &Blocks, v: &SVector<f64, 12>) -> f64 {
+    let (of_a, of_b): (Part, Part) = (v.fixed_rows::<6>(0).into(), v.fixed_rows::<6>(6).into());
+    let [own_a, own_b] = blocks.own;
+    of_a.dot(&(own_a * of_a)) + of_b.dot(&(own_b * of_b)) + 2.0 * of_a.dot(&(blocks.across * of_b))
+}
+
+#[test]
+fn the_stiffness_of_a_joint_is_that_of_its_rows() {
+    let mut random = Random(8);
+    for _ in 0..20 {
+        let mut link = Link { weight: random.within(1.0, 5.0), ..Link::default() };
+        name(&mut link.sides);
+        for side in &mut link.sides {
+            side.arm = random.vector();
+        }
+        let v = SVector::<f64, 12>::from_fn(|_, _| random.within(-1.0, 1.0));
+        let part = |side: usize| motion(&v.fixed_rows::<6>(6 * side).into(), &link.sides[side].arm).linear;
+        let slip = part(1) - part(0);
+        let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found}, not {expected}");
+        close(energy(&link.blocks(), &v), link.weight * slip.norm_squared());
+        let weight = Matrix3::from_diagonal(&Vector3::new(2.0, 3.0, 4.0));
+        link.spring = Some(Spring::new(weight, Vector3::zeros(), f64::INFINITY));
+        close(energy(&link.blocks(), &v), slip.dot(&(weight * slip)));
+    }
+}
+
+#[test]
+fn what_is_kept_of_a_joint_is_made_anew_when_its_arms_move() {
+    let mut link = Link { weight: 2.0, ..Link::default() };
+    name(&mut link.sides);
+    let mut kept = Blocks::default();
+    let mut made = 0;
+    for arm in [0.5, 0.5, 0.6] {
+        link.sides[0].arm.x = arm;
+        kept.update(&link.shape(), link.weight, || {
+            made += 1;
+            link.blocks()
+        });
+        assert_eq!(kept.own[0][(5, 1)], 2.0 * arm);
+    }
+    assert_eq!(made, 2, "not where they stayed");
+}
+
 #[test]
 fn the_stiffness_of_a_patch_is_that_of_its_rows() {
     let mut random = Random(3);
     for _ in 0..20 {
-        let sample = sample(&mut random, [1.0, 2.0, 0.5, 0.1, 0.0, 0.0, 0.0, 0.0]);
+        let mut sample = sample(&mut random, [1.0, 2.0, 0.5, 0.1, 0.0, 0.0, 0.0, 0.0]);
         let weight = random.within(1.0, 5.0);
-        let stiffness = sample.patch.stiffness(weight);
-        let [a, b] = sample.patch.sides.map(|side| side.arm);
+        name(&mut sample.patch.sides);
         let v = SVector::<f64, 12>::from_fn(|_, _| random.within(-1.0, 1.0));
-        let (of_a, of_b): (Part, Part) = (v.fixed_rows::<6>(0).into(), v.fixed_rows::<6>(6).into());
-        let energy = of_a.dot(&(stiffness.between(&a, &a) * of_a)) + of_b.dot(&(stiffness.between(&b, &b) * of_b))
-            - 2.0 * of_a.dot(&(stiffness.between(&a, &b) * of_b));
+        let energy = energy(&sample.patch.blocks(weight), &v);
         let expected: f64 = rows(&sample).iter().map(|row| weight * row.dot(&v).powi(2)).sum();
         assert!((energy - expected).abs() < 1e-6 * expected, "{energy} instead of {expected}");
     }
@@ -232,12 +280,13 @@ fn a_spring_pulls_along_its_error_within_its_limit() {
     // −W b = (−0.2, 0.6, −1.2), of which the last is over the limit.
     let expected = Vector3::new(-0.2, 0.6, -1.2) / 1.2;
     assert!((link.impulse - expected).norm() < 1e-12, "{}", link.impulse);
-    assert_eq!(link.stiffness().uu, Matrix3::zeros(), "it gives");
+    name(&mut link.sides);
+    assert_eq!(link.blocks().own[0], Block::zeros(), "it gives");
     let away = Motion { linear: Vector3::new(0.0, 0.0, -0.2), ..Motion::default() };
     link.take(&away, 0.0);
     assert!(link.take(&away, 0.0));
     assert!((link.impulse - Vector3::new(-0.2, 0.6, -0.4)).norm() < 1e-12, "{}", link.impulse);
-    assert_eq!(link.stiffness().uu, weight);
+    assert_eq!(link.blocks().own[0].fixed_view::<3, 3>(0, 0), weight);
 }
 
 #[test]
@@ -249,9 +298,9 @@ fn a_correction_closes_a_share_of_the_depth() {
     let state = ContactState { geometry, impulses: Record([1.0; 8]) };
     let axes = [Matrix3::identity(); 2];
     let patch = Patch::new(&state, &axes, &Vector3::new(0.0, 0.99, 0.0), 1.0);
-    let push = patch.correction(1.0, &Closing { share_per_step: 0.1 * 60.0, fastest: 1.0 });
+    let push = patch.correction(&patch.shape(), 1.0, &Closing { share_per_step: 0.1 * 60.0, fastest: 1.0 });
     assert!((push.linear - Vector3::y() * 4.0 * 0.01 * 0.1 * 60.0).norm() < 1e-3, "{:?}", push.linear);
     assert!(push.angular.norm() < 1e-6);
-    let slow = patch.correction(1.0, &Closing { share_per_step: 0.1 * 60.0, fastest: 0.01 });
+    let slow = patch.correction(&patch.shape(), 1.0, &Closing { share_per_step: 0.1 * 60.0, fastest: 0.01 });
     assert!((slow.linear.y - 0.04).abs() < 1e-6, "{}", slow.linear.y);
 }
