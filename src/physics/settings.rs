@@ -22,6 +22,13 @@ pub enum Method {
     #[default]
     #[serde(rename = "pgs")]
     ProjectedGaussSeidel,
+    /// The same sweeps, primed by conjugate residuals on the rows that no bound holds, where the sweeps alone are slow
+    /// (Morales, Nocedal and Smelyanskiy 2008).
+    #[serde(rename = "cg_pgs")]
+    PrimedGaussSeidel,
+    /// Conjugate directions with the same sweep for a gradient (Silcowitz, Niebe and Erleben 2010).
+    #[serde(rename = "nncg")]
+    NonsmoothConjugateGradient,
     /// Substeps with soft constraints: impulses solved with springs, then relaxed without
     /// (Catto 2024).
     #[serde(rename = "soft_step")]
@@ -40,7 +47,7 @@ impl Method {
     /// Whether contacts last from step to step, with their impulses, instead of being found and
     /// forgotten.
     pub(crate) fn keeps_contacts(self) -> bool {
-        self != Self::ProjectedGaussSeidel
+        !matches!(self, Self::ProjectedGaussSeidel | Self::PrimedGaussSeidel | Self::NonsmoothConjugateGradient)
     }
 }
 
