@@ -11,6 +11,7 @@ mod far;
 mod fast_bodies;
 mod free_motion;
 mod friction;
+mod gradients;
 mod hulls;
 mod impact;
 mod joints_and_contacts;

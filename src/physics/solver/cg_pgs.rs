@@ -9,8 +9,9 @@
 //! - It begins once a sweep has changed no row's side of its bounds and |s|² fell to no less than half, s being the
 //!   sweep's change of λ. Sweeps that halve it, as on bodies just landed, are faster than any linear solve; and while
 //!   the sides change, as in a wall, what it solves is not yet the question.
-//! - The sweep after it tells what came of it: if |s| has grown, λ goes back to what it was, and the next attempt
-//!   waits for twice as many sweeps.
+//! - The sweep after it tells what came of it. If |s| has grown, λ goes back to what it was. If sweeps at their last
+//!   pace had come further, the next attempt waits for as many sweeps as this one took passes, the one after that for
+//!   twice as many, and so on.
 //! - What remains is never less than a sweep, so that friction follows its normal force and λ ends within its bounds.
 //!
 //! So at most half of the passes are lost where it does no good.
@@ -67,33 +68,33 @@ pub(super) fn solve<N: Scalar>(
 ) -> u32 {
     primer.sides.clear();
     primer.sides.extend((0..rows.len()).map(|index| side(rows, index)));
-    let (mut passes, mut last_square, mut patience, mut wait) = (0, 0.0, 1, 0);
+    let (mut passes, mut last_square, mut patience, mut wait) = (0, f64::INFINITY, 1, 0);
     while passes < iterations {
         let Sweep { square, settled } = primer.sweep(rows, accelerations);
         passes += 1;
         if square == 0.0 {
             break;
         }
-        let slow = square > SLOW * last_square;
-        let first = last_square == 0.0;
+        let pace = square / last_square;
         last_square = square;
         if wait > 0 {
             wait -= 1;
             continue;
         }
-        if first || !slow || !settled || passes + LEAST_PASSES > iterations {
+        if pace < SLOW || !settled || passes + LEAST_PASSES > iterations {
             continue;
         }
         primer.keep(rows, accelerations);
-        passes += primer.face.solve(rows, accelerations, iterations - passes - 1);
-        let after = primer.sweep(rows, accelerations).square;
-        passes += 1;
-        if after > square {
-            primer.restore(rows, accelerations);
+        let spent = primer.face.solve(rows, accelerations, iterations - passes - 1) + 1;
+        last_square = primer.sweep(rows, accelerations).square;
+        passes += spent;
+        if last_square > square * pace.min(1.0).powi(spent as i32) {
+            wait = patience * spent;
             patience *= 2;
-            wait = patience;
-        } else {
-            last_square = after;
+        }
+        if last_square > square {
+            primer.restore(rows, accelerations);
+            last_square = square;
         }
     }
     passes
