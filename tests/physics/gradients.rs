@@ -31,37 +31,33 @@ fn measured(scene: &str, parameter: (&str, f64), settings: SolverSettings, secon
 
 #[test]
 fn few_passes_gain_no_energy() {
-    // Scales: 1 m of all that is in each scene.
+    // Forces: the weight of each scene, over a way of 1 mm.
     for (scene, parameter, weight) in
-        [("chain", ("r", 100.0), 110.0 * 9.81), ("stack", ("n", 10.0), 1e4 * 9.81), ("joint_grid", ("n", 10.0), 2e4)]
+        [("chain", ("r", 100.0), 1.1e3), ("stack", ("n", 10.0), 1e5), ("joint_grid", ("n", 10.0), 2e4)]
     {
         for method in METHODS {
             for iterations in [1, 2, 3, 4, 6, 10] {
                 let settings = SolverSettings { method, iterations, ..SolverSettings::steady() };
                 let (_, rise, _) = measured(scene, parameter, settings, 1.0);
-                let swept = SolverSettings { method: Method::ProjectedGaussSeidel, ..settings };
-                let (_, of_sweeps, _) = measured(scene, parameter, swept, 1.0);
-                println!("{scene} {method:?} {iterations}: {rise} {of_sweeps}");
-                assert!(
-                    rise <= of_sweeps + 1e-3 * weight,
-                    "{scene}, {method:?}, {iterations}: {rise} J, {of_sweeps} J"
-                );
+                assert!(rise <= 1e-3 * weight, "{scene}, {method:?}, {iterations} iterations: {rise} J");
             }
         }
     }
 }
 
+/// Measured: 25 mm, 0.6 mm primed, 4.2 mm by conjugate directions. With a ball of 1000 kg none of them holds: there the
+/// rods sway faster than the substep can follow, ω h ≈ 2 with ω² = 12 P/(m L), however well its rows are solved.
 #[test]
-fn a_heavy_chain_holds_together_where_as_many_sweeps_let_it_go() {
+fn a_heavy_chain_parts_by_a_fraction_of_what_as_many_sweeps_allow() {
     let separation = |method| {
         let settings = SolverSettings { method, iterations: 30, ..SolverSettings::steady() };
-        let (separation, _, updates) = measured("chain", ("r", 1000.0), settings, 2.0);
+        let (separation, _, updates) = measured("chain", ("r", 100.0), settings, 2.0);
         assert!(updates <= 120 * 4 * 30 * 33, "{method:?}: {updates} row updates");
         separation
     };
     let of_sweeps = separation(Method::ProjectedGaussSeidel);
     let [primed, nonsmooth] = METHODS.map(separation);
-    println!("{of_sweeps} {primed} {nonsmooth}");
+    assert!(of_sweeps > 0.02, "{of_sweeps} m: nothing to gain");
     assert!(primed < 0.05 * of_sweeps, "{primed} m, {of_sweeps} m");
-    assert!(nonsmooth < 0.5 * of_sweeps, "{nonsmooth} m, {of_sweeps} m");
+    assert!(nonsmooth < 0.25 * of_sweeps, "{nonsmooth} m, {of_sweeps} m");
 }

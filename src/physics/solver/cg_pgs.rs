@@ -14,7 +14,7 @@
 //!   twice as many, and so on.
 //! - What remains is never less than a sweep, so that friction follows its normal force and λ ends within its bounds.
 //!
-//! So at most half of the passes are lost where it does no good.
+//! So about half of the passes are lost at worst, where it does no good: in walls, whose sides never settle, none are.
 
 use super::conjugate_residuals::Face;
 use super::pgs;
