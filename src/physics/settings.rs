@@ -15,13 +15,21 @@ impl Default for Gravity {
     }
 }
 
-/// How contact and joint rows are solved.
+/// How contact and joint rows are solved: on the forces of each (sub)step, as `pgs`, `cg_pgs` and `nncg` do, or on
+/// velocities with contacts that last.
 #[derive(Reflect, Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Method {
     /// Projected Gauss–Seidel on the force-level rows with λ from zero (Catto 2005).
     #[default]
     #[serde(rename = "pgs")]
     ProjectedGaussSeidel,
+    /// The same sweeps, primed by conjugate residuals on the rows that no bound holds, where the sweeps alone are slow
+    /// (Morales, Nocedal and Smelyanskiy 2008).
+    #[serde(rename = "cg_pgs")]
+    PrimedGaussSeidel,
+    /// Conjugate directions with the same sweep for a gradient (Silcowitz, Niebe and Erleben 2010).
+    #[serde(rename = "nncg")]
+    NonsmoothConjugateGradient,
     /// Substeps with soft constraints: impulses solved with springs, then relaxed without
     /// (Catto 2024).
     #[serde(rename = "soft_step")]
@@ -44,7 +52,10 @@ impl Method {
     /// Whether contacts last from step to step, with their impulses, instead of being found and
     /// forgotten.
     pub(crate) fn keeps_contacts(self) -> bool {
-        !matches!(self, Self::ProjectedGaussSeidel | Self::Exact)
+        !matches!(
+            self,
+            Self::ProjectedGaussSeidel | Self::PrimedGaussSeidel | Self::NonsmoothConjugateGradient | Self::Exact
+        )
     }
 }
 
@@ -142,15 +153,16 @@ pub struct SolverSettings {
     pub hz: f64,
     /// How rows are solved.
     pub method: Method,
-    /// How velocities become poses. A choice of `pgs` and of `exact` only: the others have their own way, `Euler` here.
+    /// How velocities become poses. A choice of force-level methods and of `exact` only: the others have their own
+    /// way, `Euler` here.
     pub integrator: Integrator,
     /// Equal parts a step is cut into, at least 1. Collision is found once a step; contact
     /// depths, joints and rows are brought up to date each substep.
     pub substeps: u32,
-    /// Sweeps over all rows in each (sub)step, at least 1.
+    /// Sweeps over all rows in each (sub)step, at least 1; what conjugate directions cost besides counts among them.
     pub iterations: u32,
     /// Whether contact rows start from the forces of the (sub)step before, points found again by
-    /// feature, instead of from zero. Of `pgs` only: `xpbd` never does, the others always do.
+    /// feature, instead of from zero. Of force-level methods only: `xpbd` never does, the others always do.
     pub warm_starting: bool,
     /// Whether effort follows need: islands at rest are solved at once and directly, where their bodies
     /// make a tree or nearly one, and what joints hold takes half the substeps while none of it turns by
@@ -159,11 +171,11 @@ pub struct SolverSettings {
     /// Scalar of rows and solver.
     pub precision: Precision,
     /// Share of a position error that one (sub)step aims to remove, 0 to 1 (Baumgarte's β·h,
-    /// or ODE's error reduction parameter). Of `pgs` only.
+    /// or ODE's error reduction parameter). Of force-level methods only.
     pub baumgarte: f64,
     /// Depth that contacts leave alone, m, ≥ 0.
     pub slop: f64,
-    /// Greatest speed at which a contact or joint mends a position error, m/s, ≥ 0; contacts of `pgs`
+    /// Greatest speed at which a contact or joint mends a position error, m/s, ≥ 0; contacts of force-level methods
     /// besides no faster than gravity takes back before the error is gone, joints of `xpbd` at any. None: no limit.
     pub correction_speed: Option<f64>,
     /// How friction is solved.
@@ -179,17 +191,17 @@ pub struct SolverSettings {
     pub axis_epsilon: f64,
     /// Whether n and −n count as one candidate axis. Of extreme-vertex contacts only.
     pub merge_opposite_axes: bool,
-    /// How pairs that may touch are found. Of contacts that last only: `pgs` always sweeps and sorts.
+    /// How pairs that may touch are found. Of contacts that last only: force-level methods always sweep and sort.
     pub broad_phase: BroadPhase,
     /// Whether sweep and sort also prunes on y.
     pub prune_y: bool,
     /// Steps by which the solver's contacts lag behind the poses: 0, or 1 as in the 2009
-    /// engine's threaded loop. Of `pgs` only.
+    /// engine's threaded loop. Of force-level methods only.
     pub contact_lag: u32,
     /// Speed under which a body counts as calm, m/s, ≥ 0; none: nothing sleeps. An island of bodies that touch or are
     /// joined sleeps once all have been calm for half a second and gained no speed, and then stays where it is, at
     /// rest, until it is disturbed. What creeps more slowly than that is stopped: leave it out where that matters.
-    /// Not of `pgs`: only contacts that last can be woken as they were.
+    /// Not of force-level methods: only contacts that last can be woken as they were.
     pub sleep_speed: Option<f64>,
     /// Most threads a step uses, the calling one included; results do not depend on it.
     /// At least 1.

@@ -48,6 +48,8 @@ fn threads_do_not_change_a_bit() {
         SolverSettings::steady(),
         SolverSettings::classic(),
         SolverSettings::accurate(),
+        SolverSettings { method: Method::PrimedGaussSeidel, ..SolverSettings::steady() },
+        SolverSettings { method: Method::NonsmoothConjugateGradient, ..SolverSettings::steady() },
     ] {
         for precision in [Precision::F32, Precision::F64] {
             let hashes: Vec<Vec<u64>> = [1, 2, 4, 1]

@@ -12,6 +12,7 @@ mod far;
 mod fast_bodies;
 mod free_motion;
 mod friction;
+mod gradients;
 mod hulls;
 mod impact;
 mod joints_and_contacts;

@@ -1,7 +1,7 @@
 //! Which settings a chart tries.
 
 use crate::lab::sweep::Point;
-use crate::physics::{Integrator, Precision, SolverSettings};
+use crate::physics::{Integrator, Method, Precision, SolverSettings};
 
 /// A curve of the charts: a method at one precision, as its steps, substeps and iterations vary.
 pub struct Series {
@@ -18,7 +18,7 @@ fn awake(settings: SolverSettings) -> SolverSettings {
 
 /// All curves, in the order of their colours. Nothing sleeps in them: what a method does with a scene at rest is to be
 /// seen.
-pub const SERIES: [Series; 7] = [
+pub const SERIES: [Series; 9] = [
     Series { name: "game f32", base: || awake(SolverSettings::game()) },
     Series { name: "sequential impulses f32", base: || awake(SolverSettings::sequential_impulses()) },
     Series { name: "xpbd f32", base: || awake(SolverSettings::xpbd()) },
@@ -35,6 +35,14 @@ pub const SERIES: [Series; 7] = [
     Series {
         name: "game, full effort f32",
         base: || SolverSettings { fitted_effort: false, ..awake(SolverSettings::game()) },
+    },
+    Series {
+        name: "steady cg_pgs f32",
+        base: || SolverSettings { method: Method::PrimedGaussSeidel, ..SolverSettings::steady() },
+    },
+    Series {
+        name: "steady nncg f32",
+        base: || SolverSettings { method: Method::NonsmoothConjugateGradient, ..SolverSettings::steady() },
     },
 ];
 

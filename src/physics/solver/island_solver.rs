@@ -3,19 +3,20 @@
 use bevy::platform::collections::HashMap;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::pgs;
 use super::rows::{Scalar, body_terms, contact_rows, joint_rows};
 use super::warm_start::{ContactCache, KEPT_SHARE};
+use super::{cg_pgs, nncg, pgs};
 use crate::physics::bodies::{Bodies, Body, Joint, Joints, world_inverse_inertia};
 use crate::physics::collision::Contacts;
 use crate::physics::constraint::row::{BodyTerms, Row, Twist};
 use crate::physics::integrator;
 use crate::physics::island::Islands;
 use crate::physics::joint::Softness;
-use crate::physics::settings::{FrictionModel, Integrator, Precision, SolverSettings};
+use crate::physics::settings::{FrictionModel, Integrator, Method, Precision, SolverSettings};
 
 /// The settings as the substep loop reads them.
 pub(crate) struct StepTerms {
+    pub method: Method,
     pub integrator: Integrator,
     pub precision: Precision,
     pub substeps: u32,
@@ -42,6 +43,7 @@ impl StepTerms {
     pub fn new(settings: &SolverSettings, gravity: f64, record_forces: bool) -> Self {
         let h = settings.step() / f64::from(settings.substeps);
         Self {
+            method: settings.method,
             integrator: settings.integrator,
             precision: settings.precision,
             substeps: settings.substeps,
@@ -176,6 +178,23 @@ struct Workspace<N> {
     terms: Vec<BodyTerms<N>>,
     rows: Vec<Row<N>>,
     accelerations: Vec<Twist<N>>,
+    primer: cg_pgs::Primer<N>,
+    directions: nncg::Directions<N>,
+}
+
+impl<N: Scalar> Workspace<N> {
+    /// Solves the rows by the method. Returns the passes over them.
+    fn solve(&mut self, method: Method, iterations: u32) -> u32 {
+        let Self { rows, accelerations, primer, directions, .. } = self;
+        match method {
+            Method::PrimedGaussSeidel => cg_pgs::solve(rows, accelerations, iterations, primer),
+            Method::NonsmoothConjugateGradient => nncg::solve(rows, accelerations, iterations, directions),
+            _ => {
+                pgs::solve(rows, accelerations, iterations);
+                iterations
+            }
+        }
+    }
 }
 
 /// A group of islands and the buffers to solve it, kept from step to step.
@@ -356,9 +375,9 @@ impl IslandSolver {
         if terms.warm_starting {
             self.warm_start(&mut work.rows[..joints_from], &mut work.accelerations);
         }
-        pgs::solve(&mut work.rows, &mut work.accelerations, terms.iterations);
+        let passes = work.solve(terms.method, terms.iterations);
         self.row_count = work.rows.len() as u32;
-        self.row_updates += u64::from(self.row_count) * u64::from(terms.iterations);
+        self.row_updates += u64::from(self.row_count) * u64::from(passes);
         self.keep_forces(&work.rows, joints_from, h, terms);
     }
 

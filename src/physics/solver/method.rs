@@ -1,4 +1,4 @@
-//! Which file has which of the methods on the impulse engine.
+//! Which file has which of the methods on the impulse engine. Those on force-level rows never come here.
 
 use super::impulse::{Color, GroupTerms, Plan, Stage};
 use super::{sequential_impulses, soft_step, xpbd};
@@ -8,9 +8,9 @@ use crate::physics::settings::{Method, SolverSettings};
 /// What groups need of the settings.
 pub(crate) fn terms<L: Lanes>(settings: &SolverSettings) -> GroupTerms<L> {
     match settings.method {
-        Method::SoftStep | Method::ProjectedGaussSeidel | Method::Exact => soft_step::terms(settings),
         Method::SequentialImpulses => sequential_impulses::terms(settings),
         Method::Xpbd => xpbd::terms(settings),
+        _ => soft_step::terms(settings),
     }
 }
 
@@ -27,9 +27,9 @@ pub(crate) fn stages(
         return;
     }
     match method {
-        Method::SoftStep | Method::ProjectedGaussSeidel | Method::Exact => soft_step::stages(plan, colors, stages),
         Method::SequentialImpulses => sequential_impulses::stages(plan, colors, stages),
         Method::Xpbd => xpbd::stages(plan, colors, stages),
+        _ => soft_step::stages(plan, colors, stages),
     }
 }
 
@@ -42,8 +42,8 @@ pub(crate) fn solves_trees(method: Method) -> bool {
 /// Sweeps over all rows in a substep.
 pub(crate) fn sweeps(settings: &SolverSettings) -> u32 {
     match settings.method {
-        Method::SoftStep | Method::ProjectedGaussSeidel | Method::Exact => 2 * settings.iterations,
         Method::SequentialImpulses => settings.iterations + sequential_impulses::POSITION_SWEEPS,
         Method::Xpbd => settings.iterations + 1,
+        _ => 2 * settings.iterations,
     }
 }

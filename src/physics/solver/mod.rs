@@ -1,9 +1,11 @@
 //! The `Solve` phase: each island is taken through all its substeps on its own.
 //!
 //! A substep, whatever the method: rows from the present poses ([`rows`]) → the method's solve
-//! (one file each: [`pgs`]) → integration (`super::integrator`). Islands share no body that moves,
+//! (one file each: [`pgs`], [`cg_pgs`], [`nncg`]) → integration (`super::integrator`). Islands share no body that moves,
 //! so threads take whole islands and the result does not depend on their number.
 
+mod cg_pgs;
+mod conjugate_residuals;
 mod direct;
 mod exact;
 mod impulse;
@@ -11,6 +13,7 @@ mod island_solver;
 mod joint_tree;
 mod lag;
 mod method;
+mod nncg;
 mod pgs;
 mod rows;
 mod sequential_impulses;

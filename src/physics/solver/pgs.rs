@@ -21,21 +21,36 @@ pub(crate) fn solve<N: SimdRealField + Copy>(rows: &mut [Row<N>], accelerations:
     }
 }
 
-fn update<N: SimdRealField + Copy>(rows: &mut [Row<N>], index: usize, accelerations: &mut [Twist<N>]) {
-    let (lower, upper) = match rows[index].bounds {
+/// Updates row `index`. Returns Δλ.
+#[inline]
+pub(super) fn update<N: SimdRealField + Copy>(rows: &mut [Row<N>], index: usize, accelerations: &mut [Twist<N>]) -> N {
+    let (lower, upper) = limits(rows, index);
+    let row = &mut rows[index];
+    let residual = residual(row, accelerations);
+    let lambda = (row.lambda + residual * row.inverse_diagonal).simd_clamp(lower, upper);
+    let change = lambda - row.lambda;
+    row.lambda = lambda;
+    add_response(row, change, accelerations);
+    change
+}
+
+/// The least and greatest λ of row `index`, those of friction at the present λ of its normal row.
+#[inline]
+pub(super) fn limits<N: SimdRealField + Copy>(rows: &[Row<N>], index: usize) -> (N, N) {
+    match rows[index].bounds {
         Bounds::Fixed(lower, upper) => (lower, upper),
         Bounds::Friction { coefficient, normal_rows_back } => {
             let limit = coefficient * rows[index - normal_rows_back as usize].lambda;
             (-limit, limit)
         }
-    };
-    let row = &mut rows[index];
+    }
+}
+
+/// η − γλ − J a.
+#[inline]
+pub(super) fn residual<N: SimdRealField + Copy>(row: &Row<N>, accelerations: &[Twist<N>]) -> N {
     let (a, b) = (row.a as usize, row.b as usize);
-    let residual = row.target - row.softness * row.lambda - row.jacobian.dot(&accelerations[a], &accelerations[b]);
-    let lambda = (row.lambda + residual * row.inverse_diagonal).simd_clamp(lower, upper);
-    let change = lambda - row.lambda;
-    row.lambda = lambda;
-    add_response(row, change, accelerations);
+    row.target - row.softness * row.lambda - row.jacobian.dot(&accelerations[a], &accelerations[b])
 }
 
 /// a ← a + (M⁻¹Jᵀ)_i Δλ.

@@ -17,12 +17,17 @@ const LEAST_SLIP: f64 = 1e-6;
 const LEAST_SLIDE: f64 = 1e-3;
 
 /// A scalar in which one island can be solved at a time.
-pub(crate) trait Scalar: SimdRealField + Copy {
+pub(crate) trait Scalar: SimdRealField + Copy + PartialOrd {
+    /// The gap between 1 and the next number.
+    const EPSILON: f64;
+
     fn of(value: f64) -> Self;
     fn to_f64(self) -> f64;
 }
 
 impl Scalar for f32 {
+    const EPSILON: f64 = f32::EPSILON as f64;
+
     fn of(value: f64) -> Self {
         value as Self
     }
@@ -32,6 +37,8 @@ impl Scalar for f32 {
 }
 
 impl Scalar for f64 {
+    const EPSILON: f64 = f64::EPSILON;
+
     fn of(value: f64) -> Self {
         value
     }

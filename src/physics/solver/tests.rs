@@ -1,5 +1,7 @@
 //! Projected Gauss–Seidel against dense solutions of the same rows.
 
+mod gradients;
+
 use nalgebra::{DMatrix, DVector, Matrix3, SimdRealField, SimdValue, Vector3};
 use simba::simd::WideF32x8;
 

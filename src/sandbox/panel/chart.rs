@@ -264,6 +264,8 @@ const MARKERS: [(MarkerShape, [u8; 3]); SERIES.len()] = [
     (MarkerShape::Diamond, palette::ORANGE),
     (MarkerShape::Asterisk, palette::YELLOW),
     (MarkerShape::Down, palette::SKY),
+    (MarkerShape::Left, palette::VERMILION),
+    (MarkerShape::Right, palette::GREEN),
 ];
 
 fn color([r, g, b]: [u8; 3]) -> egui::Color32 {

@@ -107,7 +107,9 @@ const FIELDS: &[(&str, &[Field])] = &[
                  each substep (Catto 2024); trees of joints exactly.\nSequential Impulses: on velocities, then positions \
                  on their own (Catto 2006); wants 10 iterations and a slop.\nXpbd: positions of small substeps \
                  (Müller et al. 2020); wants 8 substeps or more.\nProjected Gauss Seidel: on force-level rows (Catto \
-                 2005).\nExact: joint forces solved directly, in stages of an integrator that converges.",
+                 2005).\nPrimed Gauss Seidel: the same, with conjugate residuals where sweeps are slow (Morales et al. \
+                 2008).\nNonsmooth Conjugate Gradient: conjugate directions from the same sweeps (Silcowitz et al. \
+                 2010).\nExact: joint forces solved directly, in stages of an integrator that converges.",
             ),
             Field::number(
                 "iterations",
@@ -200,7 +202,7 @@ const FIELDS: &[(&str, &[Field])] = &[
             Field::choice(
                 "broad_phase",
                 "broad phase",
-                "How pairs that may touch are found; projected Gauss–Seidel always sweeps and sorts.\n\nSweep And Sort: \
+                "How pairs that may touch are found; force-level methods always sweep and sort.\n\nSweep And Sort: \
                  bounding spheres along x, in each step (the 2009 engine's).\nBounding Tree: a tree of boxes a little \
                  larger than their bodies, whose cost follows what moves.",
             ),
