@@ -18,10 +18,10 @@
 //!
 //! An island that turns out not to rest, or whose rows do not settle, is left as it was, for the sweeps.
 
-mod cholesky;
+pub(super) mod cholesky;
 mod motion;
 mod patch;
-mod pattern;
+pub(super) mod pattern;
 #[cfg(test)]
 mod tests;
 
