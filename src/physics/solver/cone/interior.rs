@@ -1,10 +1,15 @@
 //! The interior point: from no guess at all to near a solution, in twenty or so steps.
 //!
-//! With T = diag(μ, 1, 1), x = Tλ and y = T⁻¹û are both in the cone Q of [`super::second_order_cone`], and the law is x ∘ y = 0. Steps hold
-//! x and y inside and lower their product along x ∘ y = σ(1, 0, 0): Newton's method in the scaling of Nesterov & Todd, with Mehrotra's prediction and
-//! correction (1992). y is an unknown of its own; how far it is from T⁻¹û falls with each step too. De Saxcé's shift is taken from the present
-//! u: its change in the step is left to the next. (Acary, Armand, Nguyen & Shpakovych 2023 compare ways to take the shift along.)
-//! The product is not let fall below what the gap between y and û is worth: an x and y pressed to the cone's side can no longer follow.
+//! With T = diag(μ, 1, 1), x = Tλ and y = T⁻¹û are both in the cone Q of [`super::second_order_cone`], and the law is
+//! x ∘ y = 0. Steps hold
+//! x and y inside and lower their product along x ∘ y = σ(1, 0, 0): Newton's method in the scaling of Nesterov & Todd,
+//! with Mehrotra's prediction and
+//! correction (1992). y is an unknown of its own; how far it is from T⁻¹û falls with each step too. De Saxcé's shift
+//! is taken from the present
+//! u: its change in the step is left to the next. (Acary, Armand, Nguyen & Shpakovych 2023 compare ways to take the
+//! shift along.)
+//! The product is not let fall below what the gap between y and û is worth: an x and y pressed to the cone's side can
+//! no longer follow.
 //!
 //! dλ = h − D Ĵ dz, D = T⁻¹W²T⁻¹ softened by the compliance ε/ρ, as for [`super::newton`]. Joints are stiff rows.
 
@@ -23,12 +28,13 @@ const SOFTNESS: f64 = 1e-8;
 const INSIDE: f64 = 0.99;
 /// Least that one step asks of the product; and what it asks while y is far from û.
 const LEAST_TARGET: f64 = 1e-3;
-const SLOW_TARGET: f64 = 0.8;
+const SLOW_TARGET: f64 = 0.5;
 /// y is far from û where the gap's energy is more than this share of the product.
 const FAR: f64 = 0.1;
 /// Steps shorter than this, so many in a row, are the end.
 const SHORT: (f64, u32) = (0.01, 3);
-/// Newton steps on the law itself are tried once the product is down to this share, and then at each tenth of the residual.
+/// Newton steps on the law itself are tried once the product is down to this share, and then at each tenth of the
+/// residual.
 const NEAR: f64 = 1e-3;
 const AGAIN: f64 = 0.1;
 
@@ -58,7 +64,7 @@ struct Aim {
 
 impl ConeSolver {
     /// From inside the cones towards a solution, with Newton steps on the way. True once within the tolerance.
-    pub(super) fn from_inside(&mut self, tolerance: f64, outcome: &mut Outcome) -> bool {
+    pub(super) fn walk_inside(&mut self, tolerance: f64, outcome: &mut Outcome) -> bool {
         let cones = self.points.iter().filter(|point| is_cone(point)).count();
         if cones == 0 {
             return false;
@@ -176,7 +182,8 @@ impl ConeSolver {
         share
     }
 
-    /// Changes of λ, x and y for an aim. False where the linear system is singular. The correction takes the prediction's factor.
+    /// Changes of λ, x and y for an aim. False where the linear system is singular. The correction takes the
+    /// prediction's factor.
     fn direction(&mut self, buffers: &mut Buffers, aim: Aim) -> bool {
         let Self { points, linear, pattern, impulses, velocities, .. } = self;
         if !aim.is_corrector {

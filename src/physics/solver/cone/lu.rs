@@ -1,7 +1,10 @@
-//! Block LU of a matrix with 6 × 6 blocks on the pattern of a body graph, whose values need not be symmetric though its pattern is.
+//! Block LU of a matrix with 6 × 6 blocks on the pattern of a body graph, whose values need not be symmetric though
+//! its pattern is.
 //!
-//! As the block LDLᵀ of [`super::super::direct::cholesky`], with blocks above the diagonal of their own: column j gives L_ij = A_ij A_jj⁻¹, and
-//! A_ik −= L_ij A_jk for all of its i and k. Within a block on the diagonal pivots are chosen, between blocks they are not.
+//! As the block LDLᵀ of [`super::super::direct::cholesky`], with blocks above the diagonal of their own: column j
+//! gives L_ij = A_ij A_jj⁻¹, and
+//! A_ik −= L_ij A_jk for all of its i and k. Within a block on the diagonal pivots are chosen, between blocks they are
+//! not.
 
 use super::super::direct::cholesky::{Block, Part};
 use super::super::direct::pattern::{Pattern, Target};
@@ -33,7 +36,8 @@ impl BlockLu {
         &mut self.diagonal[place]
     }
 
-    /// Adds the block of rows a and columns b and that of rows b and columns a, where [`Pattern::block`] of a and b said.
+    /// Adds the block of rows a and columns b and that of rows b and columns a, where [`Pattern::block`] of a and b
+    /// said.
     pub fn add_at(&mut self, (index, rows_are_b): (u32, bool), ab: &Block, ba: &Block) {
         let (below, above) = if rows_are_b { (ba, ab) } else { (ab, ba) };
         self.below[index as usize] += below;

@@ -1,24 +1,29 @@
-//! Contact exactly: impulses λ that obey Signorini's condition, Coulomb's cone and the joints of one island to rounding,
+//! Contact exactly: impulses λ that obey Signorini's condition, Coulomb's cone and the joints of one island to
+//! rounding,
 //! not to a number of iterations. No components here: bodies, points and numbers.
 //!
 //! # The problem
-//! v = v_free + M⁻¹Jᵀλ, u = J v + b at each point; joints: u = 0; contacts: K* ∋ u + μ|u_t| n ⊥ λ ∈ K ([`law`]). This is Coulomb's law
+//! v = v_free + M⁻¹Jᵀλ, u = J v + b at each point; joints: u = 0; contacts: K* ∋ u + μ|u_t| n ⊥ λ ∈ K ([`law`]). This
+//! is Coulomb's law
 //! itself, not the associated one that a quadratic program gives, whose sliding bodies take off at the angle atan μ.
 //!
 //! # Unknowns
-//! With L Lᵀ = M⁻¹ by body, Ĵ = J L and z = Ĵᵀλ: v = v_free + L z, u = Ĵ z + c, c = J v_free + b. Locked axes are zero columns of L,
+//! With L Lᵀ = M⁻¹ by body, Ĵ = J L and z = Ĵᵀλ: v = v_free + L z, u = Ĵ z + c, c = J v_free + b. Locked axes are zero
+//! columns of L,
 //! mass ratios stay out of the scale, and every linear system is (1 + ĴᵀD Ĵ) x = r with one 3×3 block D a point:
-//! sparse as the graph of the bodies, however many points two of them share ([`linear`]). z is summed anew from λ at each step, so that
+//! sparse as the graph of the bodies, however many points two of them share ([`linear`]). z is summed anew from λ at
+//! each step, so that
 //! the residual reported is that of λ alone.
 //!
 //! # The way to λ
-//! 1. Semismooth Newton steps on the natural map ([`newton`]): from the last step's λ, two or three do. (Alart & Curnier 1991; the
-//!    map as in Acary, Brémond & Huber 2018.)
-//! 2. If they do not: proximal points ([`proximal`]). A compliance ε/ρ is given to each point about its present λ: the problem
-//!    of the compliant points is well conditioned and unique, redundant points or not; Newton's method finds its λ, from which
-//!    the next starts, with less compliance (Le Lidec, Montaut & Carpentier 2024 take the same way with ADMM).
-//! 3. From no guess, or if that stalls: an interior point ([`interior`]) to a thousandth, which tells touching from parting points in twenty or so steps
-//!    whatever the size (as Acary, Armand, Nguyen & Shpakovych 2023), then 1 and 2.
+//! 1. Semismooth Newton steps on the natural map ([`newton`]): from the last step's λ, two or three do (Alart &
+//!    Curnier 1991; the map as in Acary, Brémond & Huber 2018).
+//! 2. If they do not: proximal points ([`proximal`]). A compliance ε/ρ is given to each point about its present λ: the
+//!    problem of the compliant points is well conditioned and unique, redundant points or not; Newton's method finds
+//!    its λ, from which the next starts, with less compliance (Le Lidec, Montaut & Carpentier 2024 take the same way
+//!    with ADMM).
+//! 3. From no guess, or if that stalls: an interior point ([`interior`]), which tells touching from parting points in
+//!    twenty or so steps whatever the size (as Acary, Armand, Nguyen & Shpakovych 2023), then 1 and 2.
 //!
 //! All are bounded. What is best when the bounds are met is what is returned, with its residual.
 
@@ -147,13 +152,14 @@ struct Residual {
 
 /// Most proximal points from a guess before the interior point is asked, and after it.
 const STAGES: [u32; 2] = [12, 100];
-/// Compliance the proximal points begin with, as a share of 1/ρ: from a guess and from the interior point.
-const FIRST_SOFTNESS: [f64; 2] = [0.1, 0.01];
+/// Compliance the proximal points begin with, as a share of 1/ρ.
+const FIRST_SOFTNESS: f64 = 0.1;
 /// A residual of so many roundings of the largest |λ|/ρ may be nothing else.
 const ROUNDINGS: f64 = 16.0;
 
 impl ConeSolver {
-    /// Sets bodies and points. Indices of bodies are into `bodies`; the structure is made anew only where their pairs are others than before.
+    /// Sets bodies and points. Indices of bodies are into `bodies`; the structure is made anew only where their pairs
+    /// are others than before.
     pub fn set(&mut self, bodies: &[ConeBody], contacts: &[ConeContact], joints: &[ConeJoint]) {
         let Self { points, pattern, edges, roots, .. } = self;
         roots.clear();
@@ -177,12 +183,16 @@ impl ConeSolver {
         }
     }
 
-    /// Solves for impulses that bring every point within `tolerance` m/s of its law, relative to the fastest point where that is
+    /// Solves for impulses that bring every point within `tolerance` m/s of its law, relative to the fastest point
+    /// where that is
     /// faster than 1 m/s.
     ///
-    /// `velocities` are v_free, one a body, and v on return. `bias` is b, m/s: the motion of an immovable side (its point's velocity
-    /// times +1 at B, −1 at A), and along n what the contact is to gain (a contact that may close a gap g within the step h has +g/h, one that is to
-    /// bounce +e times its approach). `impulses` (N·s, on B) are the guess, and the solution on return; zeros if there is none.
+    /// `velocities` are v_free, one a body, and v on return. `bias` is b, m/s: the motion of an immovable side (its
+    /// point's velocity
+    /// times +1 at B, −1 at A), and along n what the contact is to gain (a contact that may close a gap g within the
+    /// step h has +g/h, one that is to
+    /// bounce +e times its approach). `impulses` (N·s, on B) are the guess, and the solution on return; zeros if there
+    /// is none.
     pub fn solve(
         &mut self,
         velocities: &mut [Motion],
@@ -221,9 +231,9 @@ impl ConeSolver {
         outcome.residual = self.residual().largest;
         let has_contacts = self.contacts > 0;
         let done = self.polish(tolerance, &mut outcome)
-            || (is_guessed && self.approach(FIRST_SOFTNESS[0], STAGES[0], tolerance, &mut outcome))
-            || (has_contacts && self.from_inside(tolerance, &mut outcome))
-            || self.approach(FIRST_SOFTNESS[1], STAGES[1], tolerance, &mut outcome);
+            || (is_guessed && self.approach(FIRST_SOFTNESS, STAGES[0], tolerance, &mut outcome))
+            || (has_contacts && self.walk_inside(tolerance, &mut outcome))
+            || self.approach(FIRST_SOFTNESS, STAGES[1], tolerance, &mut outcome);
         if !done {
             self.impulses.clone_from(&self.best);
             self.refresh();
@@ -280,7 +290,8 @@ impl ConeSolver {
         ROUNDINGS * f64::EPSILON * movable.map(|(point, impulse)| impulse.norm() / point.mass).fold(0.0, f64::max)
     }
 
-    /// Whether λ says that no motion obeys the points: with λ ∈ K, λ·û ≥ 0 for all û ∈ K*, so that −λ·c ≤ z·Ĵᵀλ + Σ μ|u_t| λ_n for the z
+    /// Whether λ says that no motion obeys the points: with λ ∈ K, λ·û ≥ 0 for all û ∈ K*, so that −λ·c ≤ z·Ĵᵀλ + Σ
+    /// μ|u_t| λ_n for the z
     /// sought; impulses that press (λ·c < 0) and yet move nothing (Ĵᵀλ ≈ 0) leave none (Farkas).
     fn is_jammed(&self) -> bool {
         let mut pressing = 0.0;

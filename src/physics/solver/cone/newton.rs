@@ -4,8 +4,10 @@
 //!
 //! (1 − A) dλ + ρ A S Ĵ dz = −F,  dz = Ĵᵀdλ.
 //!
-//! Points that stick or slip may be redundant: they get a compliance ε/ρ about the present λ, u + (ε/ρ) dλ for u, so that
-//! 1 − A + ε A can be inverted: dλ = h − D Ĵ dz, with h = −(1 − A + εA)⁻¹F, D = ρ (1 − A + εA)⁻¹A S. The compliance acts on dλ alone and so
+//! Points that stick or slip may be redundant: they get a compliance ε/ρ about the present λ, u + (ε/ρ) dλ for u, so
+//! that
+//! 1 − A + ε A can be inverted: dλ = h − D Ĵ dz, with h = −(1 − A + εA)⁻¹F, D = ρ (1 − A + εA)⁻¹A S. The compliance
+//! acts on dλ alone and so
 //! is no error of the solution. A sticking point aims at u = 0, where û is not smooth.
 
 use nalgebra::{Matrix3, Vector3};
@@ -18,12 +20,14 @@ use super::{ConeSolver, Outcome};
 const SOFTNESS: f64 = 1e-8;
 /// Most steps; from a near guess it takes two or three.
 const STEPS: u32 = 12;
-/// From the second step on, each has to bring the norm of the residual down to this share; the first may raise it by no more than the other.
+/// From the second step on, each has to bring the norm of the residual down to this share; the first may raise it by
+/// no more than the other.
 const LEAST_GAIN: f64 = 0.7;
 const MOST_LOSS: f64 = 1e3;
 
 impl ConeSolver {
-    /// Steps as long as they help. True once within the tolerance; else λ is again what it was unless the last is better.
+    /// Steps as long as they help. True once within the tolerance; else λ is again what it was unless the last is
+    /// better.
     pub(super) fn polish(&mut self, tolerance: f64, outcome: &mut Outcome) -> bool {
         let start = self.residual();
         self.note(start, outcome);

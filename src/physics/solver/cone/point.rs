@@ -13,7 +13,8 @@ type Jacobian = SMatrix<f64, 3, 6>;
 #[derive(Clone, Debug)]
 pub(super) struct Point {
     pub law: Law,
-    /// ρ, kg: of a contact, the effective mass along its normal, of a joint the mean over directions; infinite where nothing moves.
+    /// ρ, kg: of a contact, the effective mass along its normal, of a joint the mean over directions; infinite where
+    /// nothing moves.
     pub mass: f64,
     /// Its axes in the world, as columns: of a contact, the normal and two tangents.
     pub frame: Matrix3<f64>,

@@ -1,11 +1,15 @@
-//! Proximal points: the problem with a compliance ε/ρ at each point about the present λ_k, solved; its solution is λ_{k+1}.
+//! Proximal points: the problem with a compliance ε/ρ at each point about the present λ_k, solved; its solution is
+//! λ_{k+1}.
 //!
 //! λ⁺(y) = P_K(λ_k − (ρ/ε) û(u_k + Ĵ y)),  G(y) = y − Ĵᵀ(λ⁺(y) − λ_k) = 0
 //!
-//! in the change y of z alone, so that what is summed gets small as λ_k nears a solution. G' = 1 + ĴᵀD Ĵ with D = (ρ/ε) A S. Newton steps with halving where |G| does not fall.
-//! (Rockafellar 1976 for monotone maps; here De Saxcé's shift is taken along in every step, and the map is not monotone.)
+//! in the change y of z alone, so that what is summed gets small as λ_k nears a solution. G' = 1 + ĴᵀD Ĵ with D =
+//! (ρ/ε) A S. Newton steps with halving where |G| does not fall.
+//! (Rockafellar 1976 for monotone maps; here De Saxcé's shift is taken along in every step, and the map is not
+//! monotone.)
 //!
-//! ε falls with each point that is reached and grows after one that is not, which is given up. Where ε is large, the compliant
+//! ε falls with each point that is reached and grows after one that is not, which is given up. Where ε is large, the
+//! compliant
 //! problem is nearly a projection at each point, and solved in any case.
 
 use nalgebra::Vector3;
@@ -22,7 +26,7 @@ const HALVINGS: u32 = 5;
 /// A point is reached when what is left of G moves no contact by more than this share of the residual.
 const REACHED: f64 = 0.05;
 /// What ε is multiplied by after a point that was reached, and after one that was not.
-const HARDEN: f64 = 0.5;
+const HARDEN: f64 = 0.3;
 const SOFTEN: f64 = 5.0;
 /// The least ε, and how fast that which failed is tried again.
 const LEAST: f64 = 1e-6;
@@ -32,7 +36,7 @@ const MOST: f64 = 10.0;
 /// A point may raise the residual by this much, no more.
 const MOST_LOSS: f64 = 10.0;
 /// So many points without a residual less by a tenth, and it ends.
-const PATIENCE: u32 = 30;
+const PATIENCE: u32 = 60;
 /// Below this ε, Newton steps on the rigid problem may do.
 const NEAR: f64 = 0.02;
 

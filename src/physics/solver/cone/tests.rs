@@ -54,7 +54,8 @@ fn between(velocities: &[Motion], bodies: &[Option<u32>; 2], arms: &[V; 2]) -> V
     of(1) - of(0)
 }
 
-/// The residual, with the impulses' own motion instead of the one returned, in the world's axes; that both are one is checked.
+/// The residual, with the impulses' own motion instead of the one returned, in the world's axes; that both are one is
+/// checked.
 fn residual(problem: &Problem, velocities: &[Motion], impulses: &PerPoint) -> f64 {
     let own = moved(problem, impulses);
     for (own, [linear, angular]) in own.iter().zip(velocities) {
@@ -174,8 +175,8 @@ fn balls_roll_on_a_slab_that_is_pushed_away() {
         let slab = (150.0 - 0.4 * 35.0 * GRAVITY) / (10.0 + 25.0 * 2.0 / 7.0) * STEP;
         let along = V::new(heading.to_radians().cos(), 0.0, heading.to_radians().sin());
         assert!((velocities[0][0] - slab * along).norm() < 1e-9, "{heading}: {:?}", velocities[0]);
-        for ball in 1..26 {
-            assert!((velocities[ball][0] - slab * along * (2.0 / 7.0)).norm() < 1e-9, "{heading}, {ball}");
+        for [ball, _] in &velocities[1..] {
+            assert!((ball - slab * along * (2.0 / 7.0)).norm() < 1e-9, "{heading}: {ball:?}");
         }
     }
 }
@@ -247,9 +248,9 @@ fn a_bias_is_reached_and_an_immovable_side_drags_along() {
     problem.bias.contacts[0] = -V::new(3.0, 1.0, 0.0) - V::new(0.0, 2.0, 0.0);
     let (velocities, _) = converged(&problem);
     let [linear, angular] = velocities[0];
-    assert!((linear.y - 3.0).abs() < 1e-10);
+    assert!((linear.y - 3.0).abs() < 1e-9);
     let surface = linear + angular.cross(&V::new(0.0, -0.5, 0.0));
-    assert!((surface.x - 3.0).abs() < 1e-10 && surface.z.abs() < 1e-10, "{surface:?}");
+    assert!((surface.x - 3.0).abs() < 1e-9 && surface.z.abs() < 1e-9, "{surface:?}");
 }
 
 #[test]
@@ -411,6 +412,13 @@ fn a_rod_that_digs_in_is_solved_and_stays_finite() {
         };
         assert!(energy(&velocities[0], &problem.free[0]) <= 1e-9, "{friction}");
     }
+}
+
+#[test]
+fn newton_steps_converge_quadratically_on_a_slipping_point() {
+    // Without refinement of the linear solution it takes twice as many.
+    let (_, _, outcome) = solved(&painleve(0.5));
+    assert!(outcome.end == End::Converged && outcome.steps <= 3, "{outcome:?}");
 }
 
 #[test]
