@@ -51,7 +51,8 @@ pub use diagnostics::{ContactForce, ContactForces, Diagnostics, JointForce, Join
 pub use joint::{BallJoint, JointLoad, Softness};
 pub use messages::{BodyQuarantined, Collision, ContactEnded, ContactStarted};
 pub use settings::{
-    BroadPhase, ContactModel, FrictionModel, Gravity, Integrator, Method, Precision, SettingsError, SolverSettings,
+    BroadPhase, ContactModel, FrictionModel, Gravity, Integrator, Method, Precision, SettingValue, SettingsError,
+    SolverSettings,
 };
 pub use transform::RenderOrigin;
 

@@ -42,12 +42,20 @@ impl BlockMatrix {
 
     /// Adds a block whose rows are `a`'s and columns `b`'s, and its transpose.
     pub fn add(&mut self, pattern: &Pattern, a: u32, b: u32, block: &Block) {
-        let (index, rows_are_b) = pattern.block(a, b);
-        let place = &mut self.below[index as usize];
+        self.add_at(pattern.block(a, b), block);
+    }
+
+    /// The block on the diagonal at a place in the order.
+    pub fn diagonal_at(&mut self, place: usize) -> &mut Block {
+        &mut self.diagonal[place]
+    }
+
+    /// Adds a block whose rows are `a`'s and columns `b`'s, and its transpose, where [`Pattern::block`] of the two said.
+    pub fn add_at(&mut self, (index, rows_are_b): (u32, bool), block: &Block) {
         if rows_are_b {
-            *place += block.transpose();
+            self.below[index as usize] += block.transpose();
         } else {
-            *place += block;
+            self.below[index as usize] += block;
         }
     }
 

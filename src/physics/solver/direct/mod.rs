@@ -18,7 +18,7 @@
 //!
 //! An island that turns out not to rest, or whose rows do not settle, is left as it was, for the sweeps.
 
-mod cholesky;
+pub(super) mod cholesky;
 mod motion;
 mod patch;
 pub(super) mod pattern;

@@ -1,0 +1,293 @@
+//! The interior point: from no guess at all to near a solution, in twenty or so steps.
+//!
+//! With T = diag(μ, 1, 1), x = Tλ and y = T⁻¹û are both in the cone Q of [`super::second_order_cone`], and the law is
+//! x ∘ y = 0. Steps hold
+//! x and y inside and lower their product along x ∘ y = σ(1, 0, 0): Newton's method in the scaling of Nesterov & Todd,
+//! with Mehrotra's prediction and
+//! correction (1992). y is an unknown of its own; how far it is from T⁻¹û falls with each step too. De Saxcé's shift
+//! is taken from the present
+//! u: its change in the step is left to the next. (Acary, Armand, Nguyen & Shpakovych 2023 compare ways to take the
+//! shift along.)
+//! The product is not let fall below what the gap between y and û is worth: an x and y pressed to the cone's side can
+//! no longer follow.
+//!
+//! dλ = h − D Ĵ dz, D = T⁻¹W²T⁻¹ softened by the compliance ε/ρ, as for [`super::newton`]. Joints are stiff rows.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::law::Law;
+use super::point::Point;
+use super::second_order_cone::{Scaling, product, quotient, reach};
+use super::{ConeSolver, Outcome};
+
+/// Most steps.
+const STEPS: u32 = 30;
+/// ε of [`super::newton`].
+const SOFTNESS: f64 = 1e-8;
+/// How near to the cone's side a step may go.
+const INSIDE: f64 = 0.99;
+/// Least that one step asks of the product; and what it asks while y is far from û.
+const LEAST_TARGET: f64 = 1e-3;
+const SLOW_TARGET: f64 = 0.5;
+/// y is far from û where the gap's energy is more than this share of the product.
+const FAR: f64 = 0.1;
+/// Steps shorter than this, so many in a row, are the end.
+const SHORT: (f64, u32) = (0.01, 3);
+/// Newton steps on the law itself are tried once the product is down to this share, and then at each tenth of the
+/// residual.
+const NEAR: f64 = 1e-3;
+const AGAIN: f64 = 0.1;
+
+/// Kept from solve to solve.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Buffers {
+    /// y of each point.
+    slack: Vec<Vector3<f64>>,
+    /// x's and y's change.
+    change: Vec<[Vector3<f64>; 2]>,
+    /// dλ.
+    step: Vec<Vector3<f64>>,
+    /// 1/(1 + (ε/ρ) D) of each point.
+    softening: Vec<Matrix3<f64>>,
+    /// λ, while Newton steps are tried.
+    kept: Vec<Vector3<f64>>,
+}
+
+/// What a step aims at.
+#[derive(Clone, Copy)]
+struct Aim {
+    /// σ.
+    product: f64,
+    /// The products of the prediction's changes are taken off.
+    is_corrector: bool,
+}
+
+impl ConeSolver {
+    /// From inside the cones towards a solution, with Newton steps on the way. True once within the tolerance.
+    pub(super) fn walk_inside(&mut self, tolerance: f64, outcome: &mut Outcome) -> bool {
+        let cones = self.points.iter().filter(|point| is_cone(point)).count();
+        if cones == 0 {
+            return false;
+        }
+        let mut buffers = std::mem::take(&mut self.interior);
+        let typical = self.begin(&mut buffers) / cones as f64;
+        let (mut first, mut next, mut short) = (None, f64::INFINITY, 0);
+        let mut is_done = false;
+        for _ in 0..STEPS {
+            self.refresh();
+            let residual = self.residual();
+            let (gap, mean) = self.progress(&buffers, cones);
+            let first = *first.get_or_insert(mean);
+            if residual.largest < next && mean < NEAR * first {
+                next = AGAIN * residual.largest;
+                buffers.kept.clone_from(&self.impulses);
+                is_done = self.polish(tolerance, outcome);
+                if is_done {
+                    break;
+                }
+                self.impulses.clone_from(&buffers.kept);
+                self.refresh();
+            }
+            outcome.steps += 1;
+            outcome.interior += 1;
+            let is_far = gap * gap * typical.exp() > FAR * mean;
+            let share = self.inner_step(&mut buffers, mean, cones, is_far);
+            short = if share < SHORT.0 { short + 1 } else { 0 };
+            if short > SHORT.1 || !share.is_finite() {
+                break;
+            }
+        }
+        if !is_done {
+            self.refresh();
+            let residual = self.residual();
+            self.note(residual, outcome);
+        }
+        self.interior = buffers;
+        is_done
+    }
+
+    /// x and y in the middle of their cones, as large as the free velocities. The sum of log ρ.
+    fn begin(&mut self, buffers: &mut Buffers) -> f64 {
+        let movable = self.points.iter().zip(&self.free).filter(|(point, _)| point.is_movable());
+        let speed = movable.map(|(_, free)| free.norm_squared()).fold(0.0, f64::max).sqrt();
+        buffers.slack.clear();
+        let mut logarithms = 0.0;
+        for (point, impulse) in self.points.iter().zip(&mut self.impulses) {
+            let start = if is_cone(point) { speed } else { 0.0 };
+            if is_cone(point) {
+                *impulse = from_cone(point.law, &Vector3::new(start * point.mass, 0.0, 0.0));
+                logarithms += point.mass.ln();
+            } else {
+                *impulse = Vector3::zeros();
+            }
+            buffers.slack.push(Vector3::new(start, 0.0, 0.0));
+        }
+        logarithms
+    }
+
+    /// The largest |y − T⁻¹û| and the mean of x·y.
+    fn progress(&self, buffers: &Buffers, cones: usize) -> (f64, f64) {
+        let (mut gap, mut sum) = (0.0, 0.0);
+        for (((point, impulse), velocity), slack) in
+            self.points.iter().zip(&self.impulses).zip(&self.velocities).zip(&buffers.slack)
+        {
+            if is_cone(point) {
+                gap = f64::max(gap, (slack - to_dual(point.law, velocity)).norm());
+                sum += to_cone(point.law, impulse).dot(slack);
+            }
+        }
+        (gap, sum / cones as f64)
+    }
+
+    /// Prediction, correction, and as much of it as stays inside: the share taken.
+    fn inner_step(&mut self, buffers: &mut Buffers, mean: f64, cones: usize, is_far: bool) -> f64 {
+        let prediction = Aim { product: 0.0, is_corrector: false };
+        if !self.direction(buffers, prediction) {
+            return f64::NAN;
+        }
+        let share = self.share(buffers);
+        let mut after = 0.0;
+        for ((point, impulse), (slack, [x, y])) in
+            self.points.iter().zip(&self.impulses).zip(buffers.slack.iter().zip(&buffers.change))
+        {
+            if is_cone(point) {
+                after += (to_cone(point.law, impulse) + share * x).dot(&(slack + share * y));
+            }
+        }
+        let ratio = after / (cones as f64 * mean);
+        let least = if is_far { SLOW_TARGET } else { LEAST_TARGET };
+        let target = ratio.max(0.0).powi(3).clamp(least, 1.0) * mean;
+        self.direction(buffers, Aim { product: target, is_corrector: true });
+        let share = self.share(buffers);
+        for ((impulse, step), (slack, [_, y])) in
+            self.impulses.iter_mut().zip(&buffers.step).zip(buffers.slack.iter_mut().zip(&buffers.change))
+        {
+            *impulse += share * step;
+            *slack += share * y;
+        }
+        share
+    }
+
+    /// How much of the changes stays inside, at most all.
+    fn share(&self, buffers: &Buffers) -> f64 {
+        let mut share = 1.0;
+        for ((point, impulse), (slack, [x, y])) in
+            self.points.iter().zip(&self.impulses).zip(buffers.slack.iter().zip(&buffers.change))
+        {
+            if is_cone(point) {
+                let most = reach(&to_cone(point.law, impulse), x).min(reach(slack, y));
+                share = f64::min(share, INSIDE * most);
+            }
+        }
+        share
+    }
+
+    /// Changes of λ, x and y for an aim. False where the linear system is singular. The correction takes the
+    /// prediction's factor.
+    fn direction(&mut self, buffers: &mut Buffers, aim: Aim) -> bool {
+        let Self { points, linear, pattern, impulses, velocities, .. } = self;
+        if !aim.is_corrector {
+            linear.stiffness.clear();
+            buffers.softening.clear();
+            buffers.change.clear();
+            buffers.change.resize(points.len(), [Vector3::zeros(); 2]);
+        }
+        linear.push.clear();
+        for (index, ((point, impulse), velocity)) in points.iter().zip(&*impulses).zip(&*velocities).enumerate() {
+            let (stiffness, push) = match point.law {
+                _ if !point.is_movable() => (Matrix3::zeros(), Vector3::zeros()),
+                Law::Joint => {
+                    let stiffness = point.mass / SOFTNESS;
+                    (Matrix3::from_diagonal_element(stiffness), -stiffness * velocity)
+                }
+                _ => cone_terms(point.law, impulse, velocity, &buffers.slack[index], &buffers.change[index], aim),
+            };
+            if !aim.is_corrector {
+                let compliance = if is_cone(point) { SOFTNESS / point.mass } else { 0.0 };
+                let softening = (Matrix3::identity() + compliance * stiffness).try_inverse();
+                buffers.softening.push(softening.unwrap_or_else(Matrix3::identity));
+                linear.stiffness.push(buffers.softening[index] * stiffness);
+            }
+            linear.push.push(buffers.softening[index] * push);
+        }
+        if !aim.is_corrector && !linear.factor(points, pattern, true) {
+            return false;
+        }
+        linear.push_all(points, pattern);
+        linear.solve(points, pattern);
+        buffers.step.clear();
+        for (index, point) in points.iter().enumerate() {
+            let motion = point.across(&linear.solution);
+            let step = linear.push[index] - linear.stiffness[index] * motion;
+            buffers.step.push(step);
+            if is_cone(point) {
+                let softened = motion + SOFTNESS / point.mass * step;
+                let gap = buffers.slack[index] - to_dual(point.law, &velocities[index]);
+                buffers.change[index] = [to_cone(point.law, &step), unshifted_dual(point.law, &softened) - gap];
+            }
+        }
+        true
+    }
+}
+
+/// T⁻¹W²T⁻¹ and h of a contact: dλ = h − T⁻¹W²T⁻¹ du.
+fn cone_terms(
+    law: Law,
+    impulse: &Vector3<f64>,
+    velocity: &Vector3<f64>,
+    slack: &Vector3<f64>,
+    [dx, dy]: &[Vector3<f64>; 2],
+    aim: Aim,
+) -> (Matrix3<f64>, Vector3<f64>) {
+    let gap = slack - to_dual(law, velocity);
+    if law == Law::Frictionless {
+        let cross = if aim.is_corrector { dx.x * dy.x } else { 0.0 };
+        let stiffness = impulse.x / slack.x;
+        let push = (aim.product - impulse.x * slack.x - cross) / slack.x + stiffness * gap.x;
+        let mut block = Matrix3::zeros();
+        block.m11 = stiffness;
+        return (block, Vector3::new(push, 0.0, 0.0));
+    }
+    let scaling = Scaling::new(&to_cone(law, impulse), slack);
+    let scaled = scaling.times(slack);
+    let mut wanted = -product(&scaled, &scaled);
+    wanted.x += aim.product;
+    if aim.is_corrector {
+        wanted -= product(&scaling.under(dx), &scaling.times(dy));
+    }
+    let push = scaling.times(&quotient(&scaled, &wanted));
+    let square = scaling.squared();
+    let inverse = Matrix3::from_diagonal(&Vector3::new(1.0 / law.friction(), 1.0, 1.0));
+    (inverse * square * inverse, from_cone(law, &(push + square * gap)))
+}
+
+/// A contact of a body that moves.
+fn is_cone(point: &Point) -> bool {
+    point.is_movable() && point.law != Law::Joint
+}
+
+/// T λ.
+fn to_cone(law: Law, impulse: &Vector3<f64>) -> Vector3<f64> {
+    match law {
+        Law::Friction(friction) => Vector3::new(friction * impulse.x, impulse.y, impulse.z),
+        Law::Frictionless | Law::Joint => *impulse,
+    }
+}
+
+/// T⁻¹ x.
+fn from_cone(law: Law, x: &Vector3<f64>) -> Vector3<f64> {
+    unshifted_dual(law, x)
+}
+
+/// T⁻¹ u.
+fn unshifted_dual(law: Law, velocity: &Vector3<f64>) -> Vector3<f64> {
+    match law {
+        Law::Friction(friction) => Vector3::new(velocity.x / friction, velocity.y, velocity.z),
+        Law::Frictionless | Law::Joint => *velocity,
+    }
+}
+
+/// T⁻¹ û.
+fn to_dual(law: Law, velocity: &Vector3<f64>) -> Vector3<f64> {
+    unshifted_dual(law, &law.shifted(velocity))
+}

@@ -1,0 +1,146 @@
+//! The laws of one point: unilateral contact, with Coulomb friction or without, and the ball joint.
+//!
+//! In the frame of a contact (normal n from A to B, then two tangents), with λ the impulse on B and u the velocity of
+//! B's point relative to A's, Signorini's condition and Coulomb's law say (De Saxcé & Feng 1998)
+//!
+//! K* ∋ û ⊥ λ ∈ K,  û = u + μ|u_t| n,  K = { |λ_t| ≤ μ λ_n }.
+//!
+//! The shift μ|u_t| makes of Coulomb's law, whose slip is along the ground, one whose slip û is normal to the cone. A
+//! contact
+//! without friction has K = { λ_n ≥ 0, λ_t = 0 } and K* = { û_n ≥ 0 }; a joint K = ℝ³ and K* = { 0 }. For all of them
+//! the law holds where
+//! the natural map (Acary, Brémond & Huber 2018)
+//!
+//! r = λ/ρ − P_K(λ/ρ − û)
+//!
+//! is zero; with ρ the effective mass of the point, |r| is a velocity.
+
+use nalgebra::{Matrix3, Vector3};
+
+/// What an impulse may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Law {
+    /// Any: three bilateral rows.
+    Joint,
+    /// Along the normal, not pulling.
+    Frictionless,
+    /// In Coulomb's cone of this μ > 0.
+    Friction(f64),
+}
+
+/// Where the projection on K lands, and so what its derivative is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Mode {
+    /// At zero: the points part.
+    Open,
+    /// Inside: the points stick.
+    Stick,
+    /// On the cone's side, along (1, μ t); `across` is the derivative along the cone's girth.
+    Slip { slant: Vector3<f64>, across: f64 },
+}
+
+impl Law {
+    /// μ; of a joint and where there is none, zero.
+    pub fn friction(self) -> f64 {
+        match self {
+            Self::Friction(friction) => friction,
+            Self::Joint | Self::Frictionless => 0.0,
+        }
+    }
+
+    /// μ|u_t|: how much De Saxcé's velocity is more along the normal.
+    pub fn shift(self, velocity: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Friction(friction) => friction * velocity.y.hypot(velocity.z),
+            Self::Joint | Self::Frictionless => 0.0,
+        }
+    }
+
+    /// The part of a velocity that the law says something of.
+    pub fn relevant(self, velocity: &Vector3<f64>) -> Vector3<f64> {
+        match self {
+            Self::Frictionless => Vector3::new(velocity.x, 0.0, 0.0),
+            Self::Joint | Self::Friction(_) => *velocity,
+        }
+    }
+
+    /// û.
+    pub fn shifted(self, velocity: &Vector3<f64>) -> Vector3<f64> {
+        Vector3::new(velocity.x + self.shift(velocity), velocity.y, velocity.z)
+    }
+
+    /// P_K.
+    pub fn project(self, vector: &Vector3<f64>) -> Vector3<f64> {
+        match self {
+            Self::Joint => *vector,
+            Self::Frictionless => Vector3::new(vector.x.max(0.0), 0.0, 0.0),
+            Self::Friction(friction) => {
+                let width = vector.y.hypot(vector.z);
+                if width <= friction * vector.x {
+                    *vector
+                } else if friction * width <= -vector.x {
+                    Vector3::zeros()
+                } else {
+                    let height = (vector.x + friction * width) / (1.0 + friction * friction);
+                    let share = friction * height / width;
+                    Vector3::new(height, share * vector.y, share * vector.z)
+                }
+            }
+        }
+    }
+
+    /// Where P_K lands.
+    pub fn mode(self, vector: &Vector3<f64>) -> Mode {
+        match self {
+            Self::Joint => Mode::Stick,
+            Self::Frictionless if vector.x > 0.0 => Mode::Stick,
+            Self::Frictionless => Mode::Open,
+            Self::Friction(friction) => {
+                let width = vector.y.hypot(vector.z);
+                if width <= friction * vector.x {
+                    Mode::Stick
+                } else if friction * width <= -vector.x {
+                    Mode::Open
+                } else {
+                    let height = (vector.x + friction * width) / (1.0 + friction * friction);
+                    let slant = Vector3::new(1.0, friction * vector.y / width, friction * vector.z / width);
+                    Mode::Slip { slant: slant / friction.hypot(1.0), across: friction * height / width }
+                }
+            }
+        }
+    }
+
+    /// r: how far an impulse and a velocity are from the law, ρ in kg.
+    pub fn natural_map(self, impulse: &Vector3<f64>, velocity: &Vector3<f64>, mass: f64) -> Vector3<f64> {
+        match self {
+            Self::Joint => *velocity,
+            Self::Frictionless => {
+                let impulse = impulse.x / mass;
+                Vector3::new(impulse - (impulse - velocity.x).max(0.0), 0.0, 0.0)
+            }
+            Self::Friction(_) => {
+                let impulse = impulse / mass;
+                impulse - self.project(&(impulse - self.shifted(velocity)))
+            }
+        }
+    }
+}
+
+impl Mode {
+    /// Σ f(eigenvalue) e eᵀ over the eigenvectors e of the derivative A of P_K: a function of A.
+    /// On the cone's side A is 1 along the slant, `across` along the girth and 0 along the side's normal.
+    pub fn function(self, law: Law, of: impl Fn(f64) -> f64) -> Matrix3<f64> {
+        let zero = of(0.0);
+        match (self, law) {
+            (Self::Open, _) => Matrix3::from_diagonal_element(zero),
+            (Self::Stick, Law::Frictionless) => Matrix3::from_diagonal(&Vector3::new(of(1.0), zero, zero)),
+            (Self::Stick, _) => Matrix3::from_diagonal_element(of(1.0)),
+            (Self::Slip { slant, across }, _) => {
+                let girth = Vector3::new(0.0, -slant.z, slant.y) / slant.y.hypot(slant.z);
+                Matrix3::from_diagonal_element(zero)
+                    + (of(1.0) - zero) * slant * slant.transpose()
+                    + (of(across) - zero) * girth * girth.transpose()
+            }
+        }
+    }
+}

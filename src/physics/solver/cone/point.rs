@@ -1,0 +1,167 @@
+//! A point of two bodies in the scaled unknowns: its frame, its law, its effective mass and its 3×6 blocks of Ĵ = J L.
+
+use nalgebra::{Matrix3, SMatrix, Vector3};
+
+use super::super::direct::cholesky::{Block, Part};
+use super::super::direct::pattern::Pattern;
+use super::law::Law;
+use super::{ConeContact, ConeJoint, Motion};
+
+type Jacobian = SMatrix<f64, 3, 6>;
+
+/// A contact or a joint.
+#[derive(Clone, Debug)]
+pub(super) struct Point {
+    pub law: Law,
+    /// ρ, kg: of a contact, the effective mass along its normal, of a joint the mean over directions; infinite where
+    /// nothing moves.
+    pub mass: f64,
+    /// Its axes in the world, as columns: of a contact, the normal and two tangents.
+    pub frame: Matrix3<f64>,
+    /// A and B, where they move.
+    pub sides: [Option<Side>; 2],
+    /// Where its block of A and B is, as [`Pattern::block`] says it.
+    pub block: Option<(u32, bool)>,
+}
+
+/// One body's part.
+#[derive(Clone, Debug)]
+pub(super) struct Side {
+    pub body: u32,
+    /// In the pattern's order.
+    pub place: u32,
+    arm: Vector3<f64>,
+    /// −1 of A, 1 of B.
+    sign: f64,
+    jacobian: Jacobian,
+}
+
+impl Point {
+    /// Of a contact.
+    pub fn of_contact(contact: &ConeContact, roots: &[[Matrix3<f64>; 2]]) -> Self {
+        let law = if contact.friction > 0.0 { Law::Friction(contact.friction) } else { Law::Frictionless };
+        Self::new(law, frame(&contact.normal), &contact.bodies, &contact.arms, roots)
+    }
+
+    /// Of a joint.
+    pub fn of_joint(joint: &ConeJoint, roots: &[[Matrix3<f64>; 2]]) -> Self {
+        Self::new(Law::Joint, Matrix3::identity(), &joint.bodies, &joint.arms, roots)
+    }
+
+    fn new(
+        law: Law,
+        frame: Matrix3<f64>,
+        bodies: &[Option<u32>; 2],
+        arms: &[Vector3<f64>; 2],
+        roots: &[[Matrix3<f64>; 2]],
+    ) -> Self {
+        let side = |which: usize, sign: f64| {
+            let (body, arm) = (bodies[which]?, arms[which]);
+            let [linear, angular] = &roots[body as usize];
+            let axes = sign * frame.transpose();
+            let mut jacobian = Jacobian::zeros();
+            jacobian.fixed_columns_mut::<3>(0).copy_from(&(axes * linear));
+            jacobian.fixed_columns_mut::<3>(3).copy_from(&(-axes * arm.cross_matrix() * angular));
+            Some(Side { body, place: 0, arm, sign, jacobian })
+        };
+        let sides = [side(0, -1.0), side(1, 1.0)];
+        let square = |side: &Side| match law {
+            Law::Joint => side.jacobian.norm_squared() / 3.0,
+            Law::Frictionless | Law::Friction(_) => side.jacobian.row(0).norm_squared(),
+        };
+        let mass = 1.0 / sides.iter().flatten().map(square).sum::<f64>();
+        Self { law, mass, frame, sides, block: None }
+    }
+
+    /// Something can move along it.
+    pub fn is_movable(&self) -> bool {
+        self.mass.is_finite()
+    }
+
+    /// A guess of the impulse made one that may be.
+    pub fn allowed(&self, impulse: &Vector3<f64>) -> Vector3<f64> {
+        if self.is_movable() { self.law.project(impulse) } else { Vector3::zeros() }
+    }
+
+    /// Its two bodies, if both move.
+    pub fn edge(&self) -> Option<[u32; 2]> {
+        match &self.sides {
+            [Some(a), Some(b)] if a.body != b.body => Some([a.body, b.body]),
+            _ => None,
+        }
+    }
+
+    /// Finds its places in the pattern.
+    pub fn place(&mut self, pattern: &Pattern) {
+        self.block = self.edge().map(|[a, b]| pattern.block(a, b));
+        for side in self.sides.iter_mut().flatten() {
+            side.place = pattern.place(side.body);
+        }
+    }
+
+    /// J v, in the world's axes.
+    pub fn velocity(&self, velocities: &[Motion]) -> Vector3<f64> {
+        self.sides.iter().flatten().fold(Vector3::zeros(), |sum, side| {
+            let [linear, angular] = &velocities[side.body as usize];
+            sum + side.sign * (linear + angular.cross(&side.arm))
+        })
+    }
+
+    /// z += Ĵᵀλ.
+    pub fn push(&self, motion: &mut [Part], impulse: &Vector3<f64>) {
+        for side in self.sides.iter().flatten() {
+            if self.law == Law::Frictionless {
+                motion[side.place as usize] += side.jacobian.row(0).transpose() * impulse.x;
+            } else {
+                motion[side.place as usize] += side.jacobian.tr_mul(impulse);
+            }
+        }
+    }
+
+    /// Ĵ z.
+    pub fn across(&self, motion: &[Part]) -> Vector3<f64> {
+        let mut sum = Vector3::zeros();
+        for side in self.sides.iter().flatten() {
+            if self.law == Law::Frictionless {
+                sum.x += (side.jacobian.row(0) * motion[side.place as usize]).x;
+            } else {
+                sum += side.jacobian * motion[side.place as usize];
+            }
+        }
+        sum
+    }
+
+    /// Ĵ_iᵀ D Ĵ_k of two of its sides.
+    pub fn between(&self, stiffness: &Matrix3<f64>, i: usize, k: usize) -> Block {
+        match (&self.sides[i], &self.sides[k]) {
+            (Some(i), Some(k)) if self.law == Law::Frictionless => {
+                (stiffness.m11 * i.jacobian.row(0)).tr_mul(&k.jacobian.row(0))
+            }
+            (Some(i), Some(k)) => i.jacobian.tr_mul(&(stiffness * k.jacobian)),
+            _ => Block::zeros(),
+        }
+    }
+}
+
+/// L of a positive semi-definite L Lᵀ; pivots that are zero to rounding leave a column of zeros.
+pub(super) fn root(matrix: &Matrix3<f64>) -> Matrix3<f64> {
+    let least = 1e-14 * matrix.diagonal().max();
+    let (mut left, mut root) = (*matrix, Matrix3::zeros());
+    for pivot in 0..3 {
+        let square = left[(pivot, pivot)];
+        if square > least {
+            let column = left.column(pivot) / square.sqrt();
+            left -= column * column.transpose();
+            root.set_column(pivot, &column);
+        }
+    }
+    root
+}
+
+/// The normal and two tangents, as columns.
+fn frame(normal: &Vector3<f64>) -> Matrix3<f64> {
+    let mut axis = Vector3::zeros();
+    axis[normal.map(f64::abs).imin()] = 1.0;
+    let tangent = normal.cross(&axis).normalize();
+    Matrix3::from_columns(&[*normal, tangent, normal.cross(&tangent)])
+}
