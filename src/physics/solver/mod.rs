@@ -56,7 +56,7 @@ pub(super) fn plugin(app: &mut App) {
 }
 
 fn sweeps_force_rows(settings: Res<SolverSettings>) -> bool {
-    settings.method == Method::ProjectedGaussSeidel
+    !settings.method.keeps_contacts() && settings.method != Method::Exact
 }
 
 /// One solver per island, kept with its buffers from step to step.
