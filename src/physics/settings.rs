@@ -277,13 +277,13 @@ impl SolverSettings {
         }
     }
 
-    /// The one that converges with the step to rounding error: joints exactly, Gauss's method.
+    /// The one that converges with the step to rounding error, where nothing touches: joints exactly, Gauss's method.
+    /// What touches something is swept as by [`steady`](Self::steady).
     pub fn accurate() -> Self {
         Self {
             method: Method::Exact,
             integrator: Integrator::Gauss,
             substeps: 1,
-            iterations: 30,
             precision: Precision::F64,
             slop: 0.0,
             restitution_speed: Some(0.0),

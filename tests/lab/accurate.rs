@@ -146,3 +146,22 @@ fn a_step_too_long_is_cut_and_says_so() {
     assert!(cuts > 0);
     assert!(simulation.sample().bodies.iter().all(|body| body.position.is_finite()));
 }
+
+/// Figures that fall, land on each other and slide: joints loaded in sweeps for as long as something touches.
+#[test]
+fn what_touches_is_swept_and_keeps_its_energy_and_joints() {
+    let mut simulation = simulation(scene("limbs", &[]), 60.0);
+    simulation.step();
+    let first = simulation.world().resource::<Diagnostics>().energy();
+    let (mut highest, mut separation) = (first, 0.0_f64);
+    for _ in 0..180 {
+        simulation.step();
+        let seen = simulation.world().resource::<Diagnostics>();
+
+        highest = highest.max(seen.energy());
+        separation = separation.max(seen.joint_error);
+    }
+    assert!(highest <= first + 1e-9, "energy rises from {first} to {highest} J");
+    assert!(separation < 0.02, "joints part by {separation} m");
+    assert!(simulation.quarantined().is_empty());
+}

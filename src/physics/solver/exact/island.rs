@@ -203,10 +203,10 @@ impl Piece {
             moved |= index < *moving && now != *old;
             *old = now;
         }
+        debug_assert!(links.len() == self.joints.len() && joints.list.len() >= links.len());
         if moved {
             self.stepper.forget();
         }
-        debug_assert!(links.len() == self.joints.len() && joints.list.len() >= links.len());
     }
 }
 

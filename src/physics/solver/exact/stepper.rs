@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 
 use super::gauss::{Gauss, Sweeps};
 use super::lockstep::Lockstep;
-use super::mechanism::Mechanism;
+use super::mechanism::{Mechanism, Motion};
 use super::projection::Projection;
 use super::rattle::Rattle;
 use super::rows::Screw;
@@ -20,6 +20,9 @@ const MOST_CUTS: u32 = 12;
 
 /// Parts that must converge before longer ones are tried.
 const CALM: u32 = 8;
+
+/// Kinetic energy after a projection over that before it, at most.
+const MOST_GAINED: f64 = 2.0;
 
 /// Stages.
 const STAGES: usize = 3;
@@ -51,6 +54,8 @@ pub(crate) struct Stepper {
     /// Mean of each link's force on B over the step, N.
     pub forces: Vec<Vector3<f64>>,
     screws: Vec<Screw>,
+    /// The mechanism before it was projected.
+    before: Vec<Motion>,
 }
 
 impl Stepper {
@@ -138,7 +143,8 @@ impl Stepper {
                 self.fall_back(mechanism, h * length);
                 effort.unsettled += 1;
             }
-            self.projection.project(mechanism);
+            let is_projected = self.project(mechanism);
+            effort.unsettled += u32::from(!is_projected);
             left -= size;
             self.calm += 1;
             if self.calm >= CALM && self.level > 0 && left.is_multiple_of(2 * size) {
@@ -146,6 +152,19 @@ impl Stepper {
                 self.calm = 0;
             }
         }
+    }
+
+    /// Brings joints back, unless that makes kinetic energy where no support moves: then their rows are too nearly dependent, and the mechanism
+    /// stays as it was. Whether it did.
+    fn project(&mut self, mechanism: &mut Mechanism) -> bool {
+        self.before.clone_from(&mechanism.motion);
+        self.projection.project(mechanism);
+        let gains =
+            kinetic_energy(mechanism, &mechanism.motion) > MOST_GAINED * kinetic_energy(mechanism, &self.before);
+        if gains {
+            mechanism.motion.clone_from(&self.before);
+        }
+        !gains
     }
 
     /// v += h a without the joints, which the projection brings back, then x += h v.
@@ -166,4 +185,12 @@ impl Stepper {
             motion.drift(h);
         }
     }
+}
+
+fn kinetic_energy(mechanism: &Mechanism, motion: &[Motion]) -> f64 {
+    let of_member = mechanism.members.iter().zip(motion).map(|(member, at)| {
+        let spin = at.rotation.inverse_transform_vector(&at.angular);
+        0.5 * (member.mass * at.linear.norm_squared() + spin.dot(&member.inertia.component_mul(&spin)))
+    });
+    of_member.sum()
 }
