@@ -264,9 +264,12 @@ fn spawning_despawning_teleports_and_new_filters_keep_the_set_exact() {
                 pairs.renew(body as u32);
             }
             4 | 5 => {
-                // A teleport that nobody told of is still a move.
+                // A teleport that nobody told of is still a move, of what may move.
                 let body = random.index(world.bodies.len());
                 world.bodies[body].at.position = 6.0 * random.vector();
+                if !world.bodies[body].dynamic {
+                    pairs.renew(body as u32);
+                }
             }
             6 => join(&mut world, &mut pairs, &mut random),
             _ => {
