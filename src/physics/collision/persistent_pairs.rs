@@ -29,7 +29,8 @@ use super::pair_slots::{PairSlot, PairSlots};
 
 /// What the broad phase asks about the bodies, which are numbered from 0.
 pub(crate) trait BoundedBodies {
-    /// Asked of each body that may have moved, in every step: to be answered from packed arrays.
+    /// Asked of each body that may have moved and has a box that moves, in every step: to be answered from packed
+    /// arrays.
     fn placement(&self, body: u32) -> Placement;
 
     /// Asked of a body that has left its [`Room`].

@@ -5,11 +5,11 @@
 //! springs mend position errors without stiffness a sweep cannot follow; the second sweep, *relax*,
 //! takes their push out of the velocities again, so that it adds no energy. Bounces come last.
 //!
-//! Contacts rub in the second sweep only, but where surfaces come together in the step: what the springs move is no slip. Nor may softness make what is high lean:
-//! the springs of an interface resist tilting with k_θ = Σ k z², and a column of unit cubes buckles under its weight
-//! from n³ m g/k_θ ≈ 7.84 on (Greenhill 1881), at 4 substeps from n = 20, though rigid cubes would stand. So rows are
-//! made for the rotations that bodies had until they turn a little ([`super::impulse`]): a lean of less adds nothing
-//! to what topples.
+//! Contacts rub in the second sweep only, but where surfaces come together in the step: what the springs move is no
+//! slip. Nor may softness make what is high lean: the springs of an interface resist tilting with k_θ = Σ k z², and a
+//! column of unit cubes buckles under its weight from n³ m g/k_θ ≈ 7.84 on (Greenhill 1881), at 4 substeps from n = 20,
+//! though rigid cubes would stand. So rows are made for the rotations that bodies had until they turn a little
+//! ([`super::impulse`]): a lean of less adds nothing to what topples.
 
 use super::impulse::{Color, GroupTerms, Plan, Stage, Sweep};
 use super::soft_terms::{SoftTerms, UNLIMITED};

@@ -6,9 +6,6 @@
 use crate::physics::bodies::Body;
 use crate::physics::settings::SolverSettings;
 
-/// Turn of a body in a step from which on it takes all substeps, rad. Contacts then take its rotation into account in
-/// each of them.
-const FAR: f64 = 0.05;
 /// How many substeps are made one where no body turns that far: joints end as near to each other, and what turns
 /// slowly has no more error than what turns fast.
 const SLOWER: u32 = 2;
@@ -42,9 +39,10 @@ impl Substeps {
         Self { step: settings.step(), most: settings.substeps, fitted: settings.fitted_effort }
     }
 
-    /// For a step of these bodies.
-    pub fn for_bodies<'w>(&self, mut bodies: impl Iterator<Item = &'w Body>) -> Parts {
-        let turns_far = bodies.any(|body| body.angular.norm() * self.step > FAR);
+    /// For a step of these bodies, all substeps if one turns by over `far`, rad, in a step. Contacts then take
+    /// rotations into account in each of them.
+    pub fn for_bodies<'w>(&self, mut bodies: impl Iterator<Item = &'w Body>, far: f64) -> Parts {
+        let turns_far = bodies.any(|body| body.angular.norm() * self.step > far);
         let count = if turns_far || !self.fitted { self.most } else { self.most.div_ceil(SLOWER) };
         let replaces = f64::from(self.most) / f64::from(count);
         Parts { count, h: self.step / f64::from(count), replaces, turns_far }

@@ -368,19 +368,13 @@ impl DirectIsland {
         }
     }
 
-    /// Whether there is more kinetic energy than without any rows: contacts and joints only take, so that some row
-    /// pushes what another guess had it push.
+    /// See [`has_gained`]; the velocity is that of the guess at hand.
     fn has_gained(&self) -> bool {
-        let (mut kinetic, mut free) = (0.0, 0.0);
-        for (local, (mass, inertia)) in self.inertias.iter().enumerate() {
+        let placed = self.inertias.iter().enumerate().map(|(local, inertia)| {
             let place = self.pattern.place(local as u32) as usize;
-            let (linear, angular) = halves(&self.velocity[place]);
-            kinetic += mass * linear.norm_squared() + angular.dot(&(inertia * angular));
-            let (linear, angular) = halves(&self.momentum[place]);
-            let spin = inertia.cholesky().map_or_else(Vector3::zeros, |factor| factor.solve(&angular));
-            free += linear.norm_squared() / mass + angular.dot(&spin);
-        }
-        kinetic > GAINED * free
+            (inertia, &self.velocity[place], &self.momentum[place])
+        });
+        has_gained(placed)
     }
 
     /// Weight of the rows of contacts.
@@ -601,6 +595,21 @@ fn momentum_of(body: &Body, inertia: &Matrix3<f64>, h: f64) -> Part {
     let linear = body.linear * body.mass + body.force * h;
     let angular = inertia * body.angular + body.torque * h;
     part_of(&linear, &angular)
+}
+
+/// Whether bodies of these masses and inertias have more kinetic energy at a velocity than with their momentum, each
+/// given so, alone: contacts and joints only take, so that some row pushes what another guess had it push. (A support
+/// that moves gives, and costs a guess more.)
+fn has_gained<'p>(bodies: impl Iterator<Item = (&'p (f64, Matrix3<f64>), &'p Part, &'p Part)>) -> bool {
+    let (mut kinetic, mut free) = (0.0, 0.0);
+    for ((mass, inertia), velocity, momentum) in bodies {
+        let (linear, angular) = halves(velocity);
+        kinetic += mass * linear.norm_squared() + angular.dot(&(inertia * angular));
+        let (linear, angular) = halves(momentum);
+        let spin = inertia.cholesky().map_or_else(Vector3::zeros, |factor| factor.solve(&angular));
+        free += linear.norm_squared() / mass + angular.dot(&spin);
+    }
+    kinetic > GAINED * free
 }
 
 /// Whether nothing of it is locked.

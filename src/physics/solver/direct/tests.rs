@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, SVector, UnitQuaternion, Vector3};
 use super::cholesky::{Block, BlockMatrix, Part};
 use super::patch::{Blocks, Link, Motion, Patch, Side, Spring, motion, wrench};
 use super::pattern::Pattern;
-use super::{Closing, level};
+use super::{Closing, has_gained, level, part_of};
 use crate::physics::collision::{ContactGeometry, ContactState};
 use crate::physics::constraint::contact::tangents;
 use crate::physics::lanes::Record;
@@ -268,6 +268,32 @@ fn a_line_is_followed_to_where_it_is_level() {
         assert!(slope(found) < 0.1 * slope(1.0));
     }
     assert_eq!(level(|share| share - 2.0), 1.0, "all the way down");
+}
+
+#[test]
+fn what_rows_do_not_take_is_gained() {
+    // Two bodies that meet, one with spin: they may share their momentum, stop or turn on, not part faster.
+    let bodies = [(2.0, Matrix3::from_diagonal(&Vector3::new(0.5, 1.0, 2.0))), (1.0, Matrix3::identity())];
+    let at = |speeds: [f64; 2], spin: f64| {
+        let spin = [Vector3::z() * spin, Vector3::zeros()];
+        [0, 1].map(|body: usize| part_of(&(Vector3::x() * speeds[body]), &spin[body]))
+    };
+    let free = at([1.0, -2.0], 3.0);
+    let momenta = [0, 1].map(|body: usize| {
+        let (mass, inertia) = bodies[body];
+        let (linear, angular) = (free[body].fixed_rows::<3>(0) * mass, inertia * free[body].fixed_rows::<3>(3));
+        part_of(&linear, &angular)
+    });
+    for (after, expected) in [
+        (free, false),
+        (at([0.0, 0.0], 3.0), false),
+        (at([-1.0, 2.0], 3.0), false),
+        (at([-1.1, 2.2], 3.0), true),
+        (at([0.0, 0.0], 3.5), true),
+    ] {
+        let placed = (0..2).map(|body| (&bodies[body], &after[body], &momenta[body]));
+        assert_eq!(has_gained(placed), expected, "{after:?}");
+    }
 }
 
 #[test]

@@ -15,6 +15,9 @@ const START_ITERATIONS: usize = 8;
 /// Separations under which joints count as closed, m.
 const CLOSED: f64 = 1e-13;
 
+/// Turn of a body in a step from which on the tree takes all substeps, rad: a chain's energy pays for more.
+const FAR: f64 = 0.05;
+
 /// Turn of the last projection, rad, times ω²h², up to which the factor of the pose before serves with one step of
 /// refinement: what is left then is its square of the impulses. Nearly redundant rows would be beyond refinement.
 const MOST_LAG: f64 = 1e-3;
@@ -159,7 +162,7 @@ impl TreeStep {
     /// A whole step. Returns the length of its substeps, s.
     pub fn step<'w>(&mut self, body: impl Fn(u32) -> &'w Body, substeps: &Substeps) -> f64 {
         self.gather(&body);
-        let Parts { count, h, .. } = substeps.for_bodies(self.moving().iter().map(|&member| body(member)));
+        let Parts { count, h, .. } = substeps.for_bodies(self.moving().iter().map(|&member| body(member)), FAR);
         // Velocities are half a substep behind the poses; those that a user gave are not.
         let is_new = self.moving().iter().all(|&member| !body(member).has_stepped);
         if is_new {
