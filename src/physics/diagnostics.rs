@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 use super::bodies::{Bodies, Joints};
 use super::body::{GravityScale, Position, Rotation, Velocity};
 use super::collision::{ContactGraph, Contacts};
-use super::settings::{Gravity, SolverSettings};
+use super::settings::{Gravity, Method, SolverSettings};
 use super::solver::{ContactCache, ExactGroups, IslandSolvers, LaggedContacts};
 use super::{PhysicsSchedule, PhysicsSystems};
 
@@ -218,12 +218,15 @@ fn collect_contact_forces(
     settings: Res<SolverSettings>,
     solvers: Res<IslandSolvers>,
     graph: Res<ContactGraph>,
+    groups: Res<ExactGroups>,
     mut forces: ResMut<ContactForces>,
 ) {
     forces.0.clear();
     if settings.method.keeps_contacts() {
         let h = settings.step();
         forces.collect(&bodies, &contacts, graph.contact_forces(&contacts, h, h / f64::from(settings.substeps)));
+    } else if settings.method == Method::Exact {
+        forces.collect(&bodies, &contacts, groups.contact_forces(&contacts));
     } else {
         let contacts = lagged.active(&settings, &contacts);
         let found = solvers.list[..solvers.used].iter().flat_map(|solver| solver.contact_forces());

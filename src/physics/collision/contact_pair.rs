@@ -28,18 +28,25 @@ use crate::physics::collider::Geometry;
 
 /// What one pair's test needs and leaves: buffers, and the axis that next step's test begins with.
 #[derive(Default)]
-pub(super) struct PairSearch {
+pub(crate) struct PairSearch {
     edges: EdgeBuffers,
     clip: ClipBuffers,
     /// The axis of the last step, then that of this one.
-    pub last: Option<Feature>,
+    pub(super) last: Option<Feature>,
     /// Axes measured so far.
     pub axes: u32,
 }
 
+impl PairSearch {
+    /// Forgets the axis of the last step: another pair is next.
+    pub fn forget(&mut self) {
+        self.last = None;
+    }
+}
+
 /// Adds the contact points of two bodies in world axes, if they touch or are apart by no more than
 /// the gap, m. With a gap of zero no depth is negative.
-pub(super) fn touch(
+pub(crate) fn touch(
     a: &Body,
     b: &Body,
     gap: f64,

@@ -50,6 +50,7 @@ mod tests;
 pub(crate) use contact_graph::{
     ContactGeometry, ContactGraph, ContactState, GEOMETRY, GONE, POINTS, Slot, fastest_approach,
 };
+pub(crate) use contact_pair::{PairSearch, touch};
 pub(crate) use near_pairs::NearPairs;
 pub use probe::PlacedCollider;
 
@@ -77,6 +78,18 @@ fn speculative_gap(plane: &Body, body: &Body, normal: &Vector3<f64>, settings: &
     }
     let approach = (plane.linear - body.linear).dot(normal).max(0.0) + body.angular.norm() * body.radius;
     approach * settings.step()
+}
+
+/// How far apart two bodies of the exact method may be that get contact points, m: as far as they can come together in a
+/// step at their velocities and under the forces on them.
+fn reachable_gap(a: &Body, b: &Body, settings: &SolverSettings) -> f64 {
+    own_reach(a, settings) + own_reach(b, settings)
+}
+
+/// A body's own part of that.
+fn own_reach(body: &Body, settings: &SolverSettings) -> f64 {
+    let h = settings.step();
+    contact_graph::own_reachable_gap(body, settings) + body.inverse_mass.component_mul(&body.force).norm() * h * h
 }
 
 /// Two bodies that may touch, as indices into [`super::bodies::Bodies`]. A is the half-space if
@@ -125,9 +138,9 @@ impl FeatureId {
 
 /// How two shapes overlap.
 #[derive(Clone, Copy, Debug)]
-struct Overlap {
+pub(crate) struct Overlap {
     /// Unit, from A to B.
-    normal: Vector3<f64>,
+    pub normal: Vector3<f64>,
     /// How far B must move along the normal to be clear of A, m; negative only where they are apart
     /// by less than the gap that was asked for.
     depth: f64,

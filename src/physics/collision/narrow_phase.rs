@@ -16,11 +16,13 @@ use super::extreme_vertices;
 use super::feature_sat::Feature;
 use super::placed::Placed;
 use super::sat::{self, AxisBuffers, AxisSearch};
-use super::{CONTACT_TOLERANCE, CandidatePairs, ContactPoint, Contacts, Manifold, Overlap, Pair, speculative_gap};
+use super::{
+    CONTACT_TOLERANCE, CandidatePairs, ContactPoint, Contacts, Manifold, Overlap, Pair, reachable_gap, speculative_gap,
+};
 use crate::physics::bodies::{Bodies, Body};
 use crate::physics::collider::Geometry;
 use crate::physics::diagnostics::StepStats;
-use crate::physics::settings::{ContactModel, SolverSettings};
+use crate::physics::settings::{ContactModel, Method, SolverSettings};
 use crate::physics::threads::for_each_block;
 
 /// Pairs that one thread works through at a time.
@@ -122,6 +124,9 @@ impl Block {
 
 /// The gap up to which a pair gets contact points, m.
 fn gap_of(a: &Body, b: &Body, settings: &SolverSettings) -> f64 {
+    if settings.method == Method::Exact {
+        return reachable_gap(a, b, settings);
+    }
     match a.geometry {
         Some(Geometry::HalfSpace) => speculative_gap(a, b, &(a.rotation * Vector3::y()), settings),
         _ => 0.0,

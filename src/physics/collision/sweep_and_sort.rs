@@ -22,13 +22,13 @@ use bevy::prelude::*;
 use nalgebra::Vector3;
 
 use super::contact_graph::own_reachable_gap;
-use super::{CONTACT_TOLERANCE, CandidatePairs, Pair, speculative_gap};
+use super::{CONTACT_TOLERANCE, CandidatePairs, Pair, own_reach, speculative_gap};
 use crate::physics::bodies::{Bodies, Body};
 use crate::physics::body::CollisionLayers;
 use crate::physics::collider::Geometry;
 use crate::physics::diagnostics::StepStats;
 use crate::physics::joint::JoinedPairs;
-use crate::physics::settings::SolverSettings;
+use crate::physics::settings::{Method, SolverSettings};
 use crate::physics::threads::for_each_block;
 
 /// Buckets that one thread works through at a time.
@@ -96,12 +96,18 @@ fn is_swept(body: &Body) -> bool {
 /// the gap up to which pairs get contact points.
 fn reach(body: &Body, settings: &SolverSettings) -> f64 {
     let touching = body.radius * (1.0 + CONTACT_TOLERANCE);
-    if settings.method.keeps_contacts() { touching + own_reachable_gap(body, settings) } else { touching }
+    match settings.method {
+        Method::Exact => touching + own_reach(body, settings),
+        method if method.keeps_contacts() => touching + own_reachable_gap(body, settings),
+        _ => touching,
+    }
 }
 
 /// What a half-space adds to the reach of a body.
 fn plane_gap(plane: &Body, body: &Body, normal: &Vector3<f64>, settings: &SolverSettings) -> f64 {
-    if settings.method.keeps_contacts() {
+    if settings.method == Method::Exact {
+        own_reach(plane, settings)
+    } else if settings.method.keeps_contacts() {
         own_reachable_gap(plane, settings)
     } else {
         speculative_gap(plane, body, normal, settings)

@@ -5,7 +5,6 @@
 //! so threads take whole islands and the result does not depend on their number.
 
 mod cg_pgs;
-#[cfg_attr(not(test), expect(dead_code, reason = "contacts of the exact method: its step does not call it yet"))]
 mod cone;
 mod conjugate_residuals;
 mod direct;

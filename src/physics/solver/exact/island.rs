@@ -1,16 +1,19 @@
 //! A group of islands as the exact method takes it: pieces that joints hold together, bodies by themselves, and what
-//! touches something.
+//! is in reach of something.
 
 use nalgebra::Vector3;
 
+use super::contact::{ContactTerms, Touching};
 use super::free;
 use super::mechanism::{Link, Mechanism, Member, Motion, Spring};
 use super::stepper::{Effort, Stepper};
 use crate::physics::bodies::{Bodies, Body, Joint, Joints};
+use crate::physics::collision::{Contacts, Pair};
 use crate::physics::disjoint_sets::DisjointSets;
 use crate::physics::island::Islands;
 use crate::physics::joint::Softness;
 use crate::physics::settings::Integrator;
+use crate::physics::solver::ContactCache;
 
 /// A mechanism and the bodies and joints that it stands for.
 #[derive(Default)]
@@ -29,8 +32,8 @@ struct Piece {
 struct Plan {
     bodies: Vec<u32>,
     joints: Vec<u32>,
-    /// Bodies that touch something.
-    touching: Vec<u32>,
+    /// Bodies in reach of each other.
+    pairs: Vec<Pair>,
     versions: (u64, u64),
     /// Whether axes of some body are locked.
     locked: bool,
@@ -45,8 +48,7 @@ pub(crate) struct ExactGroup {
     pieces: Vec<Piece>,
     /// Bodies by themselves: where they go is known in closed form.
     free: Vec<(u32, Motion)>,
-    /// Whether some body touches something: contact has a solver of its own.
-    pub touches: bool,
+    touching: Vec<Touching>,
 }
 
 impl ExactGroup {
@@ -54,15 +56,15 @@ impl ExactGroup {
         self.group = group;
     }
 
-    /// Takes the group's state in; plans it anew if it is another one. `touching` are the bodies of contacts, ascending.
-    pub fn gather(&mut self, islands: &Islands, bodies: &Bodies, joints: &Joints, touching: &[u32]) {
+    /// Takes the group's state in; plans it anew if it is another one.
+    pub fn gather(&mut self, islands: &Islands, bodies: &Bodies, joints: &Joints, contacts: &Contacts) {
         let next = &mut self.next;
         next.bodies.clear();
         next.bodies.extend_from_slice(islands.bodies(self.group));
         next.joints.clear();
         next.joints.extend_from_slice(islands.joints(self.group));
-        next.touching.clear();
-        next.touching.extend(next.bodies.iter().filter(|body| touching.binary_search(body).is_ok()));
+        next.pairs.clear();
+        next.pairs.extend(islands.manifolds(self.group).iter().map(|&found| contacts.manifolds[found as usize].pair));
         next.versions = (bodies.version, joints.version);
         next.locked = next.bodies.iter().any(|&body| is_locked(&bodies.list[body as usize]));
         if self.next != self.plan {
@@ -72,10 +74,13 @@ impl ExactGroup {
         for piece in &mut self.pieces {
             piece.gather(bodies, joints);
         }
+        for touching in &mut self.touching {
+            touching.gather(bodies, joints);
+        }
     }
 
     fn replan(&mut self, bodies: &Bodies, joints: &Joints) {
-        let Plan { bodies: own, joints: links, touching, locked, .. } = &self.plan;
+        let Plan { bodies: own, joints: links, pairs, locked, .. } = &self.plan;
         let place = |body: u32| own.binary_search(&body).ok().filter(|_| bodies.list[body as usize].is_dynamic());
         let mut sets = DisjointSets::new(own.len());
         let mut jointed = vec![false; own.len()];
@@ -86,12 +91,28 @@ impl ExactGroup {
             }
             ends(joint).into_iter().flatten().for_each(|body| jointed[body] = true);
         }
-        let roots: Vec<u32> = (0..own.len() as u32).map(|body| sets.root(body)).collect();
-        let mut left_alone = vec![true; own.len()];
-        for body in touching.iter().filter_map(|&body| place(body)) {
-            left_alone[roots[body] as usize] = false;
+        for pair in pairs {
+            if let [Some(a), Some(b)] = [pair.a, pair.b].map(place) {
+                sets.union(a as u32, b as u32);
+            }
         }
-        self.touches = !touching.is_empty();
+        let roots: Vec<u32> = (0..own.len() as u32).map(|body| sets.root(body)).collect();
+        let root_of = |bodies: [u32; 2]| bodies.into_iter().find_map(place).map(|body| roots[body]);
+        let mut left_alone = vec![true; own.len()];
+        for root in pairs.iter().filter_map(|pair| root_of([pair.a, pair.b])) {
+            left_alone[root as usize] = false;
+        }
+        let members_of = |root: usize| -> Vec<u32> {
+            (root..own.len()).filter(|&body| roots[body] as usize == root).map(|body| own[body]).collect()
+        };
+        self.touching.clear();
+        for root in (0..own.len()).filter(|&root| roots[root] as usize == root && !left_alone[root]) {
+            let is_own = |bodies: [u32; 2]| root_of(bodies) == Some(root as u32);
+            let of_joint = |joint: &&u32| is_own([joints.list[**joint as usize].a, joints.list[**joint as usize].b]);
+            let links = links.iter().filter(of_joint).copied().collect();
+            let pairs: Vec<Pair> = pairs.iter().filter(|pair| is_own([pair.a, pair.b])).copied().collect();
+            self.touching.push(Touching::new(members_of(root), links, &pairs, bodies, joints));
+        }
         self.free.clear();
         let mut kept = std::mem::take(&mut self.pieces).into_iter();
         for root in (0..own.len()).filter(|&root| roots[root] as usize == root && left_alone[root]) {
@@ -100,8 +121,7 @@ impl ExactGroup {
                 self.free.push((own[root], motion(body)));
                 continue;
             }
-            let members =
-                (root..own.len()).filter(|&body| roots[body] as usize == root).map(|body| own[body]).collect();
+            let members = members_of(root);
             let is_here = |joint: &u32| ends(*joint).into_iter().flatten().any(|body| roots[body] as usize == root);
             let links = if jointed[root] { links.iter().copied().filter(is_here).collect() } else { Vec::new() };
             let piece = kept.next().unwrap_or_default();
@@ -109,8 +129,12 @@ impl ExactGroup {
         }
     }
 
-    /// Takes all that touches nothing through the step.
-    pub fn step(&mut self, bodies: &Bodies, integrator: Integrator, h: f64, parts: u32) {
+    /// Takes all through the step. `cache` has what contacts carried in the one before.
+    pub fn step(&mut self, bodies: &Bodies, integrator: Integrator, terms: &ContactTerms, cache: &ContactCache) {
+        let ContactTerms { h, parts, .. } = *terms;
+        for touching in &mut self.touching {
+            touching.step(terms, cache);
+        }
         for (index, motion) in &mut self.free {
             let body = &bodies.list[*index as usize];
             *motion = self::motion(body);
@@ -139,11 +163,20 @@ impl ExactGroup {
                 joints[joint as usize].force = *force;
             }
         }
+        for touching in &self.touching {
+            touching.scatter(bodies, joints);
+        }
+    }
+
+    /// What is in reach of something.
+    pub fn touching(&self) -> &[Touching] {
+        &self.touching
     }
 
     /// Rows, and what it took to solve them.
     pub fn efforts(&self) -> impl Iterator<Item = (u32, Effort)> + '_ {
-        self.pieces.iter().map(|piece| (3 * piece.joints.len() as u32, piece.effort))
+        let pieces = self.pieces.iter().map(|piece| (3 * piece.joints.len() as u32, piece.effort));
+        pieces.chain(self.touching.iter().map(|touching| (touching.rows(), touching.effort)))
     }
 
     /// All that the next step depends on beside bodies and joints.
@@ -172,16 +205,7 @@ impl Piece {
         let gives = links.iter().any(|&joint| joints.list[joint as usize].softness.is_some());
         let (order, mut mechanism) = Mechanism::plan(moving, locked, gives, &pairs);
         self.joints = order.iter().map(|&link| links[link as usize]).collect();
-        let spring = |softness: Softness| Spring {
-            frequency: std::f64::consts::TAU * softness.frequency,
-            damping_ratio: softness.damping_ratio,
-            most: softness.max_force,
-        };
-        let link = |&link: &u32| {
-            let Joint { anchor_a, anchor_b, softness, .. } = &joints.list[links[link as usize] as usize];
-            let [a, b] = pairs[link as usize];
-            Link { a, b, anchor_a: *anchor_a, anchor_b: *anchor_b, spring: softness.map(spring) }
-        };
+        let link = |&link: &u32| link_of(&joints.list[links[link as usize] as usize], pairs[link as usize]);
         mechanism.links = order.iter().map(link).collect();
         self.mechanism = mechanism;
         self.stepper.forget();
@@ -214,18 +238,28 @@ fn is_locked(body: &Body) -> bool {
     body.is_dynamic() && (body.inverse_mass.min() == 0.0 || body.rotation_freedom.min() == 0.0)
 }
 
-fn motion(body: &Body) -> Motion {
+/// A joint between those places.
+pub(super) fn link_of(joint: &Joint, [a, b]: [u32; 2]) -> Link {
+    let spring = |softness: Softness| Spring {
+        frequency: std::f64::consts::TAU * softness.frequency,
+        damping_ratio: softness.damping_ratio,
+        most: softness.max_force,
+    };
+    Link { a, b, anchor_a: joint.anchor_a, anchor_b: joint.anchor_b, spring: joint.softness.map(spring) }
+}
+
+pub(super) fn motion(body: &Body) -> Motion {
     Motion { position: body.position, rotation: body.rotation, linear: body.linear, angular: body.angular }
 }
 
-fn put(motion: &Motion, body: &mut Body) {
+pub(super) fn put(motion: &Motion, body: &mut Body) {
     body.position = motion.position;
     body.rotation = motion.rotation;
     body.linear = motion.linear;
     body.angular = motion.angular;
 }
 
-fn member(body: &Body) -> Member {
+pub(super) fn member(body: &Body) -> Member {
     if !body.is_dynamic() {
         return Member::FIXED;
     }

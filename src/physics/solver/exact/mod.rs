@@ -1,12 +1,14 @@
 //! The exact method: joints held by their exact forces, motion by integrators that converge, in `f64` throughout.
 //!
 //! Each step, [`solve_exactly`] takes the islands' groups one by one, on as many threads as there may be:
-//! 1. what is in a group is planned where it changed ([`island`]): pieces held together by joints, bodies by themselves;
-//! 2. where anything touches, all goes through the force-level sweeps of `island_solver`, in `f64` and shorter parts;
+//! 1. what is in a group is planned where it changed ([`island`]): pieces held together by joints, bodies by themselves,
+//!    and what is in reach of something;
+//! 2. the last goes by a step of its own ([`contact`]), its joints and contacts by the cone solver;
 //! 3. bodies by themselves move in closed form ([`free`]) if no torque turns them;
 //! 4. pieces ([`mechanism`]) go through the integrator ([`stepper`]; [`lockstep`] and [`gauss`], [`runge_kutta`], [`rattle`]), whose stages solve J M⁻¹ Jᵀ λ = b
 //!    ([`rows`], [`factor`]), and are brought back onto their joints ([`projection`]).
 
+mod contact;
 mod evaluation;
 mod factor;
 mod free;
@@ -22,19 +24,19 @@ mod runge_kutta;
 mod stepper;
 mod tableau;
 
+use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
+use nalgebra::Vector3;
 
+use self::contact::{ContactTerms, Touching};
 use self::island::ExactGroup;
-use super::{ContactCache, IslandSolver, IslandSolvers, LaggedContacts, StepTerms};
+use super::ContactCache;
 use crate::physics::bodies::{Bodies, Joints};
-use crate::physics::collision::Contacts;
-use crate::physics::diagnostics::{ContactForces, StepStats};
+use crate::physics::collision::{ContactPoint, Contacts, Pair};
+use crate::physics::diagnostics::StepStats;
 use crate::physics::island::Islands;
-use crate::physics::settings::{Gravity, Method, SolverSettings};
+use crate::physics::settings::{Method, SolverSettings};
 use crate::physics::{PhysicsSchedule, PhysicsSystems, threads};
-
-/// Parts of a step in which sweeps take what touches something. Joints under load blow up in sweeps of 1/60 s.
-const PARTS_IN_CONTACT: u32 = 4;
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<ExactGroups>().add_systems(
@@ -53,12 +55,29 @@ pub(super) fn is_exact(settings: &SolverSettings) -> bool {
 pub(crate) struct ExactGroups {
     list: Vec<ExactGroup>,
     used: usize,
-    /// Bodies that sweeps have, ascending.
-    touching: Vec<u32>,
 }
 
 impl ExactGroups {
-    /// All that the next step depends on beside bodies and joints.
+    /// What each contact point carried: manifold, point, the mean force over the step and the last one, N, on B.
+    pub fn contact_forces<'c>(
+        &'c self,
+        contacts: &'c Contacts,
+    ) -> impl Iterator<Item = (u32, usize, [Vector3<f64>; 2])> + 'c {
+        let loads: HashMap<Pair, &Touching> = self.list[..self.used]
+            .iter()
+            .flat_map(ExactGroup::touching)
+            .flat_map(|touching| touching.pairs().map(move |pair| (pair, touching)))
+            .collect();
+        (0..).zip(&contacts.manifolds).flat_map(move |(index, manifold)| {
+            let touching = loads.get(&manifold.pair).copied();
+            let of = move |point: &ContactPoint| {
+                touching.map_or_else(Default::default, |touching| touching.load(manifold.pair, point.feature))
+            };
+            contacts.points_of(manifold).iter().enumerate().map(move |(at, point)| (index, at, of(point)))
+        })
+    }
+
+    /// All that the next step depends on beside bodies, joints and what contacts carried.
     pub fn memory(&self) -> impl Iterator<Item = f64> + '_ {
         self.list[..self.used].iter().flat_map(ExactGroup::memory)
     }
@@ -68,62 +87,34 @@ fn solve_exactly(
     mut bodies: ResMut<Bodies>,
     mut joints: ResMut<Joints>,
     contacts: Res<Contacts>,
-    lagged: Res<LaggedContacts>,
     islands: Res<Islands>,
     mut cache: ResMut<ContactCache>,
-    mut solvers: ResMut<IslandSolvers>,
     mut groups: ResMut<ExactGroups>,
     settings: Res<SolverSettings>,
-    gravity: Res<Gravity>,
-    forces: Option<Res<ContactForces>>,
     mut stats: ResMut<StepStats>,
 ) {
-    let contacts = lagged.active(&settings, &contacts);
-    let ExactGroups { list, used, touching } = &mut *groups;
-    touching.clear();
-    // Sweeps leave gaps in joints that a mechanism cannot go on from: they have all bodies until nothing touches.
-    if !contacts.manifolds.is_empty() {
-        touching.extend(0..bodies.list.len() as u32);
-    }
+    let ExactGroups { list, used } = &mut *groups;
     *used = islands.count();
     if list.len() < *used {
         list.resize_with(*used, ExactGroup::default);
     }
     let list = &mut list[..*used];
     list.iter_mut().enumerate().for_each(|(index, group)| group.begin(index));
-    let (h, parts) = (settings.step() / f64::from(settings.substeps), settings.substeps);
-    {
-        let (bodies, joints) = (&*bodies, &*joints);
-        threads::for_each_block(settings.threads, list, |group| {
-            group.gather(&islands, bodies, joints, touching);
-            group.step(bodies, settings.integrator, h, parts);
-        });
-    }
-    // What touches something: whole groups, of which the rest is overwritten.
-    let touched: Vec<usize> = (0..list.len()).filter(|&group| list[group].touches).collect();
-    if solvers.list.len() < touched.len() {
-        solvers.list.resize_with(touched.len(), IslandSolver::default);
-    }
-    solvers.used = touched.len();
-    let solvers = &mut solvers.list[..touched.len()];
-    let swept = SolverSettings { substeps: PARTS_IN_CONTACT * settings.substeps, ..*settings };
-    let terms = StepTerms::new(&swept, gravity.length(), forces.is_some());
-    for (solver, &group) in solvers.iter_mut().zip(&touched) {
-        solver.begin(group);
-    }
+    let terms = ContactTerms {
+        h: settings.step() / f64::from(settings.substeps),
+        parts: settings.substeps,
+        correction_speed: settings.correction_speed.unwrap_or(f64::INFINITY),
+        restitution_speed: settings.restitution_speed.unwrap_or(f64::INFINITY),
+    };
     {
         let (bodies, joints, cache) = (&*bodies, &*joints, &*cache);
-        threads::for_each_block(settings.threads, solvers, |solver| {
-            solver.gather(&islands, bodies, joints, contacts, cache);
-            solver.step(&terms);
+        threads::for_each_block(settings.threads, list, |group| {
+            group.gather(&islands, bodies, joints, &contacts);
+            group.step(bodies, settings.integrator, &terms, cache);
         });
     }
+    cache.clear();
     (stats.resting, stats.rows, stats.row_updates, stats.cuts, stats.unsettled) = (0, 0, 0, 0, 0);
-    for solver in &*solvers {
-        stats.rows += solver.row_count();
-        stats.row_updates += solver.row_updates();
-        solver.scatter(&mut bodies.list, &mut joints.list);
-    }
     for group in &*list {
         group.scatter(&mut bodies.list, &mut joints.list);
         for (rows, effort) in group.efforts() {
@@ -132,9 +123,6 @@ fn solve_exactly(
             stats.cuts += effort.cuts;
             stats.unsettled += effort.unsettled;
         }
-    }
-    cache.clear();
-    if settings.warm_starting {
-        solvers.iter().for_each(|solver| solver.store_forces(contacts, &mut cache));
+        group.touching().iter().for_each(|touching| touching.store(&mut cache));
     }
 }

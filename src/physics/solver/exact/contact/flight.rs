@@ -1,0 +1,250 @@
+//! A step without impacts: RATTLE with contacts.
+//!
+//! v½ = v₀ + ½h M₀⁻¹F + M₀⁻¹J₀ᵀλ, q₁ = q₀ after free flight over h with v½, v₁ = v½ + ½h M₁⁻¹F + M₁⁻¹J₁ᵀμ.
+//!
+//! λ is such that places hold: joints closed at q₁, gaps g(q₁) ≥ 0, pushed only where g(q₁) = 0; μ such that velocities
+//! do: J₁v₁ = 0, and where g(q₁) = 0 gaps do not close. Both within the cone of friction, against the slip of v½ and of
+//! v₁. What neither bounces nor has landed is stopped where the surfaces meet. Both are the cone solver's problem: λ
+//! with a linear forecast of places, b = (g − ĝ)/h mended until the forecast is true.
+//!
+//! Constant forces are followed exactly, sliding and rolling too; all else with an error of second order.
+
+use nalgebra::Vector3;
+
+use super::super::mechanism::{Link, Member, Motion, Spring};
+use super::kernel::{Kernel, View, arms_of, separation_of};
+use super::sites::{Finder, Pairing, Site, Sites, point_velocity};
+use crate::physics::bodies::Body;
+use crate::physics::integrator::gyroscopic::free_rotation;
+
+/// Gap up to which surfaces touch, m.
+pub(super) const TOUCHING: f64 = 1e-9;
+/// What a forecast may be off by, m.
+const FORECAST: f64 = 1e-13;
+/// Forecasts.
+const MOST_TURNS: usize = 8;
+
+/// What does not change in a step.
+#[derive(Clone, Copy)]
+pub(super) struct Given<'a> {
+    pub view: View<'a>,
+    pub springs: &'a [Link],
+    pub pairings: &'a [Pairing],
+    /// Whether the pairing's bodies fly past each other: what bounces and does not rest.
+    pub flies: &'a [bool],
+    /// Fastest way out of an overlap, m/s.
+    pub correction_speed: f64,
+}
+
+/// The step and its buffers.
+#[derive(Default)]
+pub(super) struct Flight {
+    pub places: Kernel,
+    pub velocities: Kernel,
+    /// Indices of the sites that take part in each.
+    pub held: [Vec<u32>; 2],
+    /// Where it ends, and the sites there.
+    pub end: Vec<Motion>,
+    pub sites: Sites,
+    kicked: Vec<Motion>,
+    gains: Vec<f64>,
+    joint_gains: Vec<Vector3<f64>>,
+    /// Mean forces that springs give, N, on B.
+    pub spring_forces: Vec<Vector3<f64>>,
+}
+
+impl Flight {
+    /// Flies from a state for h, s, to [`Self::end`]. `start_sites` are those at the start; `bodies` take the poses of the
+    /// end. `guess` is the force that a site may have, N.
+    pub fn fly(
+        &mut self,
+        given: &Given,
+        start: &[Motion],
+        start_sites: &Sites,
+        bodies: &mut [Body],
+        finder: &mut Finder,
+        guess: impl Fn(&Site) -> Vector3<f64>,
+        joint_guess: &[Vector3<f64>],
+        h: f64,
+    ) {
+        self.end.clear();
+        self.end.extend_from_slice(start);
+        self.spring_forces.clear();
+        self.kick(given, h);
+        self.kicked.clone_from(&self.end);
+        self.hold_places(given, start, start_sites, bodies, finder, guess, joint_guess, h);
+        self.kick(given, h);
+        self.hold_velocities(given, start_sites);
+    }
+
+    /// Half a step of forces, springs and drag.
+    fn kick(&mut self, given: &Given, h: f64) {
+        for (at, link) in given.springs.iter().enumerate() {
+            let force = pull(link, given.view.members, &self.end);
+            match self.spring_forces.get_mut(at) {
+                Some(mean) => *mean = (*mean + force) * 0.5,
+                None => self.spring_forces.push(force),
+            }
+            let arms = arms_of(link, &self.end);
+            for (end, arm, sign) in [(link.a, arms[0], -1.0), (link.b, arms[1], 1.0)] {
+                let impulse = force * (sign * 0.5 * h);
+                push(&given.view.members[end as usize], &mut self.end[end as usize], &impulse, &arm.cross(&impulse));
+            }
+        }
+        for (member, motion) in given.view.members.iter().zip(&mut self.end) {
+            motion.linear *= (-member.drag.0 * 0.5 * h).exp();
+            motion.angular *= (-member.drag.1 * 0.5 * h).exp();
+            push(member, motion, &(member.force * (0.5 * h)), &(member.torque * (0.5 * h)));
+        }
+    }
+
+    fn hold_places(
+        &mut self,
+        given: &Given,
+        start: &[Motion],
+        start_sites: &Sites,
+        bodies: &mut [Body],
+        finder: &mut Finder,
+        guess: impl Fn(&Site) -> Vector3<f64>,
+        joint_guess: &[Vector3<f64>],
+        h: f64,
+    ) {
+        let Self { places, held, end, sites, kicked, gains, joint_gains, .. } = self;
+        let held = &mut held[0];
+        held.clear();
+        let is_held = |site: &Site| !given.flies[site.pairing as usize];
+        held.extend((0..).zip(&start_sites.list).filter(|(_, site)| is_held(site)).map(|(index, _)| index));
+        let held_sites = || held.iter().map(|&index| &start_sites.list[index as usize]);
+        places.set(given.view, kicked, held_sites());
+        gains.clear();
+        let first_gain = |site: &Site| (site.gap / h).max(-given.correction_speed);
+        gains.extend(held_sites().map(first_gain));
+        let separations: Vec<Vector3<f64>> = given.view.links.iter().map(|link| separation_of(link, start)).collect();
+        joint_gains.clear();
+        joint_gains.extend(separations.iter().map(|separation| separation / h));
+        places.impulses.contacts.clear();
+        places.impulses.contacts.extend(held_sites().map(|site| guess(site) * (0.5 * h)));
+        places.impulses.joints.clear();
+        places.impulses.joints.extend(joint_guess.iter().map(|force| force * (0.5 * h)));
+        let mut before = f64::INFINITY;
+        for turn in 0..MOST_TURNS {
+            if turn > 0 {
+                end.clone_from(kicked);
+            }
+            places.solve(end, gains, joint_gains);
+            let openings: Vec<f64> = held_sites().map(|site| site.opening(end)).collect();
+            let partings: Vec<Vector3<f64>> = given.view.links.iter().map(|link| parting(link, end)).collect();
+            for (member, motion) in given.view.members.iter().zip(&mut *end) {
+                drift(member, motion, h);
+            }
+            place(bodies, end);
+            sites.find(given.pairings, bodies, |pairing| margin(pairing, bodies), finder);
+            if places.is_empty() {
+                return;
+            }
+            let mut worst: f64 = 0.0;
+            for (((&index, gain), opening), impulse) in
+                held.iter().zip(&mut *gains).zip(&openings).zip(&places.impulses.contacts)
+            {
+                let site = &start_sites.list[index as usize];
+                let Some(found) = sites.position(site.pairing, site.feature) else { continue };
+                let bent = sites.list[found].gap - (site.gap + opening * h);
+                let mended = first_gain(site) + bent / h;
+                if *impulse != Vector3::zeros() || sites.list[found].gap < -FORECAST {
+                    worst = worst.max((mended - *gain).abs() * h);
+                    *gain = mended;
+                }
+            }
+            for (index, link) in given.view.links.iter().enumerate() {
+                let bent = separation_of(link, end) - (separations[index] + partings[index] * h);
+                let mended = (separations[index] + bent) / h;
+                worst = worst.max((mended - joint_gains[index]).amax() * h);
+                joint_gains[index] = mended;
+            }
+            if worst <= FORECAST || worst >= 0.5 * before && worst < 1e-11 {
+                break;
+            }
+            before = before.min(worst);
+        }
+    }
+
+    fn hold_velocities(&mut self, given: &Given, start_sites: &Sites) {
+        let Self { velocities, places, held: [before, held], end, sites, gains, joint_gains, .. } = self;
+        held.clear();
+        let is_held = |site: &Site| !given.flies[site.pairing as usize] && site.gap <= TOUCHING;
+        held.extend((0..).zip(&sites.list).filter(|(_, site)| is_held(site)).map(|(index, _)| index));
+        let held_sites = || held.iter().map(|&index| &sites.list[index as usize]);
+        velocities.set(given.view, end, held_sites());
+        gains.clear();
+        gains.resize(held.len(), 0.0);
+        joint_gains.clear();
+        joint_gains.resize(given.view.links.len(), Vector3::zeros());
+        let guess = |site: &Site| {
+            let known = start_sites.position(site.pairing, site.feature);
+            let known = known.and_then(|known| before.binary_search(&(known as u32)).ok());
+            known.map_or_else(Vector3::zeros, |known| places.impulses.contacts[known])
+        };
+        velocities.impulses.contacts.clear();
+        velocities.impulses.contacts.extend(held_sites().map(guess));
+        velocities.impulses.joints.clone_from(&places.impulses.joints);
+        velocities.solve(end, gains, joint_gains);
+    }
+}
+
+/// How far the ends of a flight are looked at for sites, m.
+fn margin(pairing: &Pairing, bodies: &[Body]) -> f64 {
+    let smaller = pairing.ends.map(|end| bodies[end as usize].radius);
+    1e-2 * smaller[0].min(smaller[1])
+}
+
+/// Poses of the motion.
+pub(super) fn place(bodies: &mut [Body], motion: &[Motion]) {
+    for (body, motion) in bodies.iter_mut().zip(motion) {
+        body.position = motion.position;
+        body.rotation = motion.rotation;
+    }
+}
+
+/// How fast B's anchor leaves A's, m/s.
+fn parting(link: &Link, motion: &[Motion]) -> Vector3<f64> {
+    let [a, b] = arms_of(link, motion);
+    point_velocity(&motion[link.b as usize], &b) - point_velocity(&motion[link.a as usize], &a)
+}
+
+fn push(member: &Member, motion: &mut Motion, impulse: &Vector3<f64>, turning: &Vector3<f64>) {
+    if !member.moves() {
+        return;
+    }
+    motion.linear += member.inverse_mass.component_mul(impulse);
+    if *turning != Vector3::zeros() {
+        let rotation = motion.rotation.to_rotation_matrix().into_inner();
+        motion.angular += member.inverse_inertia(&rotation, None) * turning;
+    }
+}
+
+/// Free flight.
+fn drift(member: &Member, motion: &mut Motion, h: f64) {
+    let inverse = member.inertia.map(|inertia| if inertia > 0.0 { inertia.recip() } else { 0.0 });
+    match free_rotation(&motion.rotation, &motion.angular, &inverse, &member.freedom, h) {
+        Some((angular, rotation)) => {
+            motion.position += motion.linear * h;
+            (motion.angular, motion.rotation) = (angular, rotation);
+        }
+        None => motion.drift(h),
+    }
+}
+
+/// Force of a spring on its B, N, for the masses of its two bodies alone.
+fn pull(link: &Link, members: &[Member], motion: &[Motion]) -> Vector3<f64> {
+    let Some(Spring { frequency, damping_ratio, most }) = link.spring else { return Vector3::zeros() };
+    let arms = arms_of(link, motion);
+    let mut mobility = Vector3::zeros();
+    for (end, arm) in [(link.a, &arms[0]), (link.b, &arms[1])] {
+        let member = &members[end as usize];
+        let turning = arm.cross_matrix();
+        let rotation = motion[end as usize].rotation.to_rotation_matrix().into_inner();
+        mobility += member.inverse_mass - (turning * member.inverse_inertia(&rotation, None) * turning).diagonal();
+    }
+    let pull = (separation_of(link, motion) * frequency + parting(link, motion) * (2.0 * damping_ratio)) * -frequency;
+    pull.zip_map(&mobility, |pull, mobility| if mobility > 0.0 { (pull / mobility).clamp(-most, most) } else { 0.0 })
+}

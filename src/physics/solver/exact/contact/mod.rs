@@ -1,0 +1,303 @@
+//! What touches something, exactly: Signorini's condition and Coulomb's cone at the end of each step, in places and in
+//! velocities, with joints in the same system; impacts at their times.
+//!
+//! A step is flown ([`flight`]) with all that does not bounce held. What bounces flies on; where it would have come into
+//! something, the step ends at that time instead (to [`LANDED`] of gap), its impacts pass ([`impact`]), and the rest of
+//! the step follows. Of bounces that become faster and faster those slower than [`impact::LEAST_BOUNCE`] are none, and
+//! after [`MOST_EVENTS`] of them in a step the rest of it is flown without.
+
+mod flight;
+mod impact;
+mod kernel;
+mod sites;
+
+use bevy::platform::collections::HashMap;
+use nalgebra::Vector3;
+
+use self::flight::{Flight, Given, TOUCHING, place};
+use self::impact::{Impacts, LEAST_BOUNCE, approach};
+use self::kernel::{Kernel, View};
+use self::sites::{Finder, Pairing, Sites};
+use super::island::{link_of, member, motion, put};
+use super::mechanism::{Link, Member, Motion};
+use super::stepper::Effort;
+use crate::physics::bodies::{Bodies, Body, Joint, Joints};
+use crate::physics::collision::{FeatureId, Pair, fastest_approach};
+use crate::physics::solver::ContactCache;
+
+/// Overlap within which a landing is found, m.
+const LANDED: f64 = 1e-11;
+/// Landings in a step.
+const MOST_EVENTS: u32 = 1_000;
+/// Flights to find a landing.
+const MOST_TRIALS: usize = 80;
+
+/// What a step depends on besides.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ContactTerms {
+    pub h: f64,
+    pub parts: u32,
+    /// Fastest way out of an overlap, m/s.
+    pub correction_speed: f64,
+    /// Approach up to which nothing bounces, m/s.
+    pub restitution_speed: f64,
+}
+
+/// Bodies in reach of each other, and what joints hold to them.
+#[derive(Default)]
+pub(crate) struct Touching {
+    /// Those that move first.
+    bodies: Vec<u32>,
+    moving: usize,
+    /// Of links, then of springs.
+    joints: Vec<u32>,
+    links: Vec<Link>,
+    springs: Vec<Link>,
+    pairings: Vec<Pairing>,
+    members: Vec<Member>,
+    shapes: Vec<Body>,
+    motion: Vec<Motion>,
+    sites: Sites,
+    finder: Finder,
+    flies: Vec<bool>,
+    flight: Flight,
+    impacts: Impacts,
+    /// Impulses over the step, N·s, on B, and those of its last solve as forces, N.
+    loads: HashMap<(Pair, FeatureId), [Vector3<f64>; 2]>,
+    /// Mean forces of the step, N, on B.
+    joint_forces: Vec<Vector3<f64>>,
+    pub effort: Effort,
+}
+
+impl Touching {
+    /// Of those bodies that move, joints and pairs, by their indices in the world.
+    pub fn new(moving: Vec<u32>, joints: Vec<u32>, pairs: &[Pair], world: &Bodies, all_joints: &Joints) -> Self {
+        let mut bodies = moving;
+        let moving = bodies.len();
+        let mut place = |body: u32| {
+            let known = bodies[..moving].binary_search(&body).ok();
+            let known =
+                known.or_else(|| bodies[moving..].iter().position(|&other| other == body).map(|at| at + moving));
+            known.unwrap_or_else(|| {
+                bodies.push(body);
+                bodies.len() - 1
+            }) as u32
+        };
+        let pairing = |&pair: &Pair| {
+            let material = world.list[pair.a as usize].material.pair(world.list[pair.b as usize].material);
+            let ends = [place(pair.a), place(pair.b)];
+            Pairing { pair, ends, friction: material.friction, restitution: material.restitution }
+        };
+        let pairings = pairs.iter().map(pairing).collect();
+        let (rigid, soft): (Vec<u32>, Vec<u32>) =
+            joints.into_iter().partition(|&joint| all_joints.list[joint as usize].softness.is_none());
+        let mut link = |&joint: &u32| {
+            let joint = &all_joints.list[joint as usize];
+            link_of(joint, [place(joint.a), place(joint.b)])
+        };
+        let links = rigid.iter().map(&mut link).collect();
+        let springs = soft.iter().map(&mut link).collect();
+        Self { bodies, moving, joints: [rigid, soft].concat(), links, springs, pairings, ..Self::default() }
+    }
+
+    /// Takes the state in.
+    pub fn gather(&mut self, bodies: &Bodies, joints: &Joints) {
+        let list = || self.bodies.iter().map(|&body| &bodies.list[body as usize]);
+        self.members.clear();
+        self.members.extend(list().map(member));
+        self.motion.clear();
+        self.motion.extend(list().map(motion));
+        self.shapes.clear();
+        self.shapes.extend(list().cloned());
+        self.joint_forces.clear();
+        self.joint_forces.extend(self.joints.iter().map(|&joint| joints.list[joint as usize].force));
+        for pairing in &mut self.pairings {
+            let [a, b] = pairing.ends.map(|end| self.shapes[end as usize].material);
+            let material = a.pair(b);
+            (pairing.friction, pairing.restitution) = (material.friction, material.restitution);
+        }
+    }
+
+    /// Takes it through a step. `cache` has the forces of the one before.
+    pub fn step(&mut self, terms: &ContactTerms, cache: &ContactCache) {
+        self.effort = Effort::default();
+        self.loads.clear();
+        let guesses = std::mem::take(&mut self.joint_forces);
+        self.joint_forces.resize(guesses.len(), Vector3::zeros());
+        for _ in 0..terms.parts {
+            self.advance(terms, cache, &guesses);
+        }
+        let step = terms.h * f64::from(terms.parts);
+        self.joint_forces.iter_mut().for_each(|impulse| *impulse /= step);
+        self.loads.values_mut().for_each(|[impulse, _]| *impulse /= step);
+        let kernels = [&mut self.flight.places, &mut self.flight.velocities, &mut self.impacts.kernel];
+        for kernel in kernels {
+            self.effort.solves += std::mem::take(&mut kernel.steps);
+            self.effort.unsettled += std::mem::take(&mut kernel.failures);
+        }
+    }
+
+    fn advance(&mut self, terms: &ContactTerms, cache: &ContactCache, guesses: &[Vector3<f64>]) {
+        let least = terms.restitution_speed.max(LEAST_BOUNCE);
+        let mut left = terms.h;
+        let mut events = 0;
+        while left > 1e-12 * terms.h {
+            self.find_sites(left);
+            self.pass_impacts(least);
+            self.flies.clear();
+            let sites = &self.sites;
+            let flies = |(index, pairing): (usize, &Pairing)| {
+                let own = sites.of(index);
+                let rests = approach(own, &self.motion).abs() <= least;
+                pairing.restitution > 0.0 && events < MOST_EVENTS && !rests
+            };
+            self.flies.extend(self.pairings.iter().enumerate().map(flies));
+            let h = self.fly_until_landing(left, terms, cache, guesses);
+            self.commit(h);
+            left -= h;
+            if left > 1e-12 * terms.h {
+                events += 1;
+                self.effort.cuts += 1;
+            }
+        }
+        self.effort.unsettled += u32::from(events >= MOST_EVENTS);
+    }
+
+    fn find_sites(&mut self, h: f64) {
+        let Self { sites, pairings, shapes, members, motion, finder, .. } = self;
+        place(shapes, motion);
+        for (shape, motion) in shapes.iter_mut().zip(&*motion) {
+            (shape.linear, shape.angular) = (motion.linear, motion.angular);
+        }
+        let falls = |end: u32| {
+            let member = &members[end as usize];
+            member.inverse_mass.component_mul(&member.force).norm()
+        };
+        let reach = |pairing: &Pairing| {
+            let [a, b] = pairing.ends;
+            let speed = fastest_approach(&shapes[a as usize], &shapes[b as usize]);
+            (speed + (falls(a) + falls(b)) * h) * h + TOUCHING
+        };
+        sites.find(pairings, shapes, reach, finder);
+    }
+
+    fn pass_impacts(&mut self, least: f64) {
+        let Self { members, moving, links, pairings, sites, motion, impacts, loads, joint_forces, .. } = self;
+        let view = View { members, moving: *moving, links };
+        impacts.pass(view, pairings, sites, least, motion, |held, kernel| {
+            for (&index, impulse) in held.iter().zip(&kernel.impulses.contacts) {
+                let site = &sites.list[index as usize];
+                let load = loads.entry((pairings[site.pairing as usize].pair, site.feature)).or_default();
+                load[0] += impulse;
+            }
+            joint_forces.iter_mut().zip(&kernel.impulses.joints).for_each(|(sum, impulse)| *sum += impulse);
+        });
+    }
+
+    /// Flies for so long, s, or until something that flies lands, to the end of the flight. Returns the time.
+    fn fly_until_landing(
+        &mut self,
+        most: f64,
+        terms: &ContactTerms,
+        cache: &ContactCache,
+        guesses: &[Vector3<f64>],
+    ) -> f64 {
+        let mut overlap = self.fly(most, terms, cache, guesses);
+        if overlap <= LANDED {
+            return most;
+        }
+        // Illinois' rule on the overlap less half of what is allowed; bisection where one end is not known.
+        let target = 0.5 * LANDED;
+        let (mut low, mut high) = (0.0, most);
+        let (mut at_low, mut at_high) = (f64::NEG_INFINITY, overlap - target);
+        for trial in 0..MOST_TRIALS {
+            let share = if at_low.is_finite() && trial % 8 != 7 { at_low / (at_low - at_high) } else { 0.5 };
+            let h = low + (high - low) * share;
+            if h <= low || h >= high {
+                break;
+            }
+            overlap = self.fly(h, terms, cache, guesses);
+            if (0.0..=LANDED).contains(&overlap) {
+                return h;
+            }
+            let value = overlap - target;
+            if value > 0.0 {
+                (high, at_high) = (h, value);
+                at_low *= 0.5;
+            } else {
+                (low, at_low) = (h, value);
+                at_high *= 0.5;
+            }
+        }
+        // As near as rounding lets it come, on the far side.
+        self.fly(high, terms, cache, guesses);
+        high
+    }
+
+    /// Flies for h, s. The deepest overlap of what flies at the end, m; negative: a gap, of those that are found.
+    fn fly(&mut self, h: f64, terms: &ContactTerms, cache: &ContactCache, guesses: &[Vector3<f64>]) -> f64 {
+        let Self { flight, members, moving, links, springs, pairings, flies, motion, sites, shapes, finder, .. } = self;
+        let view = View { members, moving: *moving, links };
+        let given = Given { view, springs, pairings, flies, correction_speed: terms.correction_speed };
+        let guess = |site: &sites::Site| cache.force(pairings[site.pairing as usize].pair, site.feature);
+        flight.fly(&given, motion, sites, shapes, finder, guess, &guesses[..links.len()], h);
+        let landed = flight.sites.list.iter().filter(|site| flies[site.pairing as usize]);
+        landed.map(|site| -site.gap).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Makes the end of the flight the state.
+    fn commit(&mut self, h: f64) {
+        let Self { flight, motion, sites, pairings, loads, joint_forces, links, .. } = self;
+        motion.clone_from(&flight.end);
+        let mut add = |kernel: &Kernel, held: &[u32], sites: &Sites| {
+            for (&index, impulse) in held.iter().zip(&kernel.impulses.contacts) {
+                let site = &sites.list[index as usize];
+                let load = loads.entry((pairings[site.pairing as usize].pair, site.feature)).or_default();
+                load[0] += impulse;
+                load[1] = impulse / (0.5 * h);
+            }
+            joint_forces.iter_mut().zip(&kernel.impulses.joints).for_each(|(sum, impulse)| *sum += impulse);
+        };
+        add(&flight.places, &flight.held[0], sites);
+        add(&flight.velocities, &flight.held[1], &flight.sites);
+        for (sum, force) in joint_forces[links.len()..].iter_mut().zip(&flight.spring_forces) {
+            *sum += force * h;
+        }
+    }
+
+    /// Writes bodies and joint forces back.
+    pub fn scatter(&self, bodies: &mut [Body], joints: &mut [Joint]) {
+        for (&index, motion) in self.bodies.iter().zip(&self.motion).take(self.moving) {
+            put(motion, &mut bodies[index as usize]);
+        }
+        for (&joint, force) in self.joints.iter().zip(&self.joint_forces) {
+            joints[joint as usize].force = *force;
+        }
+    }
+
+    /// Rows of the last solve.
+    pub fn rows(&self) -> u32 {
+        3 * (self.links.len() + self.flight.held[1].len()) as u32
+    }
+
+    /// What each point of the pairs carried: the mean force over the step and the last one, N, on B.
+    pub fn load(&self, pair: Pair, feature: FeatureId) -> [Vector3<f64>; 2] {
+        self.loads.get(&(pair, feature)).copied().unwrap_or_default()
+    }
+
+    /// The pairs in reach.
+    pub fn pairs(&self) -> impl Iterator<Item = Pair> + '_ {
+        self.pairings.iter().map(|pairing| pairing.pair)
+    }
+
+    /// Keeps the forces for the next step.
+    pub fn store(&self, cache: &mut ContactCache) {
+        for (index, pairing) in self.pairings.iter().enumerate() {
+            let sites = self.flight.sites.of(index);
+            cache.insert(
+                pairing.pair,
+                sites.iter().map(|site| (site.feature, self.load(pairing.pair, site.feature)[1])),
+            );
+        }
+    }
+}
