@@ -40,6 +40,11 @@ const PATIENCE: u32 = 60;
 /// Below this ε, Newton steps on the rigid problem may do.
 const NEAR: f64 = 0.02;
 
+/// After so many steps of all kinds a residual, m/s, is enough: in heaps with loops of joints each further digit
+/// may take a hundred.
+const ENOUGH_STEPS: u32 = 60;
+const ENOUGH: f64 = 1e-8;
+
 /// Kept from solve to solve.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Buffers {
@@ -92,7 +97,8 @@ impl ConeSolver {
             }
             waited = if outcome.residual < goal { 0 } else { waited + 1 };
             goal = goal.min(0.9 * outcome.residual);
-            if waited > PATIENCE || outcome.residual <= self.rounding() {
+            let is_enough = outcome.steps > ENOUGH_STEPS && outcome.residual <= ENOUGH;
+            if waited > PATIENCE || is_enough || outcome.residual <= self.rounding() {
                 break;
             }
         }

@@ -42,6 +42,12 @@ impl Member {
         self.freedom == Vector3::repeat(1.0)
     }
 
+    /// J.
+    pub fn kinetic_energy(&self, motion: &Motion) -> f64 {
+        let spin = motion.rotation.inverse_transform_vector(&motion.angular);
+        0.5 * (self.mass * motion.linear.norm_squared() + spin.dot(&self.inertia.component_mul(&spin)))
+    }
+
     /// Inertia in world axes.
     pub fn world_inertia(&self, rotation: &Matrix3<f64>) -> Matrix3<f64> {
         if self.is_round() { Matrix3::from_diagonal(&self.inertia) } else { in_world(&self.inertia, rotation) }

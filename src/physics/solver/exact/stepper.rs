@@ -188,9 +188,5 @@ impl Stepper {
 }
 
 fn kinetic_energy(mechanism: &Mechanism, motion: &[Motion]) -> f64 {
-    let of_member = mechanism.members.iter().zip(motion).map(|(member, at)| {
-        let spin = at.rotation.inverse_transform_vector(&at.angular);
-        0.5 * (member.mass * at.linear.norm_squared() + spin.dot(&member.inertia.component_mul(&spin)))
-    });
-    of_member.sum()
+    mechanism.members.iter().zip(motion).map(|(member, motion)| member.kinetic_energy(motion)).sum()
 }

@@ -21,6 +21,8 @@ use crate::physics::integrator::gyroscopic::free_rotation;
 pub(super) const TOUCHING: f64 = 1e-9;
 /// What a forecast may be off by, m.
 const FORECAST: f64 = 1e-13;
+/// What one may be off by that comes no nearer, m.
+const NEARLY: f64 = 1e-10;
 /// Forecasts.
 const MOST_TURNS: usize = 8;
 
@@ -49,6 +51,11 @@ pub(super) struct Flight {
     kicked: Vec<Motion>,
     gains: Vec<f64>,
     joint_gains: Vec<Vector3<f64>>,
+    /// How fast gaps open and anchors part without what bends their ways, m/s.
+    openings: Vec<f64>,
+    partings: Vec<Vector3<f64>>,
+    /// Whether places came to be as the impulses were to make them.
+    pub is_true: bool,
     /// Mean forces that springs give, N, on B.
     pub spring_forces: Vec<Vector3<f64>>,
 }
@@ -109,44 +116,64 @@ impl Flight {
         joint_guess: &[Vector3<f64>],
         h: f64,
     ) {
-        let Self { places, held, end, sites, kicked, gains, joint_gains, .. } = self;
-        let held = &mut held[0];
+        let Self { places, held: [held, _], kicked, .. } = self;
         held.clear();
         let is_held = |site: &Site| !given.flies[site.pairing as usize];
         held.extend((0..).zip(&start_sites.list).filter(|(_, site)| is_held(site)).map(|(index, _)| index));
         let held_sites = || held.iter().map(|&index| &start_sites.list[index as usize]);
         places.set(given.view, kicked, held_sites());
-        gains.clear();
-        let first_gain = |site: &Site| (site.gap / h).max(-given.correction_speed);
-        gains.extend(held_sites().map(first_gain));
         let separations: Vec<Vector3<f64>> = given.view.links.iter().map(|link| separation_of(link, start)).collect();
-        joint_gains.clear();
-        joint_gains.extend(separations.iter().map(|separation| separation / h));
         places.impulses.contacts.clear();
         places.impulses.contacts.extend(held_sites().map(|site| guess(site) * (0.5 * h)));
         places.impulses.joints.clear();
         places.impulses.joints.extend(joint_guess.iter().map(|force| force * (0.5 * h)));
+        // What cannot be closed, as of a chain that is stretched too far, is left as it is.
+        self.is_true = [1.0, 0.0]
+            .into_iter()
+            .any(|closed| self.forecast(given, start_sites, bodies, finder, &separations, closed, h));
+    }
+
+    /// Solves for places until what the impulses are to do to them is what they do. That share of errors at the start is
+    /// closed. Whether it came true.
+    fn forecast(
+        &mut self,
+        given: &Given,
+        start_sites: &Sites,
+        bodies: &mut [Body],
+        finder: &mut Finder,
+        separations: &[Vector3<f64>],
+        closed: f64,
+        h: f64,
+    ) -> bool {
+        let Self { places, held: [held, _], end, sites, kicked, gains, joint_gains, openings, partings, .. } = self;
+        let held_sites = || held.iter().map(|&index| &start_sites.list[index as usize]);
+        let first_gain = |site: &Site| {
+            if site.gap > 0.0 { site.gap / h } else { (site.gap * closed / h).max(-given.correction_speed) }
+        };
+        gains.clear();
+        gains.extend(held_sites().map(first_gain));
+        joint_gains.clear();
+        joint_gains.extend(separations.iter().map(|separation| separation * (closed / h)));
         let mut before = f64::INFINITY;
-        for turn in 0..MOST_TURNS {
-            if turn > 0 {
-                end.clone_from(kicked);
-            }
+        for _ in 0..MOST_TURNS {
+            end.clone_from(kicked);
             places.solve(end, gains, joint_gains);
-            let openings: Vec<f64> = held_sites().map(|site| site.opening(end)).collect();
-            let partings: Vec<Vector3<f64>> = given.view.links.iter().map(|link| parting(link, end)).collect();
+            openings.clear();
+            openings.extend(held_sites().map(|site| site.opening(end)));
+            partings.clear();
+            partings.extend(given.view.links.iter().map(|link| parting(link, end)));
             for (member, motion) in given.view.members.iter().zip(&mut *end) {
                 drift(member, motion, h);
             }
             place(bodies, end);
             sites.find(given.pairings, bodies, |pairing| margin(pairing, bodies), finder);
             if places.is_empty() {
-                return;
+                return true;
             }
             let mut worst: f64 = 0.0;
-            for (((&index, gain), opening), impulse) in
-                held.iter().zip(&mut *gains).zip(&openings).zip(&places.impulses.contacts)
+            for (((site, gain), opening), impulse) in
+                held_sites().zip(&mut *gains).zip(&*openings).zip(&places.impulses.contacts)
             {
-                let site = &start_sites.list[index as usize];
                 let Some(found) = sites.position(site.pairing, site.feature) else { continue };
                 let bent = sites.list[found].gap - (site.gap + opening * h);
                 let mended = first_gain(site) + bent / h;
@@ -157,15 +184,19 @@ impl Flight {
             }
             for (index, link) in given.view.links.iter().enumerate() {
                 let bent = separation_of(link, end) - (separations[index] + partings[index] * h);
-                let mended = (separations[index] + bent) / h;
+                let mended = (separations[index] * closed + bent) / h;
                 worst = worst.max((mended - joint_gains[index]).amax() * h);
                 joint_gains[index] = mended;
             }
-            if worst <= FORECAST || worst >= 0.5 * before && worst < 1e-11 {
-                break;
+            if worst <= FORECAST || worst >= 0.5 * before && worst < NEARLY {
+                return true;
+            }
+            if worst > 2.0 * before || worst.is_nan() {
+                return false;
             }
             before = before.min(worst);
         }
+        before < NEARLY
     }
 
     fn hold_velocities(&mut self, given: &Given, start_sites: &Sites) {

@@ -27,6 +27,12 @@ use crate::physics::solver::ContactCache;
 
 /// Overlap within which a landing is found, m.
 const LANDED: f64 = 1e-11;
+/// Overlap of what should be held, m, for which a flight is cut short.
+const MISSED: f64 = 1e-6;
+/// Kinetic energy that a flight may have made, as a share of what there is.
+const GAINED: f64 = 3e-3;
+/// Flights are not cut to less than this share of a step for either.
+const SHORTEST: f64 = 1.0 / 256.0;
 /// Landings in a step.
 const MOST_EVENTS: u32 = 1_000;
 /// Flights to find a landing.
@@ -61,6 +67,8 @@ pub(crate) struct Touching {
     finder: Finder,
     flies: Vec<bool>,
     flight: Flight,
+    /// Whether it ends where something lands.
+    flight_lands: bool,
     impacts: Impacts,
     /// Impulses over the step, N·s, on B, and those of its last solve as forces, N.
     loads: HashMap<(Pair, FeatureId), [Vector3<f64>; 2]>,
@@ -155,7 +163,7 @@ impl Touching {
             let h = self.fly_until_landing(left, terms, cache, guesses);
             self.commit(h);
             left -= h;
-            if left > 1e-12 * terms.h {
+            if self.flight_lands {
                 events += 1;
                 self.effort.cuts += 1;
             }
@@ -202,8 +210,15 @@ impl Touching {
         cache: &ContactCache,
         guesses: &[Vector3<f64>],
     ) -> f64 {
+        let mut most = most;
         let mut overlap = self.fly(most, terms, cache, guesses);
-        if overlap <= LANDED {
+        while most > terms.h * SHORTEST && (!self.flight.is_true || self.missed() > MISSED || self.gains()) {
+            most *= 0.5;
+            self.effort.cuts += 1;
+            overlap = self.fly(most, terms, cache, guesses);
+        }
+        self.flight_lands = overlap > LANDED;
+        if !self.flight_lands {
             return most;
         }
         // Illinois' rule on the overlap less half of what is allowed; bisection where one end is not known.
@@ -243,6 +258,38 @@ impl Touching {
         flight.fly(&given, motion, sites, shapes, finder, guess, &guesses[..links.len()], h);
         let landed = flight.sites.list.iter().filter(|site| flies[site.pairing as usize]);
         landed.map(|site| -site.gap).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// How much deeper what is held overlaps at the end of the flight than it did, m: features met that were in no
+    /// reach of each other as they lay.
+    fn missed(&self) -> f64 {
+        let deepest =
+            |sites: &Sites, pairing: usize| sites.of(pairing).iter().map(|site| -site.gap).fold(0.0, f64::max);
+        let held = (0..self.pairings.len()).filter(|&pairing| !self.flies[pairing]);
+        held.map(|pairing| deepest(&self.flight.sites, pairing) - deepest(&self.sites, pairing)).fold(0.0, f64::max)
+    }
+
+    /// Whether the flight made energy that no force, spring or support gave: its step is too long for how fast something
+    /// turns.
+    fn gains(&self) -> bool {
+        let Self { flight, members, moving, motion, springs, .. } = self;
+        let is_driven = motion[*moving..]
+            .iter()
+            .any(|support| *support != Motion { linear: Vector3::zeros(), angular: Vector3::zeros(), ..*support });
+        if is_driven || !springs.is_empty() {
+            return false;
+        }
+        let kinetic = |motion: &[Motion]| -> f64 {
+            members.iter().zip(motion).take(*moving).map(|(member, motion)| member.kinetic_energy(motion)).sum()
+        };
+        let work: f64 = members
+            .iter()
+            .zip(motion.iter().zip(&flight.end))
+            .take(*moving)
+            .map(|(member, (start, end))| member.force.dot(&(end.position - start.position)))
+            .sum();
+        let (before, after) = (kinetic(motion), kinetic(&flight.end));
+        after - before - work > GAINED * after
     }
 
     /// Makes the end of the flight the state.
