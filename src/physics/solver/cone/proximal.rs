@@ -42,7 +42,7 @@ const NEAR: f64 = 0.02;
 
 /// After so many steps of all kinds a residual, m/s, is enough: in heaps with loops of joints each further digit
 /// may take a hundred.
-const ENOUGH_STEPS: u32 = 60;
+const ENOUGH_STEPS: u32 = 150;
 const ENOUGH: f64 = 1e-8;
 
 /// Kept from solve to solve.

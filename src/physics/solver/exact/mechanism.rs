@@ -94,6 +94,11 @@ impl Motion {
         angular: Vector3::new(0.0, 0.0, 0.0),
     };
 
+    /// Whether it does not move.
+    pub fn is_still(&self) -> bool {
+        self.linear == Vector3::zeros() && self.angular == Vector3::zeros()
+    }
+
     /// Goes on with the velocities as they are for h, s.
     pub fn drift(&mut self, h: f64) {
         self.position += self.linear * h;

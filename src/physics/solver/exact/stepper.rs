@@ -24,6 +24,9 @@ const CALM: u32 = 8;
 /// Kinetic energy after a projection over that before it, at most.
 const MOST_GAINED: f64 = 2.0;
 
+/// Kinetic energy that is none, J/kg.
+const STILL: f64 = 1e-12;
+
 /// Stages.
 const STAGES: usize = 3;
 
@@ -154,13 +157,15 @@ impl Stepper {
         }
     }
 
-    /// Brings joints back, unless that makes kinetic energy where no support moves: then their rows are too nearly dependent, and the mechanism
-    /// stays as it was. Whether it did.
+    /// Brings joints back, unless that makes kinetic energy where no support moves: then their rows are too nearly
+    /// dependent, and the mechanism stays as it was. Whether it did.
     fn project(&mut self, mechanism: &mut Mechanism) -> bool {
         self.before.clone_from(&mechanism.motion);
         self.projection.project(mechanism);
-        let gains =
-            kinetic_energy(mechanism, &mechanism.motion) > MOST_GAINED * kinetic_energy(mechanism, &self.before);
+        let mass: f64 = mechanism.members.iter().map(|member| member.mass).sum();
+        let most = MOST_GAINED * kinetic_energy(mechanism, &self.before) + STILL * mass;
+        let gains = mechanism.motion[mechanism.moving..].iter().all(Motion::is_still)
+            && kinetic_energy(mechanism, &mechanism.motion) > most;
         if gains {
             mechanism.motion.clone_from(&self.before);
         }

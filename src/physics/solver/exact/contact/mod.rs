@@ -273,9 +273,7 @@ impl Touching {
     /// turns.
     fn gains(&self) -> bool {
         let Self { flight, members, moving, motion, springs, .. } = self;
-        let is_driven = motion[*moving..]
-            .iter()
-            .any(|support| *support != Motion { linear: Vector3::zeros(), angular: Vector3::zeros(), ..*support });
+        let is_driven = !motion[*moving..].iter().all(Motion::is_still);
         if is_driven || !springs.is_empty() {
             return false;
         }
