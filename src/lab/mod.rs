@@ -16,8 +16,8 @@ pub mod verdict;
 mod whole_file;
 
 pub use metrics::{
-    ContactResidual, EnergyMetrics, Metrics, MomentumMetrics, QuarantinedEntity, Shares, StepCounts, StepMilliseconds,
-    TruthMetrics,
+    ContactResidual, EnergyMetrics, ExactCounts, Metrics, MomentumMetrics, QuarantinedEntity, Shares, StepCounts,
+    StepMilliseconds, TruthMetrics,
 };
 pub use run::{BodyState, MOST_STEPS, Plan, PlanError, Sample, Simulation, measure};
 pub use settings_file::{SettingsFileError, read_settings, settings_text, write_settings};

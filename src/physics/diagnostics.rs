@@ -51,6 +51,9 @@ pub struct StepStats {
     pub cuts: u32,
     /// Parts of the last step that it could not solve however short it cut them: what they held is not exact.
     pub unsettled: u32,
+    /// Sliding points at which it found no rigid motion to exist (Painlevé), once for each part of the last step: an
+    /// impulse stops them.
+    pub jammed: u32,
     /// Bodies quarantined now.
     pub quarantined: u32,
     /// Bodies asleep now.

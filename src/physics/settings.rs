@@ -43,7 +43,8 @@ pub enum Method {
     #[serde(rename = "xpbd")]
     Xpbd,
     /// Joints by their exact forces, J M⁻¹ Jᵀ λ = b solved directly in each stage of an integrator that converges, all in
-    /// `f64`. What touches something goes by force-level sweeps.
+    /// `f64`. What is in reach of something goes by a step of second order instead, whose contacts obey Signorini's
+    /// condition and Coulomb's cone to 1e-10 m/s; what bounces does so at the time at which it lands.
     #[serde(rename = "exact")]
     Exact,
 }
@@ -277,8 +278,8 @@ impl SolverSettings {
         }
     }
 
-    /// The one that converges with the step to rounding error, where nothing touches: joints exactly, Gauss's method.
-    /// What touches something is swept as by [`steady`](Self::steady).
+    /// The one that converges with the step to rounding error: joints and contacts exactly, Gauss's method where nothing
+    /// touches.
     pub fn accurate() -> Self {
         Self {
             method: Method::Exact,

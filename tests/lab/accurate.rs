@@ -6,12 +6,12 @@ use plumb::lab::{BodyState, Simulation};
 use plumb::physics::{Diagnostics, SolverSettings, StepStats};
 use plumb::scene::{SceneSpec, load};
 
-fn scene(name: &str, parameters: &[(&str, f64)]) -> SceneSpec {
+pub(crate) fn scene(name: &str, parameters: &[(&str, f64)]) -> SceneSpec {
     let parameters: Vec<_> = parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
     load(name, &parameters).unwrap()
 }
 
-fn simulation(scene: SceneSpec, hz: f64) -> Simulation {
+pub(crate) fn simulation(scene: SceneSpec, hz: f64) -> Simulation {
     let mut simulation = Simulation::new(scene, SolverSettings { hz, ..SolverSettings::accurate() });
     simulation.world_mut().init_resource::<Diagnostics>();
     simulation
@@ -19,18 +19,22 @@ fn simulation(scene: SceneSpec, hz: f64) -> Simulation {
 
 /// What a run came to.
 #[derive(Default)]
-struct Outcome {
+pub(crate) struct Outcome {
     /// Of the scene's truth, and of its further ones.
-    error: f64,
-    further: Vec<f64>,
+    pub error: f64,
+    pub further: Vec<f64>,
     /// Largest separation of a joint, m.
-    separation: f64,
+    pub separation: f64,
     /// Energies after each step, J.
-    energies: Vec<f64>,
-    unsettled: u32,
+    pub energies: Vec<f64>,
+    pub unsettled: u32,
+    /// Parts beyond the steps.
+    pub cuts: u32,
+    /// Deepest overlap, m.
+    pub penetration: f64,
 }
 
-fn run(scene: SceneSpec, hz: f64, seconds: f64) -> Outcome {
+pub(crate) fn run(scene: SceneSpec, hz: f64, seconds: f64) -> Outcome {
     let mut truth = truth::of(&scene, &SolverSettings::accurate()).expect("an answer");
     let mut simulation = simulation(scene, hz);
     truth.observe(&simulation.sample());
@@ -41,7 +45,10 @@ fn run(scene: SceneSpec, hz: f64, seconds: f64) -> Outcome {
         let seen = simulation.world().resource::<Diagnostics>();
         outcome.separation = outcome.separation.max(seen.joint_error);
         outcome.energies.push(seen.energy());
-        outcome.unsettled += simulation.world().resource::<StepStats>().unsettled;
+        outcome.penetration = outcome.penetration.max(seen.penetration);
+        let stats = simulation.world().resource::<StepStats>();
+        outcome.unsettled += stats.unsettled;
+        outcome.cuts += stats.cuts;
     }
     outcome.error = truth.error().expect("something to compare");
     outcome.further = truth.further.iter().filter_map(|truth| truth.error()).collect();
@@ -145,23 +152,4 @@ fn a_step_too_long_is_cut_and_says_so() {
     }
     assert!(cuts > 0);
     assert!(simulation.sample().bodies.iter().all(|body| body.position.is_finite()));
-}
-
-/// Figures that fall, land on each other and slide: joints loaded in sweeps for as long as something touches.
-#[test]
-fn what_touches_is_swept_and_keeps_its_energy_and_joints() {
-    let mut simulation = simulation(scene("limbs", &[]), 60.0);
-    simulation.step();
-    let first = simulation.world().resource::<Diagnostics>().energy();
-    let (mut highest, mut separation) = (first, 0.0_f64);
-    for _ in 0..180 {
-        simulation.step();
-        let seen = simulation.world().resource::<Diagnostics>();
-
-        highest = highest.max(seen.energy());
-        separation = separation.max(seen.joint_error);
-    }
-    assert!(highest <= first + 1e-9, "energy rises from {first} to {highest} J");
-    assert!(separation < 0.02, "joints part by {separation} m");
-    assert!(simulation.quarantined().is_empty());
 }

@@ -1,6 +1,7 @@
 //! Tests of scenes, measuring and the command line, one module a subject.
 
 mod accurate;
+mod accurate_contact;
 mod command_line;
 mod export;
 mod metrics;

@@ -1,6 +1,6 @@
 //! The measurements of a run for a person to read.
 
-use crate::lab::{Metrics, MomentumMetrics};
+use crate::lab::{ExactCounts, Metrics, MomentumMetrics};
 
 pub(super) fn of(metrics: &Metrics) -> String {
     let rows = rows(metrics);
@@ -57,6 +57,12 @@ fn rows(metrics: &Metrics) -> Vec<(String, String)> {
     if let Some(residual) = metrics.contact_residual {
         let (worst, last) = (short(residual.worst), short(residual.last));
         rows.push(("contacts".into(), format!("off their laws by {worst} at worst, {last} at the end")));
+    }
+    if let Some(ExactCounts { cuts, unsettled, jammed }) = metrics.exact {
+        rows.push(("exactly".into(), format!("{cuts} cuts of steps, {unsettled} parts not settled")));
+        if jammed > 0 {
+            rows.push(("jammed".into(), format!("{jammed} times a sliding point has no rigid motion: it was stopped")));
+        }
     }
     let MomentumMetrics { linear_max_relative_drift, angular_max_relative_drift } = metrics.momentum;
     for (kind, drift) in [("linear", linear_max_relative_drift), ("angular", angular_max_relative_drift)] {

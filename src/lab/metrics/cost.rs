@@ -24,6 +24,25 @@ pub struct StepCounts {
     pub pairs: u32,
 }
 
+/// What the exact method had to do beside its steps, over a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct ExactCounts {
+    /// Parts into which steps were cut: at impacts, and where they were too long.
+    pub cuts: u64,
+    /// Solves and parts that did not come to their laws, however many tries they were given.
+    pub unsettled: u64,
+    /// Sliding points at which no rigid motion exists (Painlevé), once for each part of a step: an impulse stops them.
+    pub jammed: u64,
+}
+
+impl ExactCounts {
+    pub(super) fn add(&mut self, stats: &StepStats) {
+        self.cuts += u64::from(stats.cuts);
+        self.unsettled += u64::from(stats.unsettled);
+        self.jammed += u64::from(stats.jammed);
+    }
+}
+
 impl StepCounts {
     pub(super) fn of(stats: &StepStats) -> Self {
         Self { row_updates: stats.row_updates, pairs: stats.pairs }

@@ -6,7 +6,7 @@
 use bevy::ecs::entity::EntityHashMap;
 
 use super::contacts::ContactMeter;
-use super::cost::{StepCounts, StepMilliseconds, simd};
+use super::cost::{ExactCounts, StepCounts, StepMilliseconds, simd};
 use super::energy::EnergyMeter;
 use super::forces::ForceMeter;
 use super::joints::JointMeter;
@@ -16,7 +16,7 @@ use super::rest::RestMeter;
 use super::{Metrics, Shares, TruthMetrics};
 use crate::lab::run::{BodyState, Plan, Simulation};
 use crate::lab::truth::{EnergyScale, Truth, Unknown};
-use crate::physics::{ContactForces, Diagnostics, JointForces, StepStats};
+use crate::physics::{ContactForces, Diagnostics, JointForces, Method, StepStats};
 
 /// Time at the end of a run over which a scene that stays is looked at for jitter and forces, s.
 const SETTLED_SECONDS: f64 = 1.0;
@@ -31,6 +31,7 @@ pub(in crate::lab) struct Meter {
     /// Steps from this one on are the last [`SETTLED_SECONDS`].
     settled_from: u64,
     step_seconds: Vec<f64>,
+    exact: ExactCounts,
     joint_error: f64,
     penetration: f64,
     joints: JointMeter,
@@ -74,6 +75,7 @@ impl Meter {
             start: sample.bodies.to_vec(),
             settled_from: plan.steps.saturating_sub(settled_steps) + 1,
             step_seconds: Vec::new(),
+            exact: ExactCounts::default(),
             joint_error: 0.0,
             penetration: 0.0,
             joints: JointMeter::new(simulation.scene()),
@@ -88,7 +90,9 @@ impl Meter {
     pub fn observe(&mut self, simulation: &Simulation) {
         let sample = simulation.sample();
         let world = simulation.world();
-        self.step_seconds.push(world.resource::<StepStats>().step_seconds);
+        let stats = world.resource::<StepStats>();
+        self.step_seconds.push(stats.step_seconds);
+        self.exact.add(stats);
         let diagnostics = world.resource::<Diagnostics>();
         self.joint_error = self.joint_error.max(diagnostics.joint_error);
         self.penetration = self.penetration.max(diagnostics.penetration);
@@ -130,6 +134,7 @@ impl Meter {
             seconds: simulation.sample().time,
             ms_per_step: StepMilliseconds::of(self.step_seconds),
             counts: StepCounts::of(stats),
+            exact: (plan.settings.method == Method::Exact).then_some(self.exact),
             energy: motion.energy.metrics(scale),
             momentum: motion.momentum.metrics(),
             joint_error_max_m: self.joint_error,

@@ -23,7 +23,7 @@ use crate::physics::SolverSettings;
 use super::truth::Truth;
 
 pub use contacts::ContactResidual;
-pub use cost::{StepCounts, StepMilliseconds};
+pub use cost::{ExactCounts, StepCounts, StepMilliseconds};
 pub use energy::EnergyMetrics;
 pub(super) use meter::Meter;
 pub use momentum::MomentumMetrics;
@@ -51,6 +51,8 @@ pub struct Metrics {
     pub ms_per_step: StepMilliseconds,
     /// What a step cost, in counts that no clock spoils.
     pub counts: StepCounts,
+    /// What the exact method had to do besides; none of another method.
+    pub exact: Option<ExactCounts>,
     /// Energy at both ends, and how far it strayed.
     pub energy: EnergyMetrics,
     /// How far linear and angular momentum strayed.

@@ -114,7 +114,8 @@ fn solve_exactly(
         });
     }
     cache.clear();
-    (stats.resting, stats.rows, stats.row_updates, stats.cuts, stats.unsettled) = (0, 0, 0, 0, 0);
+    (stats.resting, stats.rows, stats.row_updates) = (0, 0, 0);
+    (stats.cuts, stats.unsettled, stats.jammed) = (0, 0, 0);
     for group in &*list {
         group.scatter(&mut bodies.list, &mut joints.list);
         for (rows, effort) in group.efforts() {
@@ -122,6 +123,7 @@ fn solve_exactly(
             stats.row_updates += u64::from(rows) * u64::from(effort.solves);
             stats.cuts += effort.cuts;
             stats.unsettled += effort.unsettled;
+            stats.jammed += effort.jammed;
         }
         group.touching().iter().for_each(|touching| touching.store(&mut cache));
     }

@@ -25,7 +25,7 @@ const CALM: u32 = 8;
 const MOST_GAINED: f64 = 2.0;
 
 /// Kinetic energy that is none, J/kg.
-const STILL: f64 = 1e-12;
+pub(crate) const STILL: f64 = 1e-12;
 
 /// Stages.
 const STAGES: usize = 3;
@@ -39,6 +39,8 @@ pub(crate) struct Effort {
     pub cuts: u32,
     /// Parts that did not converge however short.
     pub unsettled: u32,
+    /// Sliding points without a rigid motion.
+    pub jammed: u32,
 }
 
 /// Integrators with what they keep from step to step.

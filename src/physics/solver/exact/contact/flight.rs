@@ -23,8 +23,10 @@ pub(super) const TOUCHING: f64 = 1e-9;
 const FORECAST: f64 = 1e-13;
 /// What one may be off by that comes no nearer, m.
 const NEARLY: f64 = 1e-10;
+/// Overlap at the end of a forecast from which on features that it did not hold are held, m.
+const MET: f64 = 1e-7;
 /// Forecasts.
-const MOST_TURNS: usize = 8;
+const MOST_TURNS: usize = 12;
 
 /// What does not change in a step.
 #[derive(Clone, Copy)]
@@ -43,8 +45,10 @@ pub(super) struct Given<'a> {
 pub(super) struct Flight {
     pub places: Kernel,
     pub velocities: Kernel,
-    /// Indices of the sites that take part in each.
-    pub held: [Vec<u32>; 2],
+    /// The sites that take part in each: of places first those at the start, in their order, then those met on the way.
+    pub held: [Vec<Site>; 2],
+    /// How many of places are those at the start.
+    known: usize,
     /// Where it ends, and the sites there.
     pub end: Vec<Motion>,
     pub sites: Sites,
@@ -56,6 +60,8 @@ pub(super) struct Flight {
     partings: Vec<Vector3<f64>>,
     /// Whether places came to be as the impulses were to make them.
     pub is_true: bool,
+    /// Sliding points at the start without a rigid motion.
+    pub jammed: u32,
     /// Mean forces that springs give, N, on B.
     pub spring_forces: Vec<Vector3<f64>>,
 }
@@ -81,7 +87,7 @@ impl Flight {
         self.kicked.clone_from(&self.end);
         self.hold_places(given, start, start_sites, bodies, finder, guess, joint_guess, h);
         self.kick(given, h);
-        self.hold_velocities(given, start_sites);
+        self.hold_velocities(given);
     }
 
     /// Half a step of forces, springs and drag.
@@ -116,21 +122,20 @@ impl Flight {
         joint_guess: &[Vector3<f64>],
         h: f64,
     ) {
-        let Self { places, held: [held, _], kicked, .. } = self;
+        let Self { places, held: [held, _], kicked, known, .. } = self;
         held.clear();
-        let is_held = |site: &Site| !given.flies[site.pairing as usize];
-        held.extend((0..).zip(&start_sites.list).filter(|(_, site)| is_held(site)).map(|(index, _)| index));
-        let held_sites = || held.iter().map(|&index| &start_sites.list[index as usize]);
-        places.set(given.view, kicked, held_sites());
+        held.extend(start_sites.list.iter().filter(|site| !given.flies[site.pairing as usize]).cloned());
+        *known = held.len();
+        places.set(given.view, kicked, held.iter());
         let separations: Vec<Vector3<f64>> = given.view.links.iter().map(|link| separation_of(link, start)).collect();
+        self.jammed = places.jammed(held.iter().map(|site| (site, site.velocity(start))));
         places.impulses.contacts.clear();
-        places.impulses.contacts.extend(held_sites().map(|site| guess(site) * (0.5 * h)));
+        places.impulses.contacts.extend(held.iter().map(|site| guess(site) * (0.5 * h)));
         places.impulses.joints.clear();
         places.impulses.joints.extend(joint_guess.iter().map(|force| force * (0.5 * h)));
         // What cannot be closed, as of a chain that is stretched too far, is left as it is.
-        self.is_true = [1.0, 0.0]
-            .into_iter()
-            .any(|closed| self.forecast(given, start_sites, bodies, finder, &separations, closed, h));
+        self.is_true =
+            [1.0, 0.0].into_iter().any(|closed| self.forecast(given, bodies, finder, &separations, closed, h));
     }
 
     /// Solves for places until what the impulses are to do to them is what they do. That share of errors at the start is
@@ -138,20 +143,19 @@ impl Flight {
     fn forecast(
         &mut self,
         given: &Given,
-        start_sites: &Sites,
         bodies: &mut [Body],
         finder: &mut Finder,
         separations: &[Vector3<f64>],
         closed: f64,
         h: f64,
     ) -> bool {
-        let Self { places, held: [held, _], end, sites, kicked, gains, joint_gains, openings, partings, .. } = self;
-        let held_sites = || held.iter().map(|&index| &start_sites.list[index as usize]);
+        let Self { places, held: [held, _], known, end, sites, kicked, gains, joint_gains, openings, partings, .. } =
+            self;
         let first_gain = |site: &Site| {
             if site.gap > 0.0 { site.gap / h } else { (site.gap * closed / h).max(-given.correction_speed) }
         };
         gains.clear();
-        gains.extend(held_sites().map(first_gain));
+        gains.extend(held.iter().map(first_gain));
         joint_gains.clear();
         joint_gains.extend(separations.iter().map(|separation| separation * (closed / h)));
         let mut before = f64::INFINITY;
@@ -159,7 +163,7 @@ impl Flight {
             end.clone_from(kicked);
             places.solve(end, gains, joint_gains);
             openings.clear();
-            openings.extend(held_sites().map(|site| site.opening(end)));
+            openings.extend(held.iter().map(|site| site.opening(end)));
             partings.clear();
             partings.extend(given.view.links.iter().map(|link| parting(link, end)));
             for (member, motion) in given.view.members.iter().zip(&mut *end) {
@@ -172,7 +176,7 @@ impl Flight {
             }
             let mut worst: f64 = 0.0;
             for (((site, gain), opening), impulse) in
-                held_sites().zip(&mut *gains).zip(&*openings).zip(&places.impulses.contacts)
+                held.iter().zip(&mut *gains).zip(&*openings).zip(&places.impulses.contacts)
             {
                 let Some(found) = sites.position(site.pairing, site.feature) else { continue };
                 let bent = sites.list[found].gap - (site.gap + opening * h);
@@ -181,6 +185,19 @@ impl Flight {
                     worst = worst.max((mended - *gain).abs() * h);
                     *gain = mended;
                 }
+            }
+            // What nobody saw coming is held from where it came from.
+            let count = held.len();
+            for site in &sites.list {
+                if site.gap < -MET && !given.flies[site.pairing as usize] && find(held, *known, site).is_none() {
+                    held.push(Site { gap: site.gap - site.opening(end) * h, ..site.clone() });
+                }
+            }
+            if held.len() > count {
+                worst = f64::INFINITY;
+                places.set(given.view, kicked, held.iter());
+                gains.extend(held[count..].iter().map(first_gain));
+                places.impulses.contacts.resize(held.len(), Vector3::zeros());
             }
             for (index, link) in given.view.links.iter().enumerate() {
                 let bent = separation_of(link, end) - (separations[index] + partings[index] * h);
@@ -191,35 +208,42 @@ impl Flight {
             if worst <= FORECAST || worst >= 0.5 * before && worst < NEARLY {
                 return true;
             }
-            if worst > 2.0 * before || worst.is_nan() {
+            if worst.is_finite() && worst > 2.0 * before || worst.is_nan() {
                 return false;
             }
-            before = before.min(worst);
+            before = if worst.is_finite() { before.min(worst) } else { f64::INFINITY };
         }
         before < NEARLY
     }
 
-    fn hold_velocities(&mut self, given: &Given, start_sites: &Sites) {
-        let Self { velocities, places, held: [before, held], end, sites, gains, joint_gains, .. } = self;
+    fn hold_velocities(&mut self, given: &Given) {
+        let Self { velocities, places, held: [before, held], known, end, sites, gains, joint_gains, .. } = self;
         held.clear();
-        let is_held = |site: &Site| !given.flies[site.pairing as usize] && site.gap <= TOUCHING;
-        held.extend((0..).zip(&sites.list).filter(|(_, site)| is_held(site)).map(|(index, _)| index));
-        let held_sites = || held.iter().map(|&index| &sites.list[index as usize]);
-        velocities.set(given.view, end, held_sites());
+        let is_held = |site: &&Site| !given.flies[site.pairing as usize] && site.gap <= TOUCHING;
+        held.extend(sites.list.iter().filter(is_held).cloned());
+        velocities.set(given.view, end, held.iter());
         gains.clear();
         gains.resize(held.len(), 0.0);
         joint_gains.clear();
         joint_gains.resize(given.view.links.len(), Vector3::zeros());
         let guess = |site: &Site| {
-            let known = start_sites.position(site.pairing, site.feature);
-            let known = known.and_then(|known| before.binary_search(&(known as u32)).ok());
-            known.map_or_else(Vector3::zeros, |known| places.impulses.contacts[known])
+            find(before, *known, site).map_or_else(Vector3::zeros, |known| places.impulses.contacts[known])
         };
         velocities.impulses.contacts.clear();
-        velocities.impulses.contacts.extend(held_sites().map(guess));
+        velocities.impulses.contacts.extend(held.iter().map(guess));
         velocities.impulses.joints.clone_from(&places.impulses.joints);
         velocities.solve(end, gains, joint_gains);
     }
+}
+
+/// Where the same features are held: in order of pairings among the first so many, in none after them.
+fn find(held: &[Site], known: usize, site: &Site) -> Option<usize> {
+    let (ordered, met) = held.split_at(known);
+    let first = ordered.partition_point(|other| other.pairing < site.pairing);
+    let own = ordered[first..].iter().take_while(|other| other.pairing == site.pairing);
+    let is_same = |other: &Site| other.pairing == site.pairing && other.feature == site.feature;
+    let among_known = own.clone().position(is_same).map(|at| first + at);
+    among_known.or_else(|| met.iter().position(is_same).map(|at| known + at))
 }
 
 /// How far the ends of a flight are looked at for sites, m.

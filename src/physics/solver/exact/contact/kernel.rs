@@ -3,11 +3,15 @@
 use nalgebra::Vector3;
 
 use super::super::mechanism::{Link, Member, Motion};
+use super::flight::TOUCHING;
 use super::sites::{Site, point_velocity};
 use crate::physics::solver::cone::{ConeBody, ConeContact, ConeJoint, ConeSolver, End, PerPoint};
 
 /// What a point may be off its law by, m/s.
 const TOLERANCE: f64 = 1e-10;
+
+/// Slip from which a point slides, m/s.
+const SLIDES: f64 = 1e-6;
 
 /// Bodies and rigid links; the first `moving` move.
 #[derive(Clone, Copy)]
@@ -68,6 +72,27 @@ impl Kernel {
             self.given.joints.push(still(ends, &arms));
         }
         self.solver.set(&self.bodies, &self.contacts, &self.joints);
+    }
+
+    /// How many of those sites slide such that no rigid motion exists: n·W(n − μ t̂) ≤ 0, W the mobility of the point and
+    /// t̂ where it slides to (Painlevé 1895): pressing harder pulls its bodies further into each other.
+    pub fn jammed<'s>(&self, sites: impl Iterator<Item = (&'s Site, Vector3<f64>)>) -> u32 {
+        let mut count = 0;
+        for ((site, velocity), contact) in sites.zip(&self.contacts) {
+            let slip = velocity - site.normal * velocity.dot(&site.normal);
+            if site.gap > TOUCHING || slip.norm() < SLIDES {
+                continue;
+            }
+            let push = site.normal - slip.normalize() * site.friction;
+            let moved = (0..2).filter_map(|end| {
+                let body = &self.bodies[contact.bodies[end]? as usize];
+                let arm = &contact.arms[end];
+                let turned = body.inverse_inertia * arm.cross(&push);
+                Some(body.inverse_mass.component_mul(&push) + turned.cross(arm))
+            });
+            count += u32::from(moved.sum::<Vector3<f64>>().dot(&site.normal) <= 0.0);
+        }
+        count
     }
 
     /// Whether there is nothing to solve.

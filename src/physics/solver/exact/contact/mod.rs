@@ -17,10 +17,10 @@ use nalgebra::Vector3;
 use self::flight::{Flight, Given, TOUCHING, place};
 use self::impact::{Impacts, LEAST_BOUNCE, approach};
 use self::kernel::{Kernel, View};
-use self::sites::{Finder, Pairing, Sites};
+use self::sites::{Finder, Pairing, Site, Sites};
 use super::island::{link_of, member, motion, put};
 use super::mechanism::{Link, Member, Motion};
-use super::stepper::Effort;
+use super::stepper::{Effort, STILL};
 use crate::physics::bodies::{Bodies, Body, Joint, Joints};
 use crate::physics::collision::{FeatureId, Pair, fastest_approach};
 use crate::physics::solver::ContactCache;
@@ -254,14 +254,14 @@ impl Touching {
         let Self { flight, members, moving, links, springs, pairings, flies, motion, sites, shapes, finder, .. } = self;
         let view = View { members, moving: *moving, links };
         let given = Given { view, springs, pairings, flies, correction_speed: terms.correction_speed };
-        let guess = |site: &sites::Site| cache.force(pairings[site.pairing as usize].pair, site.feature);
+        let guess = |site: &Site| cache.force(pairings[site.pairing as usize].pair, site.feature);
         flight.fly(&given, motion, sites, shapes, finder, guess, &guesses[..links.len()], h);
         let landed = flight.sites.list.iter().filter(|site| flies[site.pairing as usize]);
         landed.map(|site| -site.gap).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// How much deeper what is held overlaps at the end of the flight than it did, m: features met that were in no
-    /// reach of each other as they lay.
+    /// How much deeper what is held overlaps at the end of the flight than it did, m: features met that were not seen to
+    /// come, however often they were looked for.
     fn missed(&self) -> f64 {
         let deepest =
             |sites: &Sites, pairing: usize| sites.of(pairing).iter().map(|site| -site.gap).fold(0.0, f64::max);
@@ -287,24 +287,25 @@ impl Touching {
             .map(|(member, (start, end))| member.force.dot(&(end.position - start.position)))
             .sum();
         let (before, after) = (kinetic(motion), kinetic(&flight.end));
-        after - before - work > GAINED * after
+        let mass: f64 = members.iter().map(|member| member.mass).sum();
+        after - before - work > GAINED * after + STILL * mass
     }
 
     /// Makes the end of the flight the state.
     fn commit(&mut self, h: f64) {
-        let Self { flight, motion, sites, pairings, loads, joint_forces, links, .. } = self;
+        let Self { flight, motion, pairings, loads, joint_forces, links, effort, .. } = self;
+        effort.jammed += flight.jammed;
         motion.clone_from(&flight.end);
-        let mut add = |kernel: &Kernel, held: &[u32], sites: &Sites| {
-            for (&index, impulse) in held.iter().zip(&kernel.impulses.contacts) {
-                let site = &sites.list[index as usize];
+        let mut add = |kernel: &Kernel, held: &[Site]| {
+            for (site, impulse) in held.iter().zip(&kernel.impulses.contacts) {
                 let load = loads.entry((pairings[site.pairing as usize].pair, site.feature)).or_default();
                 load[0] += impulse;
                 load[1] = impulse / (0.5 * h);
             }
             joint_forces.iter_mut().zip(&kernel.impulses.joints).for_each(|(sum, impulse)| *sum += impulse);
         };
-        add(&flight.places, &flight.held[0], sites);
-        add(&flight.velocities, &flight.held[1], &flight.sites);
+        add(&flight.places, &flight.held[0]);
+        add(&flight.velocities, &flight.held[1]);
         for (sum, force) in joint_forces[links.len()..].iter_mut().zip(&flight.spring_forces) {
             *sum += force * h;
         }

@@ -1,0 +1,146 @@
+//! The preset `accurate` where things touch: closed forms of sliding, rolling and bouncing, and what should stand.
+
+use plumb::lab::Simulation;
+use plumb::physics::{Diagnostics, StepStats};
+
+use crate::accurate::{run, scene, simulation};
+
+#[test]
+fn balls_roll_on_a_slab_as_their_closed_form_says() {
+    for angle in [0.0, 60.0] {
+        let outcome = run(scene("rolling", &[("angle", angle)]), 1000.0, 1.0);
+        assert!(outcome.error < 1e-20, "{angle}: {:e} m2/s2", outcome.error);
+        assert_eq!(outcome.unsettled, 0);
+    }
+}
+
+/// A slope of 30 degrees: it holds from mu = tan 30 degrees on, and is slid down as the closed form says below.
+#[test]
+fn a_box_sticks_or_slides_as_friction_crosses_the_slope() {
+    let edge = 30.0_f64.to_radians().tan();
+    for (mu, slides) in [(edge - 1e-6, true), (edge + 1e-6, false), (0.4, true), (0.0, true)] {
+        let incline = scene("incline", &[("theta", 30.0), ("mu", mu)]);
+        let mut simulation = simulation(incline.clone(), 60.0);
+        let start = simulation.sample().bodies[1].position;
+        let outcome = run(incline, 60.0, 2.0);
+        (0..120).for_each(|_| simulation.step());
+        let way = simulation.sample().bodies[1].position.distance(start);
+        // The least slope's excess makes half of g times 1e-6 cos 30 degrees times t squared.
+        assert_eq!(way > 1e-6, slides, "mu {mu}: {way:e} m");
+        assert!(outcome.error < 1e-9, "mu {mu}: {:e} m", outcome.error);
+    }
+}
+
+/// 49 balls, whose landings are found to a fraction of an atom.
+#[test]
+fn balls_bounce_as_high_as_they_fell() {
+    for hz in [1000.0, 100.0] {
+        let outcome = run(scene("bounce", &[("e", 1.0)]), hz, 20.0);
+        let squares = outcome.energies.iter().map(|energy| energy * energy).sum::<f64>();
+        assert!(squares / outcome.energies.len() as f64 <= 1e-8, "{hz}: {squares:e}");
+        assert!(outcome.error <= 1e-6, "{hz}: {:e} m", outcome.error);
+        // Each lands once in 2 t0, first after t0 = 0.9995 s.
+        assert_eq!(outcome.cuts, 49 * 10, "{hz}: landings");
+    }
+}
+
+/// Bounces add up: the k-th has an approach of 9.9 / 2^k m/s, and below 1e-4 m/s a ball has landed.
+#[test]
+fn bounces_that_add_up_come_to_an_end() {
+    let outcome = run(scene("bounce", &[("e", 0.5)]), 100.0, 5.0);
+    assert!(outcome.error <= 1e-6, "{:e} m", outcome.error);
+    assert_eq!(outcome.cuts, 49 * 18, "landings");
+    assert_eq!(outcome.unsettled, 0);
+}
+
+#[test]
+fn a_heap_of_balls_neither_overlaps_nor_loses_energy() {
+    let still = run(scene("spheres", &[("e", 0.0)]), 1000.0, 0.3);
+    assert!(still.error <= 1e-10, "{:e} m2", still.error);
+    let bouncing = run(scene("spheres", &[("e", 1.0)]), 1000.0, 0.6);
+    assert!(bouncing.cuts > 100, "{} landings", bouncing.cuts);
+    assert!(bouncing.error <= 1e-6, "{:e} J2", bouncing.error);
+}
+
+#[test]
+fn the_last_ball_of_a_cradle_takes_it_all() {
+    let outcome = run(scene("cradle", &[]), 240.0, 3.0);
+    assert!(outcome.error <= 1e-5, "{:e} rad", outcome.error);
+    assert!(outcome.separation <= 1e-9, "{:e} m", outcome.separation);
+}
+
+/// Largest move, and forces against the weights above.
+#[test]
+fn what_stands_stands_still_and_carries_its_weight() {
+    let columns = [10.0, 30.0, 100.0].iter().flat_map(|&n| [(n, 0.0), (n, 0.001)]);
+    let columns = columns.map(|(n, jitter)| ("stack", vec![("n", n), ("jitter", jitter)]));
+    let others = [("sandwich", vec![("r", 1e6)]), ("pyramid", vec![("n", 6.0)])];
+    for (name, parameters) in columns.chain(others) {
+        let outcome = run(scene(name, &parameters), 60.0, 3.0);
+        assert!(outcome.error <= 1e-5, "{name} {parameters:?}: moved {:e} m", outcome.error);
+        assert!(outcome.penetration <= 1e-9, "{name} {parameters:?}: {:e} m deep", outcome.penetration);
+        assert!(!outcome.further.is_empty(), "forces");
+        assert!(outcome.further.iter().all(|&off| off <= 1e-6), "{name} {parameters:?}: {:?}", outcome.further);
+    }
+}
+
+#[test]
+fn arch_and_house_of_cards_do_not_creep() {
+    for name in ["arch", "card_house"] {
+        let outcome = run(scene(name, &[]), 60.0, 20.0);
+        assert!(outcome.error <= 1e-5, "{name}: {:e} m", outcome.error);
+    }
+}
+
+/// No more energy than at the start, whatever the friction; where motion is rigid, the way that it takes.
+#[test]
+fn a_sliding_rod_makes_no_energy() {
+    for mu in [0.0, 0.5, 1.0, 1.3, 1.5, 3.0, 10.0] {
+        let rod = scene("painleve", &[("mu", mu)]);
+        let mut simulation = simulation(rod.clone(), 4000.0);
+        simulation.step();
+        let first = simulation.world().resource::<Diagnostics>().energy();
+        let mut highest = first;
+        for _ in 0..2000 {
+            simulation.step();
+            highest = highest.max(simulation.world().resource::<Diagnostics>().energy());
+        }
+        assert!(highest - first <= 1e-9 * 5.0, "mu {mu}: {:e} J gained", highest - first);
+        assert!(simulation.quarantined().is_empty());
+        if mu < 1.35 {
+            let outcome = run(rod, 4000.0, 0.5);
+            assert!(outcome.error <= 1e-6, "mu {mu}: {:e} m", outcome.error);
+        }
+    }
+}
+
+/// Figures that fall, land on each other and slide.
+#[test]
+fn limbs_in_a_heap_keep_their_joints_and_make_no_energy() {
+    let mut simulation: Simulation = simulation(scene("limbs", &[]), 60.0);
+    simulation.step();
+    let first = simulation.world().resource::<Diagnostics>().energy();
+    let (mut highest, mut separation, mut penetration) = (first, 0.0_f64, 0.0_f64);
+    for _ in 0..45 {
+        simulation.step();
+        let seen = simulation.world().resource::<Diagnostics>();
+        highest = highest.max(seen.energy());
+        separation = separation.max(seen.joint_error);
+        penetration = penetration.max(seen.penetration);
+    }
+    assert!(highest <= first + 1e-3, "energy rises from {first} to {highest} J");
+    assert!(separation < 0.02, "joints part by {separation} m");
+    assert!(penetration < 1e-3, "{penetration} m deep");
+    assert!(simulation.quarantined().is_empty());
+}
+
+/// Above mu = 1.34 at 60 degrees; no other rod is.
+#[test]
+fn where_no_rigid_motion_exists_is_told() {
+    for (mu, jams) in [(1.0, false), (1.3, false), (1.4, true), (10.0, true)] {
+        let mut simulation = simulation(scene("painleve", &[("mu", mu)]), 1000.0);
+        simulation.step();
+        let told = simulation.world().resource::<StepStats>().jammed;
+        assert_eq!(told > 0, jams, "mu {mu}: {told}");
+    }
+}
