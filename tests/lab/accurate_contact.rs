@@ -1,7 +1,9 @@
 //! The preset `accurate` where things touch: closed forms of sliding, rolling and bouncing, and what should stand.
 
+use std::collections::BTreeMap;
+
 use plumb::lab::Simulation;
-use plumb::physics::{Diagnostics, StepStats};
+use plumb::physics::{ContactForces, Diagnostics, Mass, StepStats};
 
 use crate::accurate::{run, scene, simulation};
 
@@ -36,7 +38,8 @@ fn a_box_sticks_or_slides_as_friction_crosses_the_slope() {
 fn balls_bounce_as_high_as_they_fell() {
     for hz in [1000.0, 100.0] {
         let outcome = run(scene("bounce", &[("e", 1.0)]), hz, 20.0);
-        let squares = outcome.energies.iter().map(|energy| energy * energy).sum::<f64>();
+        let first = outcome.energies[0];
+        let squares = outcome.energies.iter().map(|energy| (energy - first).powi(2)).sum::<f64>();
         assert!(squares / outcome.energies.len() as f64 <= 1e-8, "{hz}: {squares:e}");
         assert!(outcome.error <= 1e-6, "{hz}: {:e} m", outcome.error);
         // Each lands once in 2 t0, first after t0 = 0.9995 s.
@@ -44,12 +47,12 @@ fn balls_bounce_as_high_as_they_fell() {
     }
 }
 
-/// Bounces add up: the k-th has an approach of 9.9 / 2^k m/s, and below 1e-4 m/s a ball has landed.
+/// Bounces add up: the k-th, from 0, has an approach of 9.9 / 2^k m/s, and one below 1e-4 m/s is none.
 #[test]
 fn bounces_that_add_up_come_to_an_end() {
     let outcome = run(scene("bounce", &[("e", 0.5)]), 100.0, 5.0);
     assert!(outcome.error <= 1e-6, "{:e} m", outcome.error);
-    assert_eq!(outcome.cuts, 49 * 18, "landings");
+    assert_eq!(outcome.cuts, 49 * 17, "landings");
     assert_eq!(outcome.unsettled, 0);
 }
 
@@ -69,9 +72,9 @@ fn the_last_ball_of_a_cradle_takes_it_all() {
     assert!(outcome.separation <= 1e-9, "{:e} m", outcome.separation);
 }
 
-/// Largest move, and forces against the weights above.
+/// Largest move.
 #[test]
-fn what_stands_stands_still_and_carries_its_weight() {
+fn what_stands_stands_still() {
     let columns = [10.0, 30.0, 100.0].iter().flat_map(|&n| [(n, 0.0), (n, 0.001)]);
     let columns = columns.map(|(n, jitter)| ("stack", vec![("n", n), ("jitter", jitter)]));
     let others = [("sandwich", vec![("r", 1e6)]), ("pyramid", vec![("n", 6.0)])];
@@ -79,8 +82,30 @@ fn what_stands_stands_still_and_carries_its_weight() {
         let outcome = run(scene(name, &parameters), 60.0, 3.0);
         assert!(outcome.error <= 1e-5, "{name} {parameters:?}: moved {:e} m", outcome.error);
         assert!(outcome.penetration <= 1e-9, "{name} {parameters:?}: {:e} m deep", outcome.penetration);
-        assert!(!outcome.further.is_empty(), "forces");
-        assert!(outcome.further.iter().all(|&off| off <= 1e-6), "{name} {parameters:?}: {:?}", outcome.further);
+    }
+}
+
+/// Forces across each interface of a column add up to the weight above it.
+#[test]
+fn a_column_carries_its_weight() {
+    for (n, jitter) in [(30, 0.0), (30, 0.001), (100, 0.0)] {
+        let mut simulation = simulation(scene("stack", &[("n", f64::from(n)), ("jitter", jitter)]), 60.0);
+        let world = simulation.world_mut();
+        world.init_resource::<ContactForces>();
+        (0..60).for_each(|_| simulation.step());
+        let world = simulation.world_mut();
+        let heaviest = world.query::<&Mass>().iter(world).map(|mass| mass.0).fold(0.0, f64::max);
+        let mut carried = BTreeMap::<_, f64>::new();
+        for contact in &world.resource::<ContactForces>().0 {
+            *carried.entry((contact.a, contact.b)).or_default() += contact.force.y.abs();
+        }
+        let mut carried: Vec<f64> = carried.into_values().collect();
+        carried.sort_by(f64::total_cmp);
+        assert_eq!(carried.len(), n as usize);
+        for (above, force) in (1..).zip(carried) {
+            let weight = f64::from(above) * heaviest * 10.0;
+            assert!((force / weight - 1.0).abs() <= 1e-6, "stack {n} {jitter}: {force} N under {above}, not {weight}");
+        }
     }
 }
 
@@ -97,15 +122,15 @@ fn arch_and_house_of_cards_do_not_creep() {
 fn a_sliding_rod_makes_no_energy() {
     for mu in [0.0, 0.5, 1.0, 1.3, 1.5, 3.0, 10.0] {
         let rod = scene("painleve", &[("mu", mu)]);
-        let mut simulation = simulation(rod.clone(), 4000.0);
+        let mut simulation = simulation(rod.clone(), 20_000.0);
         simulation.step();
         let first = simulation.world().resource::<Diagnostics>().energy();
         let mut highest = first;
-        for _ in 0..2000 {
+        for _ in 0..10_000 {
             simulation.step();
             highest = highest.max(simulation.world().resource::<Diagnostics>().energy());
         }
-        assert!(highest - first <= 1e-9 * 5.0, "mu {mu}: {:e} J gained", highest - first);
+        assert!(highest - first <= 1e-9 * first.abs().max(5.0), "mu {mu}: {:e} J gained", highest - first);
         assert!(simulation.quarantined().is_empty());
         if mu < 1.35 {
             let outcome = run(rod, 4000.0, 0.5);

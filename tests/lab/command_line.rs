@@ -83,7 +83,7 @@ fn json_has_every_key_and_no_other() {
     assert_eq!(
         sorted(&keys(&metrics)),
         sorted(
-            "scene parameters settings bodies joints contacts steps seconds ms_per_step counts energy momentum \
+            "scene parameters settings bodies joints contacts steps seconds ms_per_step counts exact energy momentum \
              joint_error_max_m penetration_max_m sink_max_m drift_max_m jitter_m_per_s force_error contact_residual \
              truth truth_unknown further_truths shares quarantined simd state_hash"
         )

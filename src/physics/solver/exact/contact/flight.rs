@@ -38,6 +38,8 @@ pub(super) struct Given<'a> {
     pub flies: &'a [bool],
     /// Fastest way out of an overlap, m/s.
     pub correction_speed: f64,
+    /// Time over which what is not as it should be is closed, s: a whole step, for the parts of a cut one may be short.
+    pub closing: f64,
 }
 
 /// The step and its buffers.
@@ -152,12 +154,12 @@ impl Flight {
         let Self { places, held: [held, _], known, end, sites, kicked, gains, joint_gains, openings, partings, .. } =
             self;
         let first_gain = |site: &Site| {
-            if site.gap > 0.0 { site.gap / h } else { (site.gap * closed / h).max(-given.correction_speed) }
+            if site.gap > 0.0 { site.gap / h } else { (site.gap * closed / given.closing).max(-given.correction_speed) }
         };
         gains.clear();
         gains.extend(held.iter().map(first_gain));
         joint_gains.clear();
-        joint_gains.extend(separations.iter().map(|separation| separation * (closed / h)));
+        joint_gains.extend(separations.iter().map(|separation| separation * (closed / given.closing)));
         let mut before = f64::INFINITY;
         for _ in 0..MOST_TURNS {
             end.clone_from(kicked);
@@ -201,7 +203,7 @@ impl Flight {
             }
             for (index, link) in given.view.links.iter().enumerate() {
                 let bent = separation_of(link, end) - (separations[index] + partings[index] * h);
-                let mended = (separations[index] * closed + bent) / h;
+                let mended = separations[index] * (closed / given.closing) + bent / h;
                 worst = worst.max((mended - joint_gains[index]).amax() * h);
                 joint_gains[index] = mended;
             }

@@ -253,7 +253,8 @@ impl Touching {
     fn fly(&mut self, h: f64, terms: &ContactTerms, cache: &ContactCache, guesses: &[Vector3<f64>]) -> f64 {
         let Self { flight, members, moving, links, springs, pairings, flies, motion, sites, shapes, finder, .. } = self;
         let view = View { members, moving: *moving, links };
-        let given = Given { view, springs, pairings, flies, correction_speed: terms.correction_speed };
+        let given =
+            Given { view, springs, pairings, flies, correction_speed: terms.correction_speed, closing: terms.h };
         let guess = |site: &Site| cache.force(pairings[site.pairing as usize].pair, site.feature);
         flight.fly(&given, motion, sites, shapes, finder, guess, &guesses[..links.len()], h);
         let landed = flight.sites.list.iter().filter(|site| flies[site.pairing as usize]);
@@ -269,8 +270,8 @@ impl Touching {
         held.map(|pairing| deepest(&self.flight.sites, pairing) - deepest(&self.sites, pairing)).fold(0.0, f64::max)
     }
 
-    /// Whether the flight made energy that no force, spring or support gave: its step is too long for how fast something
-    /// turns.
+    /// Whether the flight made motion that no force, spring or support gave: its step is too long for how fast something
+    /// turns. What closing an overlap lifts is none of that.
     fn gains(&self) -> bool {
         let Self { flight, members, moving, motion, springs, .. } = self;
         let is_driven = !motion[*moving..].iter().all(Motion::is_still);
@@ -288,7 +289,7 @@ impl Touching {
             .sum();
         let (before, after) = (kinetic(motion), kinetic(&flight.end));
         let mass: f64 = members.iter().map(|member| member.mass).sum();
-        after - before - work > GAINED * after + STILL * mass
+        after - before - work.max(0.0) > GAINED * after + STILL * mass
     }
 
     /// Makes the end of the flight the state.
