@@ -4,9 +4,9 @@
 //! time made cheaper for as long as the error holds. Costs are compared within one sweep, errors
 //! with a margin, since a run that just holds may not hold with the next scene.
 
-use crate::physics::SolverSettings;
+use crate::physics::{Method, SolverSettings};
 
-use super::chart::SERIES;
+use super::chart::{SERIES, differs, front};
 use super::sweep::{Point, Record};
 use super::verdict::Verdict;
 
@@ -80,13 +80,29 @@ pub fn fit<E>(
     Ok(Fit { tried, best, nearest })
 }
 
+/// The error from which on downwards the true method is the cheapest of what was tried and holds; infinite where it is
+/// for any, none where it nowhere is.
+pub fn switch(tried: &[Record]) -> Option<f64> {
+    let held: Vec<&Record> = tried.iter().filter(|record| record.verdict <= Verdict::Degrades).collect();
+    let number = |value: Option<f64>| value.unwrap_or(f64::NAN);
+    let points: Vec<(f64, f64)> = held.iter().map(|record| (number(record.cost()), number(record.error))).collect();
+    let front = front(&points);
+    let is_true =
+        |&index: &usize| held[index].solver_settings().is_some_and(|settings| settings.method == Method::Exact);
+    let first = front.iter().rposition(|index| !is_true(index)).map_or(0, |last| last + 1);
+    (first < front.len()).then(|| if first == 0 { f64::INFINITY } else { points[front[first - 1]].1 })
+}
+
 /// Steps, substeps and sweeps over the whole range, coarsely.
 fn grid(base: SolverSettings) -> Vec<SolverSettings> {
     let mut grid = Vec::new();
     for hz in [60.0, 240.0, 960.0] {
         for substeps in [1, 4, 16] {
             for iterations in [4, 20, 100] {
-                grid.push(SolverSettings { hz, substeps, iterations, threads: 1, ..base });
+                let settings = SolverSettings { hz, substeps, iterations, threads: 1, ..base };
+                if differs(&settings, &SolverSettings { substeps: 1, iterations: 4, ..settings }) {
+                    grid.push(settings);
+                }
             }
         }
     }
@@ -98,6 +114,9 @@ fn cheaper(settings: SolverSettings) -> Vec<SolverSettings> {
     let mut cheaper = Vec::new();
     if settings.hz >= 60.0 {
         cheaper.push(SolverSettings { hz: settings.hz / 2.0, ..settings });
+    }
+    if settings.method == Method::Exact {
+        return cheaper;
     }
     if settings.substeps > 1 {
         cheaper.push(SolverSettings { substeps: settings.substeps / 2, ..settings });

@@ -18,7 +18,7 @@ fn awake(settings: SolverSettings) -> SolverSettings {
 
 /// All curves, in the order of their colours. Nothing sleeps in them: what a method does with a scene at rest is to be
 /// seen.
-pub const SERIES: [Series; 9] = [
+pub const SERIES: [Series; 10] = [
     Series { name: "game f32", base: || awake(SolverSettings::game()) },
     Series { name: "sequential impulses f32", base: || awake(SolverSettings::sequential_impulses()) },
     Series { name: "xpbd f32", base: || awake(SolverSettings::xpbd()) },
@@ -44,7 +44,14 @@ pub const SERIES: [Series; 9] = [
         name: "steady nncg f32",
         base: || SolverSettings { method: Method::NonsmoothConjugateGradient, ..SolverSettings::steady() },
     },
+    Series { name: "accurate f64", base: SolverSettings::accurate },
 ];
+
+/// Whether the settings are worth a point beside those of the same step: the exact method has no sweeps, and substeps of it
+/// are shorter steps.
+pub(in crate::lab) fn differs(settings: &SolverSettings, least: &SolverSettings) -> bool {
+    settings.method != Method::Exact || settings.substeps == least.substeps && settings.iterations == least.iterations
+}
 
 /// How much a chart tries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,13 +100,17 @@ pub fn points(scene: &str, parameters: &[(String, f64)], seconds: f64, extent: E
         for &substeps in extent.substeps() {
             for &iterations in extent.iterations() {
                 for series in &SERIES {
-                    points.push(Point {
-                        scene: scene.to_owned(),
-                        parameters: parameters.to_vec(),
-                        settings: SolverSettings { hz, substeps, iterations, threads: 1, ..(series.base)() },
-                        seconds,
-                        series: series.name.to_owned(),
-                    });
+                    let settings = SolverSettings { hz, substeps, iterations, threads: 1, ..(series.base)() };
+                    let [substeps, iterations] = [extent.substeps()[0], extent.iterations()[0]];
+                    if differs(&settings, &SolverSettings { substeps, iterations, ..settings }) {
+                        points.push(Point {
+                            scene: scene.to_owned(),
+                            parameters: parameters.to_vec(),
+                            settings,
+                            seconds,
+                            series: series.name.to_owned(),
+                        });
+                    }
                 }
             }
         }

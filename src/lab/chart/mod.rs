@@ -14,6 +14,7 @@ mod remark;
 use std::io;
 use std::path::{Path, PathBuf};
 
+pub(in crate::lab) use grid::differs;
 pub use grid::{Extent, SERIES, Series, points};
 pub use pareto::front;
 pub use peers::{PeerRecord, PeersError, read_peers};

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::lab::chart::{ChartError, POINTS, Subject};
-use crate::lab::fit::{Fit, MARGIN, fit as search};
+use crate::lab::fit::{Fit, MARGIN, fit as search, switch};
 use crate::lab::sweep::{Budget, Record, Shard, Store, run};
 use crate::lab::verdict::Verdict;
 use crate::lab::{Plan, write_settings};
@@ -34,6 +34,15 @@ pub(super) fn fit(arguments: &FitArguments) -> Result<Outcome, CommandError> {
         return Err(CommandError::Usage(problem));
     }
     print(&table(&found))?;
+    match switch(&found.tried) {
+        Some(error) if error.is_finite() => {
+            print(&format!(
+                "\nBelow an error of {error:.1e}, accurate is the cheapest; above it, a faster method is.\n"
+            ))?;
+        }
+        Some(_) => print("\naccurate is the cheapest for any error.\n")?,
+        None => print("\naccurate is for no error the cheapest of these.\n")?,
+    }
     conclude(&subject, &found, arguments)
 }
 

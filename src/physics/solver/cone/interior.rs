@@ -1,15 +1,11 @@
 //! The interior point: from no guess at all to near a solution, in twenty or so steps.
 //!
-//! With T = diag(μ, 1, 1), x = Tλ and y = T⁻¹û are both in the cone Q of [`super::second_order_cone`], and the law is
-//! x ∘ y = 0. Steps hold
-//! x and y inside and lower their product along x ∘ y = σ(1, 0, 0): Newton's method in the scaling of Nesterov & Todd,
-//! with Mehrotra's prediction and
-//! correction (1992). y is an unknown of its own; how far it is from T⁻¹û falls with each step too. De Saxcé's shift
-//! is taken from the present
-//! u: its change in the step is left to the next. (Acary, Armand, Nguyen & Shpakovych 2023 compare ways to take the
-//! shift along.)
-//! The product is not let fall below what the gap between y and û is worth: an x and y pressed to the cone's side can
-//! no longer follow.
+//! With T = diag(μ, 1, 1), x = Tλ and y = T⁻¹û are both in the cone Q of [`super::second_order_cone`], and the law is x
+//! ∘ y = 0. Steps hold x and y inside and lower their product along x ∘ y = σ(1, 0, 0): Newton's method in the scaling
+//! of Nesterov & Todd, with Mehrotra's prediction and correction (1992). y is an unknown of its own; how far it is from
+//! T⁻¹û falls with each step too. De Saxcé's shift is taken from the present u: its change in the step is left to the
+//! next. (Acary, Armand, Nguyen & Shpakovych 2023 compare ways to take the shift along.) The product is not let fall
+//! below what the gap between y and û is worth: an x and y pressed to the cone's side can no longer follow.
 //!
 //! dλ = h − D Ĵ dz, D = T⁻¹W²T⁻¹ softened by the compliance ε/ρ, as for [`super::newton`]. Joints are stiff rows.
 

@@ -6,10 +6,8 @@
 //! K* ∋ û ⊥ λ ∈ K,  û = u + μ|u_t| n,  K = { |λ_t| ≤ μ λ_n }.
 //!
 //! The shift μ|u_t| makes of Coulomb's law, whose slip is along the ground, one whose slip û is normal to the cone. A
-//! contact
-//! without friction has K = { λ_n ≥ 0, λ_t = 0 } and K* = { û_n ≥ 0 }; a joint K = ℝ³ and K* = { 0 }. For all of them
-//! the law holds where
-//! the natural map (Acary, Brémond & Huber 2018)
+//! contact without friction has K = { λ_n ≥ 0, λ_t = 0 } and K* = { û_n ≥ 0 }; a joint K = ℝ³ and K* = { 0 }. For all
+//! of them the law holds where the natural map (Acary, Brémond & Huber 2018)
 //!
 //! r = λ/ρ − P_K(λ/ρ − û)
 //!

@@ -1,10 +1,9 @@
 //! The linear systems (1 + ĴᵀD Ĵ) x = r, one 3×3 block D a point, on the graph of the bodies.
 //!
-//! With symmetric blocks the matrix is symmetric and positive definite: block LDLᵀ. Slipping points have D = Q (1 + μ
-//! n tᵀ), which is not
-//! symmetric: block LU. D grows to ρ/ε, ε ≈ 10⁻⁸; one step of iterative refinement with the residual taken through the
-//! points brings back the digits that costs
-//! (without it the solution's part along the stiff rows is lost).
+//! With symmetric blocks the matrix is symmetric and positive definite: block LDLᵀ. Slipping points have D = Q (1 + μ n
+//! tᵀ), which is not symmetric: block LU. D grows to ρ/ε, ε ≈ 10⁻⁸; one step of iterative refinement with the residual
+//! taken through the points brings back the digits that costs (without it the solution's part along the stiff rows is
+//! lost).
 
 use nalgebra::{Matrix3, Vector3};
 

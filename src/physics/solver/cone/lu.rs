@@ -1,10 +1,9 @@
 //! Block LU of a matrix with 6 × 6 blocks on the pattern of a body graph, whose values need not be symmetric though
 //! its pattern is.
 //!
-//! As the block LDLᵀ of [`super::super::direct::cholesky`], with blocks above the diagonal of their own: column j
-//! gives L_ij = A_ij A_jj⁻¹, and
-//! A_ik −= L_ij A_jk for all of its i and k. Within a block on the diagonal pivots are chosen, between blocks they are
-//! not.
+//! As the block LDLᵀ of [`super::super::direct::cholesky`], with blocks above the diagonal of their own: column j gives
+//! L_ij = A_ij A_jj⁻¹, and A_ik −= L_ij A_jk for all of its i and k. Within a block on the diagonal pivots are chosen,
+//! between blocks they are not.
 
 use super::super::direct::cholesky::{Block, Part};
 use super::super::direct::pattern::{Pattern, Target};

@@ -1,19 +1,16 @@
 //! Contact exactly: impulses λ that obey Signorini's condition, Coulomb's cone and the joints of one island to
-//! rounding,
-//! not to a number of iterations. No components here: bodies, points and numbers.
+//! rounding, not to a number of iterations. No components here: bodies, points and numbers.
 //!
 //! # The problem
 //! v = v_free + M⁻¹Jᵀλ, u = J v + b at each point; joints: u = 0; contacts: K* ∋ u + μ|u_t| n ⊥ λ ∈ K ([`law`]). This
-//! is Coulomb's law
-//! itself, not the associated one that a quadratic program gives, whose sliding bodies take off at the angle atan μ.
+//! is Coulomb's law itself, not the associated one that a quadratic program gives, whose sliding bodies take off at the
+//! angle atan μ.
 //!
 //! # Unknowns
 //! With L Lᵀ = M⁻¹ by body, Ĵ = J L and z = Ĵᵀλ: v = v_free + L z, u = Ĵ z + c, c = J v_free + b. Locked axes are zero
-//! columns of L,
-//! mass ratios stay out of the scale, and every linear system is (1 + ĴᵀD Ĵ) x = r with one 3×3 block D a point:
-//! sparse as the graph of the bodies, however many points two of them share ([`linear`]). z is summed anew from λ at
-//! each step, so that
-//! the residual reported is that of λ alone.
+//! columns of L, mass ratios stay out of the scale, and every linear system is (1 + ĴᵀD Ĵ) x = r with one 3×3 block D a
+//! point: sparse as the graph of the bodies, however many points two of them share ([`linear`]). z is summed anew from
+//! λ at each step, so that the residual reported is that of λ alone.
 //!
 //! # The way to λ
 //! 1. Semismooth Newton steps on the natural map ([`newton`]): from the last step's λ, two or three do (Alart &
@@ -184,15 +181,12 @@ impl ConeSolver {
     }
 
     /// Solves for impulses that bring every point within `tolerance` m/s of its law, relative to the fastest point
-    /// where that is
-    /// faster than 1 m/s.
+    /// where that is faster than 1 m/s.
     ///
     /// `velocities` are v_free, one a body, and v on return. `bias` is b, m/s: the motion of an immovable side (its
-    /// point's velocity
-    /// times +1 at B, −1 at A), and along n what the contact is to gain (a contact that may close a gap g within the
-    /// step h has +g/h, one that is to
-    /// bounce +e times its approach). `impulses` (N·s, on B) are the guess, and the solution on return; zeros if there
-    /// is none.
+    /// point's velocity times +1 at B, −1 at A), and along n what the contact is to gain (a contact that may close a
+    /// gap g within the step h has +g/h, one that is to bounce −e times its approach). `impulses` (N·s, on B) are the
+    /// guess, and the solution on return; zeros if there is none.
     pub fn solve(
         &mut self,
         velocities: &mut [Motion],
@@ -291,8 +285,7 @@ impl ConeSolver {
     }
 
     /// Whether λ says that no motion obeys the points: with λ ∈ K, λ·û ≥ 0 for all û ∈ K*, so that −λ·c ≤ z·Ĵᵀλ + Σ
-    /// μ|u_t| λ_n for the z
-    /// sought; impulses that press (λ·c < 0) and yet move nothing (Ĵᵀλ ≈ 0) leave none (Farkas).
+    /// μ|u_t| λ_n for the z sought; impulses that press (λ·c < 0) and yet move nothing (Ĵᵀλ ≈ 0) leave none (Farkas).
     fn is_jammed(&self) -> bool {
         let mut pressing = 0.0;
         for (((point, impulse), free), velocity) in

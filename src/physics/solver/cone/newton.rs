@@ -5,10 +5,9 @@
 //! (1 − A) dλ + ρ A S Ĵ dz = −F,  dz = Ĵᵀdλ.
 //!
 //! Points that stick or slip may be redundant: they get a compliance ε/ρ about the present λ, u + (ε/ρ) dλ for u, so
-//! that
-//! 1 − A + ε A can be inverted: dλ = h − D Ĵ dz, with h = −(1 − A + εA)⁻¹F, D = ρ (1 − A + εA)⁻¹A S. The compliance
-//! acts on dλ alone and so
-//! is no error of the solution. A sticking point aims at u = 0, where û is not smooth.
+//! that 1 − A + ε A can be inverted: dλ = h − D Ĵ dz, with h = −(1 − A + εA)⁻¹F, D = ρ (1 − A + εA)⁻¹A S. The
+//! compliance acts on dλ alone and so is no error of the solution. A sticking point aims at u = 0, where û is not
+//! smooth.
 
 use nalgebra::{Matrix3, Vector3};
 

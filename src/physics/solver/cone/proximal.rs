@@ -9,8 +9,7 @@
 //! monotone.)
 //!
 //! ε falls with each point that is reached and grows after one that is not, which is given up. Where ε is large, the
-//! compliant
-//! problem is nearly a projection at each point, and solved in any case.
+//! compliant problem is nearly a projection at each point, and solved in any case.
 
 use nalgebra::Vector3;
 

@@ -1,6 +1,5 @@
 //! The cone Q = { x₀ ≥ |x₁| } of three dimensions: its product, and the scaling of Nesterov & Todd (1997) by which
-//! interior
-//! points step (formulas as in Vandenberghe, *The CVXOPT linear and quadratic cone program solvers*, 2010).
+//! interior points step (formulas as in Vandenberghe, *The CVXOPT linear and quadratic cone program solvers*, 2010).
 
 use nalgebra::{Matrix3, Vector3};
 

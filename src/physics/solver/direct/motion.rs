@@ -5,10 +5,10 @@
 //!
 //! (M + h²K_δ + Σ JᵀρJ) v = M v₀ + h f + Σ Jᵀ (λ̂ − ρ b), b = ½ h J̇v₀ for joints,
 //!
-//! M with the geometric stiffness that the step cannot resolve ([`Swing`]), so that poses end on the joints to
-//! second order; what is left of gaps is closed by the same factor in the positions alone. Contacts keep the geometry of
-//! the start of the step, as in sweeps, unless a body turns far ([`Substeps`]). Newton's method on which rows act is left as it
-//! stands after [`ITERATIONS`] guesses: a row too many or too few for a substep is mended in the next.
+//! M with the geometric stiffness that the step cannot resolve ([`Swing`]), so that poses end on the joints to second
+//! order; what is left of gaps is closed by the same factor in the positions alone. Contacts keep the geometry of the
+//! start of the step, as in sweeps, unless a body turns far ([`Substeps`]). Newton's method on which rows act is left
+//! as it stands after [`ITERATIONS`] guesses: a row too many or too few for a substep is mended in the next.
 
 use nalgebra::{Matrix3, Vector3};
 

@@ -1,12 +1,13 @@
 //! The exact method: joints held by their exact forces, motion by integrators that converge, in `f64` throughout.
 //!
 //! Each step, [`solve_exactly`] takes the islands' groups one by one, on as many threads as there may be:
-//! 1. what is in a group is planned where it changed ([`island`]): pieces held together by joints, bodies by themselves,
-//!    and what is in reach of something;
+//! 1. what is in a group is planned where it changed ([`island`]): pieces held together by joints, bodies by
+//!    themselves, and what is in reach of something;
 //! 2. the last goes by a step of its own ([`contact`]), its joints and contacts by the cone solver;
 //! 3. bodies by themselves move in closed form ([`free`]) if no torque turns them;
-//! 4. pieces ([`mechanism`]) go through the integrator ([`stepper`]; [`lockstep`] and [`gauss`], [`runge_kutta`], [`rattle`]), whose stages solve J M⁻¹ Jᵀ λ = b
-//!    ([`rows`], [`factor`]), and are brought back onto their joints ([`projection`]).
+//! 4. pieces ([`mechanism`]) go through the integrator ([`stepper`]; [`lockstep`] and [`gauss`], [`runge_kutta`],
+//!    [`rattle`]), whose stages solve J M⁻¹ Jᵀ λ = b ([`rows`], [`factor`]), and are brought back onto their joints
+//!    ([`projection`]).
 
 mod contact;
 mod evaluation;
