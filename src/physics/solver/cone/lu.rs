@@ -71,13 +71,7 @@ impl BlockLu {
 
     /// Solves A x = b by the factor, b and x in the order of the pattern.
     pub fn solve(&self, pattern: &Pattern, x: &mut [Part]) {
-        for column in 0..pattern.count() {
-            let known = x[column];
-            let blocks = &self.below[pattern.first(column)..];
-            for (&row, block) in pattern.rows(column).iter().zip(blocks) {
-                x[row as usize] -= block * known;
-            }
-        }
+        pattern.substitute(&self.below, x);
         for column in (0..pattern.count()).rev() {
             let mut left = x[column];
             let blocks = &self.above[pattern.first(column)..];

@@ -4,6 +4,8 @@
 //! neighbours left goes first, and its neighbours become neighbours of each other. A tree is
 //! eliminated from its leaves, without fill.
 
+use std::ops::{Mul, SubAssign};
+
 /// Order of elimination and the blocks of each column of the factor.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Pattern {
@@ -122,6 +124,22 @@ impl Pattern {
     /// Rows of a column's blocks, by place.
     pub fn rows(&self, column: usize) -> &[u32] {
         &self.rows[self.starts[column] as usize..self.starts[column + 1] as usize]
+    }
+
+    /// x ← L⁻¹ x for the blocks of L below its diagonal, which has ones, in the order of the pattern.
+    #[inline]
+    pub fn substitute<B, X>(&self, below: &[B], x: &mut [X])
+    where
+        X: Copy + SubAssign,
+        for<'b> &'b B: Mul<X, Output = X>,
+    {
+        for column in 0..self.count() {
+            let known = x[column];
+            let blocks = &below[self.first(column)..];
+            for (&row, block) in self.rows(column).iter().zip(blocks) {
+                x[row as usize] -= block * known;
+            }
+        }
     }
 
     /// What the products of all columns' blocks are taken from, in their order.

@@ -66,13 +66,7 @@ impl BlockFactor {
 
     /// x ← (A + E)⁻¹ x.
     pub fn solve(&self, pattern: &Pattern, x: &mut [Vector3<f64>]) {
-        for column in 0..pattern.count() {
-            let known = x[column];
-            let blocks = &self.below[pattern.first(column)..];
-            for (&row, block) in pattern.rows(column).iter().zip(blocks) {
-                x[row as usize] -= block * known;
-            }
-        }
+        pattern.substitute(&self.below, x);
         for column in (0..pattern.count()).rev() {
             let mut sum = self.pivots[column].solve(&x[column]);
             let blocks = &self.below[pattern.first(column)..];

@@ -190,16 +190,7 @@ impl Piece {
     fn plan(mut self, members: Vec<u32>, links: &[u32], locked: bool, joints: &Joints) -> Self {
         let moving = members.len();
         self.bodies = members;
-        let mut place = |body: u32| {
-            // Those that move are in order; the few others are found one by one.
-            let known = self.bodies[..moving].binary_search(&body).ok();
-            let known =
-                known.or_else(|| self.bodies[moving..].iter().position(|&other| other == body).map(|at| at + moving));
-            known.unwrap_or_else(|| {
-                self.bodies.push(body);
-                self.bodies.len() - 1
-            }) as u32
-        };
+        let mut place = |body: u32| place_in(&mut self.bodies, moving, body);
         let ends = |joint: &u32| [joints.list[*joint as usize].a, joints.list[*joint as usize].b];
         let pairs: Vec<[u32; 2]> = links.iter().map(|joint| ends(joint).map(&mut place)).collect();
         let gives = links.iter().any(|&joint| joints.list[joint as usize].softness.is_some());
@@ -236,6 +227,17 @@ impl Piece {
 
 fn is_locked(body: &Body) -> bool {
     body.is_dynamic() && (body.inverse_mass.min() == 0.0 || body.rotation_freedom.min() == 0.0)
+}
+
+/// The place of a body among those of a piece, of which the first `moving` are in order; one that is new there comes last.
+pub(super) fn place_in(bodies: &mut Vec<u32>, moving: usize, body: u32) -> u32 {
+    let known = bodies[..moving].binary_search(&body).ok();
+    // Those that do not move are few.
+    let known = known.or_else(|| bodies[moving..].iter().position(|&other| other == body).map(|at| at + moving));
+    known.unwrap_or_else(|| {
+        bodies.push(body);
+        bodies.len() - 1
+    }) as u32
 }
 
 /// A joint between those places.

@@ -354,13 +354,7 @@ impl Lockstep {
     fn correct(&mut self, mechanism: &Mechanism) -> f64 {
         let pattern = &mechanism.pattern;
         let x = &mut self.unknowns;
-        for column in 0..pattern.count() {
-            let known = x[column];
-            let blocks = &self.below[pattern.first(column)..];
-            for (&row, block) in pattern.rows(column).iter().zip(blocks) {
-                x[row as usize] -= block * known;
-            }
-        }
+        pattern.substitute(&self.below, x);
         for column in (0..pattern.count()).rev() {
             let mut sum = self.pivots[column].solve(&x[column]);
             let blocks = &self.below[pattern.first(column)..];

@@ -154,7 +154,7 @@ fn kick(member: &Member, motion: &mut Motion, impulse: &Screw, rows: &super::row
 }
 
 /// Free flight over h.
-fn fly(member: &Member, motion: &mut Motion, h: f64) {
+pub(super) fn fly(member: &Member, motion: &mut Motion, h: f64) {
     let inverse = member.inertia.map(|inertia| if inertia > 0.0 { inertia.recip() } else { 0.0 });
     let free = free_rotation(&motion.rotation, &motion.angular, &inverse, &member.freedom, h);
     if let Some((angular, rotation)) = free {

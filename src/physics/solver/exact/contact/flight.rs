@@ -12,10 +12,10 @@
 use nalgebra::Vector3;
 
 use super::super::mechanism::{Link, Member, Motion, Spring};
+use super::super::rattle::fly;
 use super::kernel::{Kernel, View, arms_of, separation_of};
 use super::sites::{Finder, Pairing, Site, Sites, point_velocity};
 use crate::physics::bodies::Body;
-use crate::physics::integrator::gyroscopic::free_rotation;
 
 /// Gap up to which surfaces touch, m.
 pub(super) const TOUCHING: f64 = 1e-9;
@@ -169,7 +169,7 @@ impl Flight {
             partings.clear();
             partings.extend(given.view.links.iter().map(|link| parting(link, end)));
             for (member, motion) in given.view.members.iter().zip(&mut *end) {
-                drift(member, motion, h);
+                fly(member, motion, h);
             }
             place(bodies, end);
             sites.find(given.pairings, bodies, |pairing| margin(pairing, bodies), finder);
@@ -276,18 +276,6 @@ fn push(member: &Member, motion: &mut Motion, impulse: &Vector3<f64>, turning: &
     if *turning != Vector3::zeros() {
         let rotation = motion.rotation.to_rotation_matrix().into_inner();
         motion.angular += member.inverse_inertia(&rotation, None) * turning;
-    }
-}
-
-/// Free flight.
-fn drift(member: &Member, motion: &mut Motion, h: f64) {
-    let inverse = member.inertia.map(|inertia| if inertia > 0.0 { inertia.recip() } else { 0.0 });
-    match free_rotation(&motion.rotation, &motion.angular, &inverse, &member.freedom, h) {
-        Some((angular, rotation)) => {
-            motion.position += motion.linear * h;
-            (motion.angular, motion.rotation) = (angular, rotation);
-        }
-        None => motion.drift(h),
     }
 }
 

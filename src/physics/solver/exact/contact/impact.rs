@@ -22,7 +22,7 @@ const MOST_A_PAIR: usize = 100;
 #[derive(Default)]
 pub(super) struct Impacts {
     pub kernel: Kernel,
-    pub held: Vec<u32>,
+    held: Vec<Site>,
     gains: Vec<f64>,
     joint_gains: Vec<Vector3<f64>>,
 }
@@ -34,8 +34,7 @@ pub(super) fn approach(sites: &[Site], motion: &[Motion]) -> f64 {
 }
 
 impl Impacts {
-    /// Takes the velocities over all impacts that are due. `note` is told what each solve pushed, N·s. The number of
-    /// impacts.
+    /// Takes the velocities over all impacts that are due. `note` is told what each solve pushed, N·s.
     pub fn pass(
         &mut self,
         view: View,
@@ -43,31 +42,30 @@ impl Impacts {
         sites: &Sites,
         least: f64,
         motion: &mut [Motion],
-        mut note: impl FnMut(&[u32], &Kernel),
-    ) -> u32 {
+        mut note: impl FnMut(&[Site], &Kernel),
+    ) {
         let mut count = 0;
         let most = MOST_A_PAIR * pairings.len();
         loop {
             let bouncing = pairings.iter().enumerate().filter(|(_, pairing)| pairing.restitution > 0.0);
             let approaches = bouncing.map(|(index, _)| (index, approach(sites.of(index), motion)));
             let first = approaches.filter(|(_, speed)| *speed > least).max_by(|a, b| a.1.total_cmp(&b.1));
-            let Some((first, _)) = first else { return count };
-            let ends = count as usize >= most;
-            let is_held = |site: &Site| {
+            let Some((first, _)) = first else { return };
+            let ends = count >= most;
+            let is_held = |site: &&Site| {
                 let pairing = site.pairing as usize;
                 site.gap <= TOUCHING && (ends || pairing == first || pairings[pairing].restitution == 0.0)
             };
             self.held.clear();
-            self.held.extend((0..).zip(&sites.list).filter(|(_, site)| is_held(site)).map(|(index, _)| index));
-            let held = || self.held.iter().map(|&index| &sites.list[index as usize]);
-            self.kernel.set(view, motion, held());
+            self.held.extend(sites.list.iter().filter(is_held).cloned());
+            self.kernel.set(view, motion, self.held.iter());
             self.gains.clear();
             let restitution = pairings[first].restitution;
             let gain = |site: &Site| {
                 let bounces = !ends && site.pairing as usize == first;
                 if bounces { -restitution * (-site.opening(motion)).max(0.0) } else { 0.0 }
             };
-            self.gains.extend(held().map(gain));
+            self.gains.extend(self.held.iter().map(gain));
             self.joint_gains.clear();
             self.joint_gains.resize(view.links.len(), Vector3::zeros());
             let impulses = &mut self.kernel.impulses;
@@ -79,7 +77,7 @@ impl Impacts {
             note(&self.held, &self.kernel);
             count += 1;
             if ends {
-                return count;
+                return;
             }
         }
     }

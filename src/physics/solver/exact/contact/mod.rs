@@ -18,7 +18,7 @@ use self::flight::{Flight, Given, TOUCHING, place};
 use self::impact::{Impacts, LEAST_BOUNCE, approach};
 use self::kernel::{Kernel, View};
 use self::sites::{Finder, Pairing, Site, Sites};
-use super::island::{link_of, member, motion, put};
+use super::island::{link_of, member, motion, place_in, put};
 use super::mechanism::{Link, Member, Motion};
 use super::stepper::{Effort, STILL};
 use crate::physics::bodies::{Bodies, Body, Joint, Joints};
@@ -37,6 +37,9 @@ const SHORTEST: f64 = 1.0 / 256.0;
 const MOST_EVENTS: u32 = 1_000;
 /// Flights to find a landing.
 const MOST_TRIALS: usize = 80;
+
+/// Of each point, impulses over the step, N·s, on B, and those of its last solve as forces, N.
+type Loads = HashMap<(Pair, FeatureId), [Vector3<f64>; 2]>;
 
 /// What a step depends on besides.
 #[derive(Clone, Copy, Debug)]
@@ -70,8 +73,7 @@ pub(crate) struct Touching {
     /// Whether it ends where something lands.
     flight_lands: bool,
     impacts: Impacts,
-    /// Impulses over the step, N·s, on B, and those of its last solve as forces, N.
-    loads: HashMap<(Pair, FeatureId), [Vector3<f64>; 2]>,
+    loads: Loads,
     /// Mean forces of the step, N, on B.
     joint_forces: Vec<Vector3<f64>>,
     pub effort: Effort,
@@ -82,15 +84,7 @@ impl Touching {
     pub fn new(moving: Vec<u32>, joints: Vec<u32>, pairs: &[Pair], world: &Bodies, all_joints: &Joints) -> Self {
         let mut bodies = moving;
         let moving = bodies.len();
-        let mut place = |body: u32| {
-            let known = bodies[..moving].binary_search(&body).ok();
-            let known =
-                known.or_else(|| bodies[moving..].iter().position(|&other| other == body).map(|at| at + moving));
-            known.unwrap_or_else(|| {
-                bodies.push(body);
-                bodies.len() - 1
-            }) as u32
-        };
+        let mut place = |body: u32| place_in(&mut bodies, moving, body);
         let pairing = |&pair: &Pair| {
             let material = world.list[pair.a as usize].material.pair(world.list[pair.b as usize].material);
             let ends = [place(pair.a), place(pair.b)];
@@ -193,12 +187,7 @@ impl Touching {
         let Self { members, moving, links, pairings, sites, motion, impacts, loads, joint_forces, .. } = self;
         let view = View { members, moving: *moving, links };
         impacts.pass(view, pairings, sites, least, motion, |held, kernel| {
-            for (&index, impulse) in held.iter().zip(&kernel.impulses.contacts) {
-                let site = &sites.list[index as usize];
-                let load = loads.entry((pairings[site.pairing as usize].pair, site.feature)).or_default();
-                load[0] += impulse;
-            }
-            joint_forces.iter_mut().zip(&kernel.impulses.joints).for_each(|(sum, impulse)| *sum += impulse);
+            add_up(held, kernel, pairings, loads, joint_forces, None);
         });
     }
 
@@ -297,16 +286,9 @@ impl Touching {
         let Self { flight, motion, pairings, loads, joint_forces, links, effort, .. } = self;
         effort.jammed += flight.jammed;
         motion.clone_from(&flight.end);
-        let mut add = |kernel: &Kernel, held: &[Site]| {
-            for (site, impulse) in held.iter().zip(&kernel.impulses.contacts) {
-                let load = loads.entry((pairings[site.pairing as usize].pair, site.feature)).or_default();
-                load[0] += impulse;
-                load[1] = impulse / (0.5 * h);
-            }
-            joint_forces.iter_mut().zip(&kernel.impulses.joints).for_each(|(sum, impulse)| *sum += impulse);
-        };
-        add(&flight.places, &flight.held[0]);
-        add(&flight.velocities, &flight.held[1]);
+        for (kernel, held) in [&flight.places, &flight.velocities].into_iter().zip(&flight.held) {
+            add_up(held, kernel, pairings, loads, joint_forces, Some(0.5 * h));
+        }
         for (sum, force) in joint_forces[links.len()..].iter_mut().zip(&flight.spring_forces) {
             *sum += force * h;
         }
@@ -347,4 +329,23 @@ impl Touching {
             );
         }
     }
+}
+
+/// Adds what a solve pushed to what was pushed before. Of one that holds for a time, s, the forces are the last ones.
+fn add_up(
+    held: &[Site],
+    kernel: &Kernel,
+    pairings: &[Pairing],
+    loads: &mut Loads,
+    joint_impulses: &mut [Vector3<f64>],
+    time: Option<f64>,
+) {
+    for (site, impulse) in held.iter().zip(&kernel.impulses.contacts) {
+        let load = loads.entry((pairings[site.pairing as usize].pair, site.feature)).or_default();
+        load[0] += impulse;
+        if let Some(time) = time {
+            load[1] = impulse / time;
+        }
+    }
+    joint_impulses.iter_mut().zip(&kernel.impulses.joints).for_each(|(sum, impulse)| *sum += impulse);
 }
