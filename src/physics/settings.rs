@@ -15,8 +15,8 @@ impl Default for Gravity {
     }
 }
 
-/// How contact and joint rows are solved: on the forces of each (sub)step, as `pgs`, `cg_pgs` and `nncg` do, or on
-/// velocities with contacts that last.
+/// How contact and joint rows are solved: on the forces of each (sub)step, as `pgs`, `cg_pgs`, `nncg` and `joint_space` do,
+/// or on velocities with contacts that last.
 #[derive(Reflect, Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Method {
     /// Projected Gauss–Seidel on the force-level rows with λ from zero (Catto 2005).
@@ -30,6 +30,10 @@ pub enum Method {
     /// Conjugate directions with the same sweep for a gradient (Silcowitz, Niebe and Erleben 2010).
     #[serde(rename = "nncg")]
     NonsmoothConjugateGradient,
+    /// Joints solved directly in each substep, and the sweeps over contacts move what is joined as one (contacts in
+    /// joint space).
+    #[serde(rename = "joint_space")]
+    JointSpace,
     /// Substeps with soft constraints: impulses solved with springs, then relaxed without
     /// (Catto 2024).
     #[serde(rename = "soft_step")]
@@ -55,7 +59,11 @@ impl Method {
     pub(crate) fn keeps_contacts(self) -> bool {
         !matches!(
             self,
-            Self::ProjectedGaussSeidel | Self::PrimedGaussSeidel | Self::NonsmoothConjugateGradient | Self::Exact
+            Self::ProjectedGaussSeidel
+                | Self::PrimedGaussSeidel
+                | Self::NonsmoothConjugateGradient
+                | Self::JointSpace
+                | Self::Exact
         )
     }
 }

@@ -50,6 +50,7 @@ fn threads_do_not_change_a_bit() {
         SolverSettings::accurate(),
         SolverSettings { method: Method::PrimedGaussSeidel, ..SolverSettings::steady() },
         SolverSettings { method: Method::NonsmoothConjugateGradient, ..SolverSettings::steady() },
+        SolverSettings { method: Method::JointSpace, ..SolverSettings::steady() },
     ] {
         for precision in [Precision::F32, Precision::F64] {
             let hashes: Vec<Vec<u64>> = [1, 2, 4, 1]

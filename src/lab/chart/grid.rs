@@ -18,7 +18,7 @@ fn awake(settings: SolverSettings) -> SolverSettings {
 
 /// All curves, in the order of their colours. Nothing sleeps in them: what a method does with a scene at rest is to be
 /// seen.
-pub const SERIES: [Series; 10] = [
+pub const SERIES: [Series; 11] = [
     Series { name: "game f32", base: || awake(SolverSettings::game()) },
     Series { name: "sequential impulses f32", base: || awake(SolverSettings::sequential_impulses()) },
     Series { name: "xpbd f32", base: || awake(SolverSettings::xpbd()) },
@@ -43,6 +43,10 @@ pub const SERIES: [Series; 10] = [
     Series {
         name: "steady nncg f32",
         base: || SolverSettings { method: Method::NonsmoothConjugateGradient, ..SolverSettings::steady() },
+    },
+    Series {
+        name: "steady joint_space f32",
+        base: || SolverSettings { method: Method::JointSpace, ..SolverSettings::steady() },
     },
     Series { name: "accurate f64", base: SolverSettings::accurate },
 ];

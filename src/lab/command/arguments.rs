@@ -157,7 +157,7 @@ pub(super) struct SettingsArguments {
     /// Start from the settings in this RON file
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
-    /// How constraints are solved: soft_step, sequential_impulses, xpbd, pgs, cg_pgs, nncg or exact
+    /// How constraints are solved: soft_step, sequential_impulses, xpbd, pgs, cg_pgs, nncg, joint_space or exact
     #[arg(long, value_name = "METHOD", value_parser = named::<Method>)]
     method: Option<Method>,
     /// Steps per second

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::rows::{Scalar, body_terms, contact_rows, joint_rows};
 use super::warm_start::{ContactCache, KEPT_SHARE};
-use super::{cg_pgs, nncg, pgs};
+use super::{cg_pgs, joint_space, nncg, pgs};
 use crate::physics::bodies::{Bodies, Body, Joint, Joints, world_inverse_inertia};
 use crate::physics::collision::Contacts;
 use crate::physics::constraint::row::{BodyTerms, Row, Twist};
@@ -180,14 +180,16 @@ struct Workspace<N> {
     accelerations: Vec<Twist<N>>,
     primer: cg_pgs::Primer<N>,
     directions: nncg::Directions<N>,
+    joint_space: joint_space::JointSpace<N>,
 }
 
 impl<N: Scalar> Workspace<N> {
     /// Solves the rows by the method. Returns the passes over them.
     fn solve(&mut self, method: Method, iterations: u32) -> u32 {
-        let Self { rows, accelerations, primer, directions, .. } = self;
+        let Self { rows, accelerations, primer, directions, joint_space, .. } = self;
         match method {
             Method::PrimedGaussSeidel => cg_pgs::solve(rows, accelerations, iterations, primer),
+            Method::JointSpace => joint_space::solve(rows, accelerations, iterations, joint_space),
             Method::NonsmoothConjugateGradient => nncg::solve(rows, accelerations, iterations, directions),
             _ => {
                 pgs::solve(rows, accelerations, iterations);

@@ -1,7 +1,7 @@
 //! The `Solve` phase: each island is taken through all its substeps on its own.
 //!
 //! A substep, whatever the method: rows from the present poses ([`rows`]) → the method's solve
-//! (one file each: [`pgs`], [`cg_pgs`], [`nncg`]) → integration (`super::integrator`). Islands share no body that moves,
+//! (one file each: [`pgs`], [`cg_pgs`], [`nncg`], [`joint_space`]) → integration (`super::integrator`). Islands share no body that moves,
 //! so threads take whole islands and the result does not depend on their number.
 
 mod cg_pgs;
@@ -11,6 +11,7 @@ mod direct;
 mod exact;
 mod impulse;
 mod island_solver;
+mod joint_space;
 mod joint_tree;
 mod lag;
 mod method;

@@ -1,6 +1,7 @@
 //! Projected Gauss–Seidel against dense solutions of the same rows.
 
 mod gradients;
+mod joint_space;
 
 use nalgebra::{DMatrix, DVector, Matrix3, SimdRealField, SimdValue, Vector3};
 use simba::simd::WideF32x8;
@@ -14,6 +15,7 @@ use crate::physics::testing::{Random, immovable};
 const H: f64 = 1.0 / 60.0;
 
 /// Bodies and the rows between them.
+#[derive(Clone)]
 struct Rows {
     bodies: Vec<BodyTerms<f64>>,
     rows: Vec<Row<f64>>,

@@ -266,6 +266,7 @@ const MARKERS: [(MarkerShape, [u8; 3]); SERIES.len()] = [
     (MarkerShape::Down, palette::SKY),
     (MarkerShape::Left, palette::VERMILION),
     (MarkerShape::Right, palette::GREEN),
+    (MarkerShape::Circle, palette::ORANGE),
     (MarkerShape::Plus, palette::PURPLE),
 ];
 

@@ -29,6 +29,8 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
+pub(super) use self::factor::BlockFactor;
+
 use self::contact::{ContactTerms, Touching};
 use self::island::ExactGroup;
 use super::ContactCache;

@@ -7,6 +7,7 @@ use crate::physics::constraint::ball_joint;
 use crate::physics::constraint::contact::{ContactSite, tangents};
 use crate::physics::constraint::row::{BodyTerms, Bounds, Row, RowPair, Twist};
 use crate::physics::solver::conjugate_residuals::Face;
+use crate::physics::solver::joint_space::{self, JointSpace};
 use crate::physics::solver::rows::Scalar;
 use crate::physics::solver::{cg_pgs, nncg, pgs};
 use crate::physics::testing::{Random, immovable};
@@ -27,8 +28,18 @@ fn nonsmooth<N: Scalar>(rows: &mut [Row<N>], accelerations: &mut [Twist<N>], pas
     nncg::solve(rows, accelerations, passes, &mut nncg::Directions::default())
 }
 
+fn in_joint_space<N: Scalar>(rows: &mut [Row<N>], accelerations: &mut [Twist<N>], sweeps: u32) -> u32 {
+    joint_space::solve(rows, accelerations, sweeps, &mut JointSpace::default())
+}
+
 fn methods<N: Scalar>() -> [(&'static str, Solve<N>); 2] {
     [("cg_pgs", primed), ("nncg", nonsmooth)]
+}
+
+/// With those that have another price of a pass.
+fn all_methods<N: Scalar>() -> [(&'static str, Solve<N>); 3] {
+    let [primed, nonsmooth] = methods();
+    [primed, nonsmooth, ("joint_space", in_joint_space)]
 }
 
 fn residuals_made_least(rows: &mut [Row<f64>], accelerations: &mut [Twist<f64>], passes: u32) -> u32 {
@@ -155,7 +166,7 @@ fn joints_alone_solve_the_linear_system() {
             system.join(body, body + 1, random);
         }
         let exact = system.matrix().lu().solve(&system.targets()).expect("a chain has independent rows");
-        for (name, solve) in methods() {
+        for (name, solve) in all_methods() {
             let (lambda, accelerations, _) = system.solve_by(solve, 1000);
             let error = (lambda - &exact).amax();
             assert!(error < 1e-6 * exact.amax(), "{name}: off by {error}");
@@ -178,7 +189,7 @@ fn contacts_with_fixed_friction_solve_the_boxed_complementarity_problem() {
         let anything = DVector::zeros(system.rows.len());
         let bounds: Vec<(f64, f64)> = (0..anything.len()).map(|index| system.bounds(&anything, index)).collect();
         let exact = solve_by_enumeration(&system.matrix(), &system.targets(), &bounds);
-        for (name, solve) in methods() {
+        for (name, solve) in all_methods() {
             let (lambda, accelerations, _) = system.solve_by(solve, 5000);
             let error = (&accelerations - system.accelerations(&exact)).amax();
             assert!(error < 1e-6 * exact.amax().max(1.0), "{name}: off by {error}");
@@ -193,7 +204,7 @@ fn contacts_under_coulombs_law_end_where_sweeps_do() {
     for _ in 0..15 {
         let system = cluster(random);
         let (_, swept, _) = system.solve_by(swept, 20_000);
-        for (name, solve) in methods() {
+        for (name, solve) in all_methods() {
             let (lambda, accelerations, _) = system.solve_by(solve, 2000);
             let residual = system.natural_map(&lambda);
             assert!(residual < 1e-6, "{name}: residual {residual}");
@@ -332,7 +343,7 @@ fn in_single(row: &Row<f64>) -> Row<f32> {
 fn single_precision_ends_at_its_rounding() {
     for (system, share) in [(chain(100.0), 3e-4), (stack(5), 3e-4)] {
         let start = system.natural_map(&DVector::zeros(system.rows.len()));
-        for (name, solve) in methods::<f32>() {
+        for (name, solve) in all_methods::<f32>() {
             let mut rows: Vec<Row<f32>> = system.rows.iter().map(in_single).collect();
             let mut accelerations = vec![Twist::<f32>::zero(); system.bodies.len()];
             solve(&mut rows, &mut accelerations, 1000);
