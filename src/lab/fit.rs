@@ -131,3 +131,57 @@ fn cheapest(records: &[Record], error: f64) -> Option<Record> {
     let held = records.iter().filter(|record| holds(record, error) && record.cost().is_some());
     held.min_by(|one, other| one.cost().unwrap_or(f64::NAN).total_cmp(&other.cost().unwrap_or(f64::NAN))).cloned()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::convert::Infallible;
+
+    use super::*;
+    use crate::lab::verdict::Judgement;
+
+    /// A world in which the true method costs `price` times as much as any other and has no error but 1e-12, and the
+    /// others one of h², whatever their sweeps.
+    fn imagined(price: f64) -> impl Fn(&[Point]) -> Result<Vec<Record>, Infallible> {
+        move |points| {
+            let record = |point: &Point| {
+                let is_true = point.settings.method == Method::Exact;
+                let substep = 1.0 / (point.settings.hz * f64::from(point.settings.substeps));
+                let effort = f64::from(point.settings.substeps * point.settings.iterations);
+                Record {
+                    error: Some(if is_true { 1e-12 } else { substep * substep }),
+                    ms_per_step: Some(if is_true { price } else { effort }),
+                    ..Record::failed(point, "", Judgement { verdict: Verdict::Holds, reason: String::new() })
+                }
+            };
+            Ok(points.iter().map(record).collect())
+        }
+    }
+
+    fn best(price: f64, error: f64) -> (Method, Option<f64>) {
+        let Ok(found) = fit("rods", &[], 1.0, error, imagined(price));
+        let best = found.best.and_then(|best| best.solver_settings()).expect("something holds");
+        (best.method, switch(&found.tried))
+    }
+
+    #[test]
+    fn a_loose_error_takes_a_fast_method_and_a_tight_one_the_true_one() {
+        let (loose, switches_at) = best(100.0, 1e-2);
+        assert_ne!(loose, Method::Exact);
+        let switches_at = switches_at.expect("there is an error that only the true method holds");
+        assert_eq!(best(100.0, 1e-9).0, Method::Exact);
+        // On either side of where the switch is said to lie; what is held is a share of what is asked for.
+        assert_ne!(best(100.0, 1.1 * switches_at / MARGIN).0, Method::Exact);
+        assert_eq!(best(100.0, 0.9 * switches_at / MARGIN).0, Method::Exact);
+    }
+
+    #[test]
+    fn where_one_end_is_never_the_cheapest_there_is_no_switch() {
+        assert_eq!(best(1e-3, 1e-2), (Method::Exact, Some(f64::INFINITY)));
+        let without = |points: &[Point]| {
+            let all = imagined(100.0)(points)?;
+            Ok::<_, Infallible>(all.into_iter().filter(|record| record.error > Some(1e-11)).collect())
+        };
+        let Ok(found) = fit("rods", &[], 1.0, 1e-2, without);
+        assert_eq!(switch(&found.tried), None);
+    }
+}

@@ -59,8 +59,10 @@ fn conclude(subject: &Subject, found: &Fit, arguments: &FitArguments) -> Result<
     write_settings(&path, &settings)
         .map_err(|reason| CommandError::Output { place: path.display().to_string(), reason })?;
     let percent = 100.0 * MARGIN;
+    let parameters =
+        subject.parameters.iter().fold(String::new(), |text, (name, value)| format!("{text} -p {name}={value}"));
     print(&format!(
-        "\nCheapest that holds {percent} % of {error} for {}: {}\nwritten to {}: plumb run {} --settings {}\n",
+        "\nCheapest that holds {percent} % of {error} for {}: {}\nwritten to {}: plumb run {}{parameters} --settings {}\n",
         subject.title(),
         describe(best),
         path.display(),

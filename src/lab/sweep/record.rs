@@ -110,7 +110,7 @@ impl Record {
     }
 
     /// A run that did not.
-    pub(super) fn failed(point: &Point, program: &str, judgement: Judgement) -> Self {
+    pub(in crate::lab) fn failed(point: &Point, program: &str, judgement: Judgement) -> Self {
         Self {
             key: point.key(),
             program: program.to_owned(),
