@@ -68,7 +68,7 @@ fn order(points: &[(f64, f64)]) -> f64 {
 /// Down to 1e-10 m, which is reached before 1/120 s: the order shows at longer steps.
 #[test]
 fn rods_converge_with_at_least_the_fourth_power_of_the_step() {
-    for (n, rates) in [(1.0, [10.0, 20.0]), (2.0, [20.0, 30.0]), (5.0, [30.0, 60.0])] {
+    for (n, rates) in [(1.0, [10.0, 20.0]), (2.0, [30.0, 60.0]), (5.0, [30.0, 60.0])] {
         let errors = rates.map(|hz| (hz, run(scene("rods", &[("n", n)]), hz, 2.0).error));
         assert!(order(&errors) >= 3.8, "rods {n}: order {}, {errors:?}", order(&errors));
         let fine = run(scene("rods", &[("n", n)]), 120.0, 2.0).error;

@@ -30,7 +30,11 @@ use super::tableau::Tableau;
 /// Sweeps at most.
 const MOST_SWEEPS: usize = 40;
 
-/// What the last sweeps may leave of a turn, rad, or of a way, m.
+/// What the last sweep may leave over the square of the first one's change, in rad or m: the first is what continuing the
+/// step before was off by, of half the order of the step itself, so that this is a small part of the step's own error.
+const OF_SQUARE: f64 = 1e-10;
+
+/// What the last sweep may leave of a turn, rad, or of a way, m, in any case.
 const LEAST: f64 = 1e-18;
 
 /// Change in the last sweep, in m or rad, that is no convergence.
@@ -152,6 +156,7 @@ impl<const S: usize> Gauss<S> {
     pub fn step(&mut self, mechanism: &mut Mechanism, h: f64) -> Sweeps {
         self.begin(mechanism, h);
         let (mut before, mut share, mut rising) = (f64::INFINITY, 0.0, 0);
+        let mut enough = LEAST;
         for count in 1..=MOST_SWEEPS {
             let mut change: f64 = 0.0;
             if count <= 3 {
@@ -182,8 +187,11 @@ impl<const S: usize> Gauss<S> {
             if change.is_nan() || change > FAR || rising > 4 && change > LOST {
                 break;
             }
+            if count == 1 {
+                enough = enough.max(change * change * OF_SQUARE);
+            }
             share = change / before;
-            let settled = count > 1 && (change * share / (1.0 - share).max(0.1) <= LEAST || change == 0.0);
+            let settled = count > 1 && (change * share / (1.0 - share).max(0.1) <= enough || change == 0.0);
             // Rounding leaves a change that does not fall.
             let stuck = count > 3 && share > 0.5 && change < LOST;
             if settled || stuck {

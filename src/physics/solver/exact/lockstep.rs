@@ -23,8 +23,17 @@ const STAGES: usize = 4;
 /// Sweeps at most.
 const MOST_SWEEPS: usize = 24;
 
-/// What the last sweeps may leave of a turn, rad, or of a way, m.
+/// What the last sweep may leave over the square of the first one's change, in rad or m: the first is what continuing the
+/// step before was off by, of half the order of the step itself, so that this is a small part of the step's own error.
+const OF_SQUARE: f64 = 1e-10;
+
+/// What the last sweep may leave of a turn, rad, or of a way, m, in any case.
 const LEAST: f64 = 1e-18;
+
+/// Share of its change that a sweep leaves to the next from which on the rows are factored anew, where the stages are by
+/// then, and how often that is done.
+const SLOW: f64 = 0.35;
+const MOST_FACTORS: u32 = 4;
 
 /// Change in the last sweep, in m or rad, that is more than rounding.
 const LOST: f64 = 1e-13;
@@ -156,20 +165,26 @@ impl Lockstep {
             self.forget();
             return None;
         }
-        let mut before = f64::INFINITY;
+        let (mut before, mut enough) = (f64::INFINITY, LEAST);
+        let (mut factors, mut anew) = (0, true);
         for count in 1..=MOST_SWEEPS {
             self.set_out(mechanism, h);
-            if count == 1 {
+            if anew {
                 self.assemble(mechanism);
+                factors += 1;
             }
             self.balance(mechanism);
             let change = self.correct(mechanism) * h * h;
             let share = change / before;
-            let stuck = count > 3 && share > 0.5;
+            if count == 1 {
+                enough = enough.max(change * change * OF_SQUARE);
+            }
+            anew = count > 1 && share > SLOW && change > LOST && factors < MOST_FACTORS;
+            let stuck = count > 3 && share > 0.5 && !anew;
             if change.is_nan() || stuck && change > LOST {
                 break;
             }
-            if count > 1 && (change * share / (1.0 - share).max(0.1) <= LEAST || stuck) {
+            if count > 1 && (change * share / (1.0 - share).max(0.1) <= enough || stuck) {
                 self.finish(mechanism, h);
                 return Some(Sweeps { count: count as u32 * STAGES as u32, converged: true });
             }
