@@ -154,7 +154,7 @@ fn limbs_in_a_heap_keep_their_joints_and_make_no_energy() {
         penetration = penetration.max(seen.penetration);
     }
     assert!(highest <= first + 1e-3, "energy rises from {first} to {highest} J");
-    assert!(separation < 0.02, "joints part by {separation} m");
+    assert!(separation < 1e-5, "joints part by {separation} m");
     assert!(penetration < 1e-3, "{penetration} m deep");
     assert!(simulation.quarantined().is_empty());
 }

@@ -1,7 +1,7 @@
 //! Back onto the joints: places and velocities moved the least way, as masses count, to where joints hold to rounding.
 //!
 //! Places: δ = M⁻¹Jᵀμ with J M⁻¹ Jᵀ μ = −C, again until C is zero to rounding (Newton's method on the group, J and its
-//! factor those of the first turn: the error is small when it starts). Velocities: v −= M⁻¹Jᵀ(J M⁻¹ Jᵀ)⁻¹ J v.
+//! factor those of the first turn while that does: the error is small when it starts). Velocities: v −= M⁻¹Jᵀ(J M⁻¹ Jᵀ)⁻¹ J v.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -18,6 +18,12 @@ const ROUNDING: f64 = 4e-16;
 /// energy as they pass flat poses.
 const PROJECTED: f64 = 1e-3;
 
+/// Share of errors that a step leaves from which on the next is taken with the rows of the pose it led to.
+const SLOW: f64 = 0.8;
+
+/// Shortest share of a step.
+const LEAST_SHARE: f64 = 1e-3;
+
 /// Softness of what does not hold, 1/kg.
 pub(super) const LOOSE: f64 = 1e200;
 
@@ -29,13 +35,24 @@ pub(crate) struct Projection {
     errors: Vec<Vector3<f64>>,
     forces: Vec<Vector3<f64>>,
     motion: Vec<Screw>,
+    /// The mechanism before a step.
+    before: Vec<Motion>,
+}
+
+/// How far joints are from where they hold.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gaps {
+    /// m, along an axis.
+    pub largest: f64,
+    /// What rounding may leave of it.
+    pub rounding: f64,
+    /// Σ |C|².
+    square: f64,
 }
 
 impl Projection {
     /// Arms, weights and the factor at the present pose.
     pub fn assemble(&mut self, mechanism: &Mechanism) {
-        self.rotations.clear();
-        self.rotations.extend(mechanism.motion.iter().map(|motion| motion.rotation.to_rotation_matrix().into_inner()));
         self.set_arms(mechanism);
         self.rows.weights.clear();
         for (member, rotation) in mechanism.members.iter().zip(&self.rotations) {
@@ -46,6 +63,8 @@ impl Projection {
     }
 
     fn set_arms(&mut self, mechanism: &Mechanism) {
+        self.rotations.clear();
+        self.rotations.extend(mechanism.motion.iter().map(|motion| motion.rotation.to_rotation_matrix().into_inner()));
         self.rows.arms.clear();
         for link in &mechanism.links {
             let arm_a = self.rotations[link.a as usize] * link.anchor_a;
@@ -103,42 +122,73 @@ impl Projection {
         left
     }
 
+    /// The largest error that is left, m. Where a step does not lessen the errors it is halved: a chain that is almost
+    /// straight gives way with the square of its bends, which a linear step misses by far.
     fn project_places(&mut self, mechanism: &mut Mechanism) -> f64 {
-        let mut before = f64::INFINITY;
+        let mut left = self.find_errors(mechanism);
+        let mut is_fresh = true;
         for _ in 0..MOST_TURNS {
-            let (largest, rounding) = self.find_errors(mechanism);
-            if largest <= rounding || largest > 0.95 * before {
-                return largest;
+            if left.largest <= left.rounding {
+                break;
             }
-            before = largest;
             self.rows.solve_once(mechanism, &mut self.errors);
             self.rows.respond(mechanism, &self.errors, &mut self.motion);
-            for (index, (motion, moved)) in mechanism.motion.iter_mut().zip(&self.motion).enumerate() {
-                if moved.linear != Vector3::zeros() || moved.angular != Vector3::zeros() {
-                    motion.position += moved.linear;
-                    motion.turn(&moved.angular);
-                    self.rotations[index] = motion.rotation.to_rotation_matrix().into_inner();
+            self.before.clone_from(&mechanism.motion);
+            let mut share = 1.0;
+            let found = loop {
+                self.go(mechanism, share);
+                let found = self.find_errors(mechanism);
+                if found.square < left.square || share < LEAST_SHARE {
+                    break found;
+                }
+                share *= 0.5;
+                mechanism.motion.clone_from(&self.before);
+            };
+            let gain = (found.square / left.square).sqrt();
+            if gain >= 1.0 {
+                mechanism.motion.clone_from(&self.before);
+                self.set_arms(mechanism);
+                if is_fresh {
+                    break;
+                }
+                self.find_errors(mechanism);
+            } else {
+                left = found;
+                if gain > 0.95 && is_fresh {
+                    break;
                 }
             }
-            self.set_arms(mechanism);
+            is_fresh = gain > SLOW || share < 1.0;
+            if is_fresh {
+                self.assemble(mechanism);
+            }
         }
-        before
+        left.largest
     }
 
-    /// −C of all links at the present pose; the largest, and what rounding may leave.
-    pub fn errors_of(&mut self, mechanism: &Mechanism, errors: &mut Vec<Vector3<f64>>) -> (f64, f64) {
-        self.rotations.clear();
-        self.rotations.extend(mechanism.motion.iter().map(|motion| motion.rotation.to_rotation_matrix().into_inner()));
+    /// Moves members by that share of the step found.
+    fn go(&mut self, mechanism: &mut Mechanism, share: f64) {
+        for (motion, moved) in mechanism.motion.iter_mut().zip(&self.motion) {
+            if moved.linear != Vector3::zeros() || moved.angular != Vector3::zeros() {
+                motion.position += moved.linear * share;
+                motion.turn(&(moved.angular * share));
+            }
+        }
+        self.set_arms(mechanism);
+    }
+
+    /// −C of all links at the present pose.
+    pub fn errors_of(&mut self, mechanism: &Mechanism, errors: &mut Vec<Vector3<f64>>) -> Gaps {
         self.set_arms(mechanism);
         let found = self.find_errors(mechanism);
         errors.clone_from(&self.errors);
         found
     }
 
-    /// −C of all links; the largest, and what rounding may leave.
-    fn find_errors(&mut self, mechanism: &Mechanism) -> (f64, f64) {
+    /// −C of all links, arms being those of the present pose.
+    fn find_errors(&mut self, mechanism: &Mechanism) -> Gaps {
         self.errors.clear();
-        let (mut largest, mut rounding): (f64, f64) = (0.0, 0.0);
+        let mut gaps = Gaps { largest: 0.0, rounding: 0.0, square: 0.0 };
         for (link, [arm_a, arm_b]) in mechanism.links.iter().zip(&self.rows.arms) {
             if link.spring.is_some() {
                 self.errors.push(Vector3::zeros());
@@ -146,11 +196,12 @@ impl Projection {
             }
             let (a, b) = (&mechanism.motion[link.a as usize], &mechanism.motion[link.b as usize]);
             let error = a.position - b.position + (arm_a - arm_b);
-            largest = largest.max(error.amax());
-            rounding = rounding.max(ROUNDING * (arm_a.amax() + arm_b.amax() + a.position.amax()));
+            gaps.largest = gaps.largest.max(error.amax());
+            gaps.rounding = gaps.rounding.max(ROUNDING * (arm_a.amax() + arm_b.amax() + a.position.amax()));
+            gaps.square += error.norm_squared();
             self.errors.push(error);
         }
-        (largest, rounding)
+        gaps
     }
 
     /// Velocities, with the rows of [`Self::assemble`].

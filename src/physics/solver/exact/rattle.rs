@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 use super::evaluation::Evaluation;
 use super::gauss::Sweeps;
 use super::mechanism::{Mechanism, Member, Motion};
-use super::projection::Projection;
+use super::projection::{Gaps, Projection};
 use super::rows::Screw;
 use crate::physics::integrator::gyroscopic::free_rotation;
 
@@ -96,7 +96,7 @@ impl Rattle {
                 kick(member, motion, &screws[index], &evaluation.rows, index, 0.5 * h);
                 fly(member, motion, h);
             }
-            let (largest, rounding) = projection.errors_of(mechanism, errors);
+            let Gaps { largest, rounding, .. } = projection.errors_of(mechanism, errors);
             if largest <= rounding || largest >= 0.9 * before && largest < 1e-11 {
                 *kicked = start;
                 return Some(turn as u32);
