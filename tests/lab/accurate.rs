@@ -3,8 +3,8 @@
 use bevy::math::DVec3;
 use plumb::lab::truth;
 use plumb::lab::{BodyState, Simulation};
-use plumb::physics::{CollisionLayers, Diagnostics, LockedAxes, SolverSettings, StepStats};
-use plumb::scene::{BodySpec, JointSpec, SceneSpec, ShapeSpec, load};
+use plumb::physics::{Diagnostics, SolverSettings, StepStats};
+use plumb::scene::{SceneSpec, load};
 
 pub(crate) fn scene(name: &str, parameters: &[(&str, f64)]) -> SceneSpec {
     let parameters: Vec<_> = parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
@@ -157,78 +157,4 @@ fn a_step_too_long_is_cut_and_says_so() {
     }
     assert!(cuts > 0);
     assert!(simulation.sample().bodies.iter().all(|body| body.position.is_finite()));
-}
-
-/// So many four-bar linkages in a row: upright rods with their feet pinned to the ground 1 m apart, their tops joined by
-/// level rods and moving at 1 m/s. The ground, the upright rods, the level ones.
-fn four_bars(n: usize) -> SceneSpec {
-    let rod = |name: String, size: DVec3, place: DVec3| BodySpec {
-        inertia: Some(DVec3::splat(1.0 / 12.0)),
-        locked: LockedAxes { translation: [false, false, true], rotation: [true, true, false] },
-        layers: CollisionLayers { memberships: 0, filters: 0 },
-        ..BodySpec::new(name, ShapeSpec::Cuboid { size }, place).with_mass(1.0)
-    };
-    let ground = BodySpec::pin("ground", DVec3::ZERO);
-    let [half_up, half_along] = [DVec3::Y * 0.5, DVec3::X * 0.5];
-    let feet = (0..=n).map(|foot| DVec3::X * foot as f64);
-    let upright: Vec<BodySpec> = feet
-        .clone()
-        .map(|foot| rod(format!("up {foot}"), DVec3::new(0.1, 1.0, 0.1), foot + half_up))
-        .map(|body| body.with_velocity(half_along, -DVec3::Z))
-        .collect();
-    let level: Vec<BodySpec> = feet
-        .clone()
-        .take(n)
-        .map(|foot| rod(format!("level {foot}"), DVec3::new(1.0, 0.1, 0.1), foot + DVec3::Y + half_along))
-        .map(|body| body.with_velocity(DVec3::X, DVec3::ZERO))
-        .collect();
-    let mut scene = SceneSpec::new("four-bar linkages", DVec3::Y * -9.81);
-    scene.joints.extend(upright.iter().zip(feet).map(|(rod, foot)| JointSpec::new(&ground, foot, rod, -half_up)));
-    for (bar, ends) in level.iter().zip(upright.windows(2)) {
-        scene.joints.push(JointSpec::new(&ends[0], half_up, bar, -half_along));
-        scene.joints.push(JointSpec::new(&ends[1], half_up, bar, half_along));
-    }
-    scene.bodies.push(ground);
-    scene.bodies.extend(upright.into_iter().chain(level));
-    scene
-}
-
-/// θ from upright: J θ̈ = G sin θ, the derivative of ½ J (θ̇² − 1) = G (1 − cos θ).
-#[test]
-fn four_bar_linkages_pass_flat_poses_on_their_branch() {
-    let n = 40_u32;
-    let (feet, bars) = (f64::from(n + 1), f64::from(n));
-    let (inertia, weight) = (feet / 3.0 + bars, 9.81 * (feet / 2.0 + bars));
-    let (mut angle, mut rate) = (0.0_f64, 1.0_f64);
-    let h = 1e-3;
-    let gain = |angle: f64| weight / inertia * angle.sin();
-    let mut simulation = simulation(four_bars(n as usize), 1.0 / h);
-    let (mut off, mut flat, mut lowest, mut highest) = (0.0_f64, 0, f64::MAX, f64::MIN);
-    for _ in 0..20_000 {
-        let was = angle.cos();
-        for _ in 0..4 {
-            // Runge and Kutta's step of h/4.
-            let h = 0.25 * h;
-            let (k1, l1) = (rate, gain(angle));
-            let (k2, l2) = (rate + 0.5 * h * l1, gain(angle + 0.5 * h * k1));
-            let (k3, l3) = (rate + 0.5 * h * l2, gain(angle + 0.5 * h * k2));
-            let (k4, l4) = (rate + h * l3, gain(angle + h * k3));
-            angle += h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4);
-            rate += h / 6.0 * (l1 + 2.0 * (l2 + l3) + l4);
-        }
-        flat += u32::from(was * angle.cos() < 0.0);
-        simulation.step();
-        for (body, state) in simulation.sample().bodies.iter().enumerate() {
-            // Upright rods turn by −θ about z, level ones not: all else is another branch.
-            let turned = state.rotation * DVec3::Y;
-            let turned = turned.x.atan2(turned.y);
-            let expected = if (1..=n + 1).contains(&(body as u32)) { angle } else { 0.0 };
-            off = off.max((turned - expected).sin().abs()).max(1.0 - (turned - expected).cos());
-        }
-        let energy = simulation.world().resource::<Diagnostics>().energy();
-        (lowest, highest) = (lowest.min(energy), highest.max(energy));
-    }
-    assert_eq!(flat, 20, "flat poses");
-    assert!(off < 1e-4, "{off:e} rad");
-    assert!(highest - lowest < 1e-3, "{:e} J", highest - lowest);
 }

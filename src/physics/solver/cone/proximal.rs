@@ -14,7 +14,7 @@
 use nalgebra::Vector3;
 
 use super::super::direct::cholesky::Part;
-use super::law::Mode;
+use super::law::{Law, Mode};
 use super::newton::with_shift;
 use super::{ConeSolver, End, Outcome};
 
@@ -24,6 +24,9 @@ const STEPS: u32 = 15;
 const HALVINGS: u32 = 5;
 /// A point is reached when what is left of G moves no contact by more than this share of the residual.
 const REACHED: f64 = 0.05;
+/// ε of joints over that of contacts: they neither part nor slide, so that no step is too long for them, and redundant ones
+/// need the less points the smaller it is.
+const OF_JOINTS: f64 = 0.01;
 /// What ε is multiplied by after a point that was reached, and after one that was not.
 const HARDEN: f64 = 0.3;
 const SOFTEN: f64 = 5.0;
@@ -160,6 +163,7 @@ impl ConeSolver {
         let mut is_symmetric = true;
         for ((point, impulse), velocity) in self.points.iter().zip(&self.impulses).zip(&self.velocities) {
             let velocity = velocity + point.across(change);
+            let softness = if point.law == Law::Joint { OF_JOINTS * softness } else { softness };
             let weight = if point.is_movable() { point.mass / softness } else { 0.0 };
             let wanted = impulse - weight * point.law.shifted(&velocity);
             let next = point.law.project(&wanted);
