@@ -55,6 +55,20 @@ fn energy_counts_spin_and_each_bodys_own_gravity() {
     assert_eq!(metrics.sink_max_m, 0.0);
 }
 
+/// What a force of the scene puts in is no energy gained: a slab pushed over the ground only loses some to friction.
+#[test]
+fn the_work_of_a_scenes_forces_is_no_gain() {
+    let settings = SolverSettings { hz: 1000.0, ..SolverSettings::accurate() };
+    let plan = Plan::new("rolling", &[], settings, Some(0.5)).unwrap();
+    let metrics = measure(&plan, |_| Ok::<(), Infallible>(())).unwrap();
+    // What friction takes: 0.4 times the weight over the way of 10 kg and the balls' 2/7 of 25 kg.
+    let friction = 0.4 * 35.0 * 9.81;
+    let way = 0.5 * (150.0 - friction) / (10.0 + 25.0 * 2.0 / 7.0) * 0.5 * 0.5;
+    let lost = friction * way;
+    assert!((metrics.energy.end + lost).abs() < 1e-8 * lost, "{} J, not {}", metrics.energy.end, -lost);
+    assert!(metrics.shares.energy_rise.unwrap() < 1e-9, "{:?}", metrics.shares.energy_rise);
+}
+
 #[test]
 fn a_scene_where_nothing_moves_has_no_relative_drift() {
     let metrics = run(r#"(bodies: [(name: "post", kind: Static, shape: Sphere(radius: 0.5))])"#, 3);

@@ -65,7 +65,7 @@ fn subjects(arguments: &ChartArguments) -> Result<Vec<Subject>, CommandError> {
 /// A quick chart of a scene is drawn in seconds, a full one in minutes.
 fn budget(extent: Extent) -> Budget {
     match extent {
-        Extent::Quick => Budget { most: Duration::from_secs(1), least: Duration::from_millis(30) },
+        Extent::Quick => Budget { most: Duration::from_secs(4), least: Duration::from_millis(30) },
         Extent::Full => Budget { most: Duration::from_secs(30), least: Duration::from_millis(300) },
     }
 }

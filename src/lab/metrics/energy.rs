@@ -8,7 +8,7 @@ use crate::lab::run::BodyState;
 use crate::lab::truth::EnergyScale;
 use crate::scene::SceneSpec;
 
-/// Σ ½mv² + ½ωᵀIω − m g·(x − x₀) over what moves, J, x₀ each body's start.
+/// Σ ½mv² + ½ωᵀIω − (m g + F)·(x − x₀) over what moves, J, x₀ each body's start, F the force that the scene puts on it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EnergyMetrics {
     /// At the start.
@@ -38,8 +38,8 @@ impl EnergyMeter {
 
     pub fn observe(&mut self, bodies: &[Moving], start: &[BodyState], states: &[BodyState]) {
         let kinetic = kinetic(bodies, states);
-        let fallen = |body: &Moving| states[body.index].position - start[body.index].position;
-        let work: f64 = bodies.iter().map(|body| body.mass * body.gravity.dot(fallen(body))).sum();
+        let moved = |body: &Moving| states[body.index].position - start[body.index].position;
+        let work: f64 = bodies.iter().map(|body| (body.mass * body.gravity + body.force).dot(moved(body))).sum();
         self.end = kinetic - work;
         self.strays = self.strays.max((self.end - self.start).abs());
         self.rises = self.rises.max(self.end - self.start);

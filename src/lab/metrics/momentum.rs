@@ -146,6 +146,7 @@ mod tests {
             mass: 2.0,
             inertia: DVec3::splat(0.5),
             gravity,
+            force: DVec3::ZERO,
             size: 1.0,
             radius: 0.5,
         });

@@ -15,6 +15,8 @@ pub(super) struct Moving {
     pub inertia: DVec3,
     /// What pulls it, m/s².
     pub gravity: DVec3,
+    /// What else pushes it, N.
+    pub force: DVec3,
     /// Smallest full extent, m.
     pub size: f64,
     /// Radius of the ball about its centre that holds it, m; 0 where it has no shape.
@@ -32,7 +34,8 @@ pub(super) fn moving(simulation: &Simulation) -> Vec<Moving> {
             let inertia = simulation.world().get::<Inertia>(entity)?.0;
             let size = body.shape.as_ref().map_or(f64::INFINITY, |shape| shape.smallest_extent());
             let radius = body.shape.as_ref().map_or(0.0, |shape| shape.bounding_radius());
-            Some(Moving { index, mass, inertia, gravity: scene.gravity * body.gravity_scale, size, radius })
+            let (gravity, force) = (scene.gravity * body.gravity_scale, body.force);
+            Some(Moving { index, mass, inertia, gravity, force, size, radius })
         })
         .collect()
 }

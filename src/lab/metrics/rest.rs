@@ -52,8 +52,15 @@ mod tests {
 
     #[test]
     fn jitter_is_the_mean_of_the_fastest_once_settled() {
-        let body =
-            |index| Moving { index, mass: 1.0, inertia: DVec3::ONE, gravity: DVec3::ZERO, size: 0.5, radius: 2.0 };
+        let body = |index| Moving {
+            index,
+            mass: 1.0,
+            inertia: DVec3::ONE,
+            gravity: DVec3::ZERO,
+            force: DVec3::ZERO,
+            size: 0.5,
+            radius: 2.0,
+        };
         let bodies = [body(0), body(1)];
         let start = [BodyState::default(); 2];
         let with = |linear: f64, spin: f64| {
@@ -71,8 +78,15 @@ mod tests {
 
     #[test]
     fn moves_are_told_down_sideways_and_by_size() {
-        let bodies =
-            [Moving { index: 0, mass: 1.0, inertia: DVec3::ONE, gravity: DVec3::ZERO, size: 0.5, radius: 1.0 }];
+        let bodies = [Moving {
+            index: 0,
+            mass: 1.0,
+            inertia: DVec3::ONE,
+            gravity: DVec3::ZERO,
+            force: DVec3::ZERO,
+            size: 0.5,
+            radius: 1.0,
+        }];
         let start = [BodyState::default()];
         let mut rest = RestMeter::default();
         for position in [DVec3::new(3.0, 1.0, 4.0), DVec3::new(0.0, -2.0, 0.0)] {
