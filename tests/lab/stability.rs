@@ -72,6 +72,22 @@ fn fitted_effort_does_no_worse_than_full_effort() {
     assert!(better > 5, "nothing is gained by solving what rests directly");
 }
 
+/// At the longest steps of all maps, where they are hardest; the largest wall takes minutes here.
+#[test]
+fn accurate_has_no_border() {
+    let mut cells = 0;
+    for map in &ATLAS {
+        let x = map.x.values[0];
+        for &y in map.y.values.iter().filter(|&&y| map.name != "pyramid" || y <= 10.0) {
+            let Judgement { verdict, reason } =
+                judged(&map.point("accurate", SolverSettings::accurate(), x, y).plan().unwrap());
+            assert_eq!(verdict, Verdict::Holds, "{} at {x}, {y}: {reason}", map.name);
+            cells += 1;
+        }
+    }
+    assert!(cells > 50, "{cells}");
+}
+
 /// First, middle and last values of either side.
 fn places(map: &MapInfo) -> impl Iterator<Item = (f64, f64)> {
     let of = |values: &'static [f64]| [values[0], values[values.len() / 2], values[values.len() - 1]];

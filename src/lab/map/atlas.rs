@@ -16,7 +16,7 @@ pub struct MapInfo {
     pub y: Axis,
     /// What the border is expected to show, in a sentence.
     pub about: &'static str,
-    /// How many of the charts' methods it compares, from the first.
+    /// How many of the charts' methods it compares, from the first; the last comes beside.
     pub series: usize,
 }
 

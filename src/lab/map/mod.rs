@@ -11,11 +11,11 @@ use std::path::Path;
 
 pub use atlas::{ATLAS, Axis, MapInfo, Quantity};
 
-use super::chart::SERIES;
+use super::chart::{SERIES, Series};
 use super::picture::{PictureError, write};
 use super::sweep::{Point, Record};
 use super::verdict::Verdict;
-use crate::physics::SolverSettings;
+use crate::physics::{Method, SolverSettings};
 
 /// One map of one method.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +36,7 @@ impl MapInfo {
     /// The points of this map for every method, by method, row and column.
     pub fn points(&self) -> Vec<Point> {
         let mut points = Vec::new();
-        for series in &SERIES[..self.series] {
+        for series in self.compared() {
             for &y in self.y.values {
                 for &x in self.x.values {
                     points.push(self.point(series.name, (series.base)(), x, y));
@@ -46,7 +46,12 @@ impl MapInfo {
         points
     }
 
-    /// The point at (x, y) for some settings.
+    /// The curves that it compares: the first ones, and the last, the true method.
+    fn compared(&self) -> impl Iterator<Item = &'static Series> {
+        SERIES[..self.series].iter().chain(SERIES.last())
+    }
+
+    /// The point at (x, y) for some settings. Sweeps of a method that has none are left as they are.
     pub fn point(&self, series: &str, base: SolverSettings, x: f64, y: f64) -> Point {
         let mut point = Point {
             scene: self.scene.to_owned(),
@@ -60,6 +65,7 @@ impl MapInfo {
                 Quantity::Parameter(name) => point.parameters.push((name.to_owned(), value)),
                 Quantity::Hz => point.settings.hz = value,
                 Quantity::Substeps => point.settings.substeps = value as u32,
+                Quantity::Iterations if base.method == Method::Exact => {}
                 Quantity::Iterations => point.settings.iterations = value as u32,
             }
         }
@@ -72,13 +78,13 @@ impl MapInfo {
             let key = point.key();
             records.iter().find(|record| record.key == key).map(|record| record.verdict)
         };
-        let cells = |series: &super::chart::Series| {
+        let cells = |series: &Series| {
             let row = |&y: &f64| -> Vec<_> {
                 self.x.values.iter().map(|&x| verdict(self.point(series.name, (series.base)(), x, y))).collect()
             };
             self.y.values.iter().map(row).collect()
         };
-        SERIES[..self.series].iter().map(|series| Map { series: series.name, cells: cells(series) }).collect()
+        self.compared().map(|series| Map { series: series.name, cells: cells(series) }).collect()
     }
 
     /// Draws the maps of all methods beside each other, `map-NAME.svg` and `.png`.

@@ -2,7 +2,7 @@
 //!
 //! Where the sweeps of a step do not converge, because it is too long for what the forces make of the mechanism, it is
 //! cut in two, and its parts again, and later ones begin with parts of that length; after some that converged longer
-//! ones are tried. How often is counted. At the shortest a part goes by a plain Euler step, and is reported.
+//! ones are tried. So is one in which something would turn by more than [`LONGEST_TURN`]. How often is counted. At the shortest a part goes by a plain Euler step, and is reported.
 
 use nalgebra::Vector3;
 
@@ -17,6 +17,9 @@ use crate::physics::settings::Integrator;
 
 /// A step is cut into 2 to this power parts at most.
 const MOST_CUTS: u32 = 12;
+
+/// Turn of a part, rad: of twice that, a box that flips over its middle axis keeps no digit for a second.
+const LONGEST_TURN: f64 = 0.8;
 
 /// Parts that must converge before longer ones are tried.
 const CALM: u32 = 8;
@@ -127,8 +130,12 @@ impl Stepper {
         effort: &mut Effort,
     ) {
         let whole = 1_u32 << MOST_CUTS;
-        let mut left = whole;
+        let (mut left, mut parts) = (whole, 0);
         while left > 0 {
+            while self.level < MOST_CUTS && turn_of(mechanism, h, self.level) > LONGEST_TURN {
+                self.level += 1;
+                self.calm = 0;
+            }
             let size = whole >> self.level;
             let length = f64::from(size) / f64::from(whole);
             let sweeps = self.step(mechanism, integrator, h * length);
@@ -136,7 +143,6 @@ impl Stepper {
             if !sweeps.converged && self.level < MOST_CUTS {
                 self.level += 1;
                 self.calm = 0;
-                effort.cuts += left / size;
                 continue;
             }
             if sweeps.converged {
@@ -151,12 +157,18 @@ impl Stepper {
             let is_projected = self.project(mechanism);
             effort.unsettled += u32::from(!is_projected);
             left -= size;
+            parts += 1;
             self.calm += 1;
-            if self.calm >= CALM && self.level > 0 && left.is_multiple_of(2 * size) {
+            if self.calm >= CALM
+                && self.level > 0
+                && left.is_multiple_of(2 * size)
+                && turn_of(mechanism, h, self.level - 1) <= LONGEST_TURN
+            {
                 self.level -= 1;
                 self.calm = 0;
             }
         }
+        effort.cuts += parts - 1;
     }
 
     /// Brings joints back, unless that makes kinetic energy where no support moves: then their rows are too nearly
@@ -192,6 +204,12 @@ impl Stepper {
             motion.drift(h);
         }
     }
+}
+
+/// How far the fastest member turns in a part of a step of h, s, cut so often, rad.
+fn turn_of(mechanism: &Mechanism, h: f64, level: u32) -> f64 {
+    let squares = mechanism.motion[..mechanism.moving].iter().map(|motion| motion.angular.norm_squared());
+    squares.fold(0.0, f64::max).sqrt() * h / f64::from(1_u32 << level)
 }
 
 fn kinetic_energy(mechanism: &Mechanism, motion: &[Motion]) -> f64 {
