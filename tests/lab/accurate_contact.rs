@@ -58,9 +58,9 @@ fn bounces_that_add_up_come_to_an_end() {
 
 #[test]
 fn a_heap_of_balls_neither_overlaps_nor_loses_energy() {
-    let still = run(scene("spheres", &[("e", 0.0)]), 1000.0, 0.3);
+    let still = run(scene("spheres", &[("e", 0.0)]), 1000.0, 2.0);
     assert!(still.error <= 1e-10, "{:e} m2", still.error);
-    let bouncing = run(scene("spheres", &[("e", 1.0)]), 1000.0, 0.6);
+    let bouncing = run(scene("spheres", &[("e", 1.0)]), 1000.0, 10.0);
     assert!(bouncing.cuts > 100, "{} landings", bouncing.cuts);
     assert!(bouncing.error <= 1e-6, "{:e} J2", bouncing.error);
 }
@@ -79,7 +79,7 @@ fn what_stands_stands_still() {
     let columns = columns.map(|(n, jitter)| ("stack", vec![("n", n), ("jitter", jitter)]));
     let others = [("sandwich", vec![("r", 1e6)]), ("pyramid", vec![("n", 6.0)])];
     for (name, parameters) in columns.chain(others) {
-        let outcome = run(scene(name, &parameters), 60.0, 3.0);
+        let outcome = run(scene(name, &parameters), 60.0, 10.0);
         assert!(outcome.error <= 1e-5, "{name} {parameters:?}: moved {:e} m", outcome.error);
         assert!(outcome.penetration <= 1e-9, "{name} {parameters:?}: {:e} m deep", outcome.penetration);
     }
@@ -112,7 +112,7 @@ fn a_column_carries_its_weight() {
 #[test]
 fn arch_and_house_of_cards_do_not_creep() {
     for name in ["arch", "card_house"] {
-        let outcome = run(scene(name, &[]), 60.0, 20.0);
+        let outcome = run(scene(name, &[]), 60.0, 60.0);
         assert!(outcome.error <= 1e-5, "{name}: {:e} m", outcome.error);
     }
 }

@@ -1,5 +1,5 @@
-//! Proximal points: the problem with a compliance ε/ρ at each point about the present λ_k, solved; its solution is
-//! λ_{k+1}.
+//! Proximal points: the problem with a compliance ε/ρ at each point about the present λ_k, a hundredth of it at joints,
+//! solved; its solution is λ_{k+1}.
 //!
 //! λ⁺(y) = P_K(λ_k − (ρ/ε) û(u_k + Ĵ y)),  G(y) = y − Ĵᵀ(λ⁺(y) − λ_k) = 0
 //!
