@@ -112,7 +112,7 @@ pub struct ContactForce {
     pub a: Entity,
     /// The other.
     pub b: Entity,
-    /// World position, m.
+    /// World position, m, where the step found it; with the exact method, where it is at the step's end.
     pub point: DVec3,
     /// Unit normal from A to B.
     pub normal: DVec3,
@@ -120,8 +120,8 @@ pub struct ContactForce {
     pub depth: f64,
     /// Force on B: normal and friction, N, world axes; mean over the step's substeps.
     pub force: DVec3,
-    /// Force on B that the step's last solve found, N, world axes.
-    pub last_force: DVec3,
+    /// Force on B that the step's last solve found, N, world axes; none where that was not of this point.
+    pub last_force: Option<DVec3>,
 }
 
 /// The joints with the forces that the last step's solves found. Filled in while present.
@@ -229,7 +229,16 @@ fn collect_contact_forces(
         let h = settings.step();
         forces.collect(&bodies, &contacts, graph.contact_forces(&contacts, h, h / f64::from(settings.substeps)));
     } else if settings.method == Method::Exact {
-        forces.collect(&bodies, &contacts, groups.contact_forces(&contacts));
+        let entity = |body: u32| bodies.list[body as usize].entity;
+        forces.0.extend(groups.point_forces().map(|found| ContactForce {
+            a: entity(found.pair.a),
+            b: entity(found.pair.b),
+            point: found.point.into(),
+            normal: found.normal.into(),
+            depth: found.depth,
+            force: found.force.into(),
+            last_force: found.last_force.map(DVec3::from),
+        }));
     } else {
         let contacts = lagged.active(&settings, &contacts);
         let found = solvers.list[..solvers.used].iter().flat_map(|solver| solver.contact_forces());
@@ -254,7 +263,7 @@ impl ContactForces {
                 normal: manifold.normal.into(),
                 depth: point.depth,
                 force: force.into(),
-                last_force: last_force.into(),
+                last_force: Some(last_force.into()),
             });
         }
     }

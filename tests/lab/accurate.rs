@@ -78,7 +78,7 @@ fn rods_converge_with_at_least_the_fourth_power_of_the_step() {
 
 #[test]
 fn a_heavy_ball_on_light_rods_follows_its_reference() {
-    for (mass, hz, tolerance) in [(1e3, 240.0, 1e-4), (1e3, 60.0, 1e-4), (1e6, 960.0, 1e-4)] {
+    for (mass, hz, tolerance) in [(1e3, 240.0, 1e-4), (1e3, 60.0, 1e-4), (1e6, 240.0, 1e-4), (1e6, 60.0, 1e-4)] {
         let outcome = run(scene("chain", &[("r", mass)]), hz, 2.0);
         assert!(outcome.error < tolerance, "{mass} kg at {hz} Hz: {:e} m", outcome.error);
         assert!(outcome.separation < 1e-9, "{mass} kg at {hz} Hz: {:e} m apart", outcome.separation);

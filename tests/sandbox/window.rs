@@ -40,8 +40,8 @@ fn a_limb_is_dragged_in_a_real_window() {
     let display = Display::open();
     let mut sandbox = Sandbox::open(&display, folder.path());
 
-    // The first frames are blank: shaders are still being compiled.
-    let start = sandbox.wait_for_spot(|_| true).expect("the limb is in the picture");
+    // The first frames are blank: shaders are still being compiled; in those after them the panel takes its place.
+    let start = sandbox.wait_for_still_spot().expect("the limb is in the picture");
     let colors = sandbox.screenshot().distinct_colors();
     assert!(colors > 1000, "sky, ground, bodies in light and shade, and the panel have only {colors} colors");
 
@@ -192,6 +192,18 @@ impl<'a> Sandbox<'a> {
             }
         }
         None
+    }
+
+    /// Takes screenshots until two after each other show the limb at one place.
+    fn wait_for_still_spot(&mut self) -> Option<Vec2> {
+        let mut before = self.wait_for_spot(|_| true)?;
+        loop {
+            let spot = self.wait_for_spot(|_| true)?;
+            if spot.distance(before) < 1.0 {
+                return Some(spot);
+            }
+            before = spot;
+        }
     }
 
     /// Presses the key for a screenshot until there is one more. A key that comes before the

@@ -6,6 +6,8 @@
 //! them as the solver's are. Laws that the natural map does not know are made part of u: a contact
 //! found before it touches may close its gap within the substep, u_n + gap/h ≥ 0, and one that
 //! bounces leaves with e times its approach at the start of the step, u_n + e u_n⁻ ≥ 0.
+//!
+//! The exact method's last solve is of what touches at the end of the step, where that is then: neither is needed.
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::math::{DQuat, DVec3};
@@ -14,7 +16,7 @@ use serde::Serialize;
 use super::moving::Moving;
 use super::natural_map::SolvedContact;
 use crate::lab::run::{BodyState, Simulation};
-use crate::physics::{ContactForce, Integrator, RigidBody, SolverSettings, SurfaceMaterial};
+use crate::physics::{ContactForce, Integrator, Method, RigidBody, SolverSettings, SurfaceMaterial};
 
 /// Largest residual of the natural map over a step's contacts, relative to the larger of g h and
 /// the fastest contact of the step: 0 is a contact solve without error, 1 one that did nothing.
@@ -62,16 +64,20 @@ struct Substep {
     moves: f64,
     /// Whether the solve's contacts are those of its step.
     is_present: bool,
+    /// Whether they were found at its end.
+    is_at_end: bool,
 }
 
 impl Substep {
     fn of(settings: &SolverSettings) -> Self {
         let length = settings.step() / f64::from(settings.substeps);
+        let is_at_end = settings.method == Method::Exact;
         let (acts, moves) = match settings.integrator {
+            _ if is_at_end => (0.5 * length, 0.0),
             Integrator::VelocityVerlet => (0.5 * length, 0.0),
             _ => (length, length),
         };
-        Self { length, acts, moves, is_present: settings.contact_lag == 0 }
+        Self { length, acts, moves, is_present: settings.contact_lag == 0, is_at_end }
     }
 }
 
@@ -126,15 +132,21 @@ impl ContactMeter {
     }
 
     /// A contact as the last solve left it, and the larger of its speeds at both ends of the step;
-    /// none where nothing can move.
+    /// none where nothing can move, or it took no part.
     fn solved(&self, contact: &ContactForce, pair: [usize; 2], after: &[BodyState]) -> Option<(SolvedContact, f64)> {
+        let last_force = contact.last_force?;
         let normal = contact.normal;
         let mut inverse_mass = 0.0;
         let [side_a, side_b] = pair.map(|index| {
             let (body, before, after) = (&self.bodies[index], &self.before[index], &after[index]);
-            let found_arm = contact.point - before.position;
             let (position, rotation) = pose_before(after, self.substep.moves);
-            let arm = rotation * (before.rotation.inverse() * found_arm);
+            let (found_arm, arm) = if self.substep.is_at_end {
+                let arm = contact.point - position;
+                (before.rotation * (rotation.inverse() * arm), arm)
+            } else {
+                let found_arm = contact.point - before.position;
+                (found_arm, rotation * (before.rotation.inverse() * found_arm))
+            };
             let lever = rotation.inverse() * (body.turns * arm.cross(normal));
             inverse_mass += (normal * body.inverse_mass).dot(normal) + (lever * body.inverse_inertia).dot(lever);
             Side {
@@ -149,12 +161,13 @@ impl ContactMeter {
         }
         let SurfaceMaterial { friction, restitution } =
             self.bodies[pair[0]].material.pair(self.bodies[pair[1]].material);
-        let impulse = contact.last_force * self.substep.acts;
+        let impulse = last_force * self.substep.acts;
         let gap = normal.dot(side_b.moved - side_a.moved) - contact.depth;
         let before = side_b.approach - side_a.approach;
         let after = side_b.velocity - side_a.velocity;
         let bounce = if normal.dot(impulse) > 0.0 { restitution * (-normal.dot(before)).max(0.0) } else { 0.0 };
-        let velocity = after + (gap.max(0.0) / self.substep.length - bounce) * normal;
+        let allowed = if self.substep.is_at_end { 0.0 } else { gap.max(0.0) / self.substep.length - bounce };
+        let velocity = after + allowed * normal;
         let solved = SolvedContact { normal, friction, effective_mass: inverse_mass.recip(), impulse, velocity };
         Some((solved, before.length().max(after.length())))
     }

@@ -25,17 +25,16 @@ mod runge_kutta;
 mod stepper;
 mod tableau;
 
-use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
-use nalgebra::Vector3;
 
 pub(super) use self::factor::BlockFactor;
 
+pub(crate) use self::contact::PointForce;
 use self::contact::{ContactTerms, Touching};
 use self::island::ExactGroup;
 use super::ContactCache;
 use crate::physics::bodies::{Bodies, Joints};
-use crate::physics::collision::{ContactPoint, Contacts, Pair};
+use crate::physics::collision::Contacts;
 use crate::physics::diagnostics::StepStats;
 use crate::physics::island::Islands;
 use crate::physics::settings::{Method, SolverSettings};
@@ -61,23 +60,9 @@ pub(crate) struct ExactGroups {
 }
 
 impl ExactGroups {
-    /// What each contact point carried: manifold, point, the mean force over the step and the last one, N, on B.
-    pub fn contact_forces<'c>(
-        &'c self,
-        contacts: &'c Contacts,
-    ) -> impl Iterator<Item = (u32, usize, [Vector3<f64>; 2])> + 'c {
-        let loads: HashMap<Pair, &Touching> = self.list[..self.used]
-            .iter()
-            .flat_map(ExactGroup::touching)
-            .flat_map(|touching| touching.pairs().map(move |pair| (pair, touching)))
-            .collect();
-        (0..).zip(&contacts.manifolds).flat_map(move |(index, manifold)| {
-            let touching = loads.get(&manifold.pair).copied();
-            let of = move |point: &ContactPoint| {
-                touching.map_or_else(Default::default, |touching| touching.load(manifold.pair, point.feature))
-            };
-            contacts.points_of(manifold).iter().enumerate().map(move |(at, point)| (index, at, of(point)))
-        })
+    /// What each contact point carried.
+    pub fn point_forces(&self) -> impl Iterator<Item = PointForce> + '_ {
+        self.list[..self.used].iter().flat_map(ExactGroup::touching).flat_map(Touching::point_forces)
     }
 
     /// All that the next step depends on beside bodies, joints and what contacts carried.

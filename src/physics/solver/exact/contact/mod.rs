@@ -38,8 +38,34 @@ const MOST_EVENTS: u32 = 1_000;
 /// Flights to find a landing.
 const MOST_TRIALS: usize = 80;
 
-/// Of each point, impulses over the step, N·s, on B, and those of its last solve as forces, N.
-type Loads = HashMap<(Pair, FeatureId), [Vector3<f64>; 2]>;
+/// What each point was pushed by, by pairing.
+type Loads = HashMap<(u32, FeatureId), Load>;
+
+/// What a point was pushed by.
+#[derive(Clone, Debug)]
+struct Load {
+    /// Over the step, N·s on B; then its mean, N.
+    impulse: Vector3<f64>,
+    /// In the last solve that pushed there, N on B.
+    last: Vector3<f64>,
+    /// Where that was.
+    site: Site,
+}
+
+/// A contact point with the force through it.
+pub(crate) struct PointForce {
+    pub pair: Pair,
+    /// In the world, m, at the end of the step if it is there then, else where it was pushed last.
+    pub point: Vector3<f64>,
+    /// Unit, from A to B.
+    pub normal: Vector3<f64>,
+    /// m; negative: a gap.
+    pub depth: f64,
+    /// Mean over the step, N on B.
+    pub force: Vector3<f64>,
+    /// Of the step's last solve, N on B; none where that was not of this point.
+    pub last_force: Option<Vector3<f64>>,
+}
 
 /// What a step depends on besides.
 #[derive(Clone, Copy, Debug)]
@@ -131,7 +157,7 @@ impl Touching {
         }
         let step = terms.h * f64::from(terms.parts);
         self.joint_forces.iter_mut().for_each(|impulse| *impulse /= step);
-        self.loads.values_mut().for_each(|[impulse, _]| *impulse /= step);
+        self.loads.values_mut().for_each(|load| load.impulse /= step);
         let kernels = [&mut self.flight.places, &mut self.flight.velocities, &mut self.impacts.kernel];
         for kernel in kernels {
             self.effort.solves += std::mem::take(&mut kernel.steps);
@@ -187,7 +213,7 @@ impl Touching {
         let Self { members, moving, links, pairings, sites, motion, impacts, loads, joint_forces, .. } = self;
         let view = View { members, moving: *moving, links };
         impacts.pass(view, pairings, sites, least, motion, |held, kernel| {
-            add_up(held, kernel, pairings, loads, joint_forces, None);
+            add_up(held, kernel, loads, joint_forces, None);
         });
     }
 
@@ -283,11 +309,11 @@ impl Touching {
 
     /// Makes the end of the flight the state.
     fn commit(&mut self, h: f64) {
-        let Self { flight, motion, pairings, loads, joint_forces, links, effort, .. } = self;
+        let Self { flight, motion, loads, joint_forces, links, effort, .. } = self;
         effort.jammed += flight.jammed;
         motion.clone_from(&flight.end);
         for (kernel, held) in [&flight.places, &flight.velocities].into_iter().zip(&flight.held) {
-            add_up(held, kernel, pairings, loads, joint_forces, Some(0.5 * h));
+            add_up(held, kernel, loads, joint_forces, Some(0.5 * h));
         }
         for (sum, force) in joint_forces[links.len()..].iter_mut().zip(&flight.spring_forces) {
             *sum += force * h;
@@ -309,42 +335,57 @@ impl Touching {
         3 * (self.links.len() + self.flight.held[1].len()) as u32
     }
 
-    /// What each point of the pairs carried: the mean force over the step and the last one, N, on B.
-    pub fn load(&self, pair: Pair, feature: FeatureId) -> [Vector3<f64>; 2] {
-        self.loads.get(&(pair, feature)).copied().unwrap_or_default()
-    }
-
-    /// The pairs in reach.
-    pub fn pairs(&self) -> impl Iterator<Item = Pair> + '_ {
-        self.pairings.iter().map(|pairing| pairing.pair)
+    /// The points at the end of the step, then those that were pushed before and are there no more, by pair.
+    pub fn point_forces(&self) -> Vec<PointForce> {
+        let sites = &self.flight.sites;
+        let force = |pairing: u32, site: &Site, load: Option<&Load>, is_last: bool| PointForce {
+            pair: self.pairings[pairing as usize].pair,
+            point: site.point,
+            normal: site.normal,
+            depth: -site.gap,
+            force: load.map_or_else(Vector3::zeros, |load| load.impulse),
+            last_force: is_last.then(|| load.map_or_else(Vector3::zeros, |load| load.last)),
+        };
+        let mut forces = Vec::new();
+        for (index, pairing) in (0..).zip(&self.flies) {
+            for site in sites.of(index as usize) {
+                let is_held = !pairing && site.gap <= TOUCHING;
+                forces.push(force(index, site, self.loads.get(&(index, site.feature)), is_held));
+            }
+            let mut gone: Vec<&Load> = self
+                .loads
+                .iter()
+                .filter(|((pairing, feature), _)| *pairing == index && sites.position(index, *feature).is_none())
+                .map(|(_, load)| load)
+                .collect();
+            gone.sort_unstable_by_key(|load| load.site.feature);
+            forces.extend(gone.into_iter().map(|load| force(index, &load.site, Some(load), false)));
+        }
+        forces
     }
 
     /// Keeps the forces for the next step.
     pub fn store(&self, cache: &mut ContactCache) {
         for (index, pairing) in self.pairings.iter().enumerate() {
+            let last = |site: &Site| self.loads.get(&(index as u32, site.feature)).map(|load| load.last);
             let sites = self.flight.sites.of(index);
             cache.insert(
                 pairing.pair,
-                sites.iter().map(|site| (site.feature, self.load(pairing.pair, site.feature)[1])),
+                sites.iter().map(|site| (site.feature, last(site).unwrap_or_else(Vector3::zeros))),
             );
         }
     }
 }
 
 /// Adds what a solve pushed to what was pushed before. Of one that holds for a time, s, the forces are the last ones.
-fn add_up(
-    held: &[Site],
-    kernel: &Kernel,
-    pairings: &[Pairing],
-    loads: &mut Loads,
-    joint_impulses: &mut [Vector3<f64>],
-    time: Option<f64>,
-) {
+fn add_up(held: &[Site], kernel: &Kernel, loads: &mut Loads, joint_impulses: &mut [Vector3<f64>], time: Option<f64>) {
     for (site, impulse) in held.iter().zip(&kernel.impulses.contacts) {
-        let load = loads.entry((pairings[site.pairing as usize].pair, site.feature)).or_default();
-        load[0] += impulse;
+        let nothing = || Load { impulse: Vector3::zeros(), last: Vector3::zeros(), site: site.clone() };
+        let load = loads.entry((site.pairing, site.feature)).or_insert_with(nothing);
+        load.impulse += impulse;
+        load.site.clone_from(site);
         if let Some(time) = time {
-            load[1] = impulse / time;
+            load.last = impulse / time;
         }
     }
     joint_impulses.iter_mut().zip(&kernel.impulses.joints).for_each(|(sum, impulse)| *sum += impulse);

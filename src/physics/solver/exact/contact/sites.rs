@@ -23,6 +23,8 @@ pub(super) struct Site {
     pub pairing: u32,
     pub feature: FeatureId,
     pub ends: [u32; 2],
+    /// In the world, m.
+    pub point: Vector3<f64>,
     /// From the centres of mass, world axes.
     pub arms: [Vector3<f64>; 2],
     /// Unit, from A to B.
@@ -83,6 +85,7 @@ impl Sites {
                 pairing: index,
                 feature: point.feature,
                 ends: pairing.ends,
+                point: point.point,
                 arms: [point.point - a.position, point.point - b.position],
                 normal: overlap.normal,
                 gap: -point.depth,
