@@ -1,9 +1,10 @@
 //! The preset `accurate` where things touch: closed forms of sliding, rolling and bouncing, and what should stand.
 
 use std::collections::BTreeMap;
+use std::convert::Infallible;
 
-use plumb::lab::Simulation;
-use plumb::physics::{ContactForces, Diagnostics, Mass, StepStats};
+use plumb::lab::{Plan, Simulation, measure};
+use plumb::physics::{ContactForces, Diagnostics, Mass, SolverSettings, StepStats};
 
 use crate::accurate::{run, scene, simulation};
 
@@ -157,6 +158,23 @@ fn limbs_in_a_heap_keep_their_joints_and_make_no_energy() {
     assert!(separation < 1e-5, "joints part by {separation} m");
     assert!(penetration < 1e-3, "{penetration} m deep");
     assert!(simulation.quarantined().is_empty());
+}
+
+/// By the residual of the natural map, over the larger of g h and the fastest contact of a step.
+#[test]
+fn contacts_obey_their_laws() {
+    for (name, hz, seconds) in [
+        ("slide_roll", 60.0, 2.0),
+        ("rolling", 1000.0, 0.2),
+        ("pyramid", 60.0, 1.0),
+        ("arch", 60.0, 1.0),
+        ("limbs", 60.0, 0.5),
+    ] {
+        let settings = SolverSettings { hz, ..SolverSettings::accurate() };
+        let plan = Plan::new(name, &[], settings, Some(seconds)).unwrap();
+        let residual = measure(&plan, |_| Ok::<(), Infallible>(())).unwrap().contact_residual.expect("contacts");
+        assert!(residual.worst < 2e-8, "{name}: {:e}", residual.worst);
+    }
 }
 
 /// Above mu = 1.34 at 60 degrees; no other rod is.
