@@ -21,6 +21,9 @@ const PROJECTED: f64 = 1e-3;
 /// Share of errors that a step leaves from which on the next is taken with the rows of the pose it led to.
 const SLOW: f64 = 0.8;
 
+/// Share with such rows from which on nothing is gained.
+const STUCK: f64 = 0.95;
+
 /// Shortest share of a step.
 const LEAST_SHARE: f64 = 1e-3;
 
@@ -144,23 +147,21 @@ impl Projection {
                 share *= 0.5;
                 mechanism.motion.clone_from(&self.before);
             };
-            let gain = (found.square / left.square).sqrt();
-            if gain >= 1.0 {
+            let is_less = found.square < left.square;
+            let kept = if is_less { (found.square / left.square).sqrt() } else { 1.0 };
+            if is_less {
+                left = found;
+            } else {
                 mechanism.motion.clone_from(&self.before);
                 self.set_arms(mechanism);
-                if is_fresh {
-                    break;
-                }
-                self.find_errors(mechanism);
-            } else {
-                left = found;
-                if gain > 0.95 && is_fresh {
-                    break;
-                }
             }
-            is_fresh = gain > SLOW || share < 1.0;
+            if is_fresh && kept > STUCK {
+                break;
+            }
+            is_fresh = kept > SLOW || share < 1.0;
             if is_fresh {
                 self.assemble(mechanism);
+                self.find_errors(mechanism);
             }
         }
         left.largest
