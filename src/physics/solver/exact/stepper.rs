@@ -2,7 +2,7 @@
 //!
 //! Where the sweeps of a step do not converge, because it is too long for what the forces make of the mechanism, it is
 //! cut in two, and its parts again, and later ones begin with parts of that length; after some that converged longer
-//! ones are tried. So is one in which something would turn by more than [`LONGEST_TURN`]. How often is counted. At the shortest a part goes by a plain Euler step, and is reported.
+//! ones are tried. So is one in which a body by itself would turn by more than [`LONGEST_TURN`]. How often is counted. At the shortest a part goes by a plain Euler step, and is reported.
 
 use nalgebra::Vector3;
 
@@ -206,9 +206,11 @@ impl Stepper {
     }
 }
 
-/// How far the fastest member turns in a part of a step of h, s, cut so often, rad.
+/// How far a body by itself turns in a part of a step of h, s, cut so often, rad. Of what is joined, sweeps that do not
+/// converge tell.
 fn turn_of(mechanism: &Mechanism, h: f64, level: u32) -> f64 {
-    let squares = mechanism.motion[..mechanism.moving].iter().map(|motion| motion.angular.norm_squared());
+    let alone = mechanism.links.is_empty();
+    let squares = mechanism.motion.iter().filter(|_| alone).map(|motion| motion.angular.norm_squared());
     squares.fold(0.0, f64::max).sqrt() * h / f64::from(1_u32 << level)
 }
 
