@@ -2,7 +2,8 @@
 //!
 //! Where the sweeps of a step do not converge, because it is too long for what the forces make of the mechanism, it is
 //! cut in two, and its parts again, and later ones begin with parts of that length; after some that converged longer
-//! ones are tried. So is one in which a body by itself would turn by more than [`LONGEST_TURN`]. How often is counted. At the shortest a part goes by a plain Euler step, and is reported.
+//! ones are tried. So is one in which a body by itself would turn by more than [`LONGEST_TURN`]. How often is counted.
+//! At the shortest a part goes by a plain Euler step, and is reported.
 
 use nalgebra::Vector3;
 
