@@ -15,8 +15,8 @@ impl Default for Gravity {
     }
 }
 
-/// How contact and joint rows are solved: on the forces of each (sub)step, as `pgs`, `cg_pgs`, `nncg` and `joint_space` do,
-/// or on velocities with contacts that last.
+/// How contact and joint rows are solved: on the forces of each (sub)step, as `pgs`, `cg_pgs`, `nncg` and `joint_space`
+/// do, or on velocities with contacts that last.
 #[derive(Reflect, Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Method {
     /// Projected Gauss–Seidel on the force-level rows with λ from zero (Catto 2005).
@@ -46,8 +46,8 @@ pub enum Method {
     /// (Müller et al. 2020).
     #[serde(rename = "xpbd")]
     Xpbd,
-    /// Joints by their exact forces, J M⁻¹ Jᵀ λ = b solved directly in each stage of an integrator that converges, all in
-    /// `f64`. What is in reach of something goes by a step of second order instead, whose contacts obey Signorini's
+    /// Joints by their exact forces, J M⁻¹ Jᵀ λ = b solved directly in each stage of an integrator that converges, all
+    /// in `f64`. What is in reach of something goes by a step of second order instead, whose contacts obey Signorini's
     /// condition and Coulomb's cone to 1e-10 m/s; what bounces does so at the time at which it lands.
     #[serde(rename = "exact")]
     Exact,
@@ -94,8 +94,8 @@ pub enum Integrator {
     Euler,
     /// Kick by h/2, drift by h, kick by h/2. Two solves a (sub)step.
     VelocityVerlet,
-    /// Gauss's collocation method, implicit and symmetric: of order 8 where nothing is stiff, of order 6 where something
-    /// is, whatever the stiffness. Of `exact` only, as all below.
+    /// Gauss's collocation method, implicit and symmetric: of order 8 where nothing is stiff, of order 6 where
+    /// something is, whatever the stiffness. Of `exact` only, as all below.
     Gauss,
     /// The classic Runge–Kutta method of order 4, explicit: cut finer where joints pull hard.
     RungeKutta4,
@@ -286,8 +286,8 @@ impl SolverSettings {
         }
     }
 
-    /// The one that converges with the step to rounding error: joints and contacts exactly, Gauss's method where nothing
-    /// touches.
+    /// The one that converges with the step to rounding error: joints and contacts exactly, Gauss's method where
+    /// nothing touches.
     pub fn accurate() -> Self {
         Self {
             method: Method::Exact,

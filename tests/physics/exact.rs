@@ -97,9 +97,9 @@ fn a_symmetric_composition_bounds_its_energy_for_a_million_steps() {
     assert!(all > 5.0 * begun, "{begun:e} J at first, then {all:e} J");
 }
 
-/// 41 upright rods, their feet pinned 1 m apart, neighbouring tops joined by 40 level rods, in one plane: a loop of four
-/// bars forty times. The tops start at 1 m/s; each time the rods lie flat all loops are singular at once, and may fold
-/// either way. As one pendulum: ½J(θ̇² − 1) = G(1 − cos θ), J = 41/3 + 40, G = 9.81 (41/2 + 40).
+/// 41 upright rods, their feet pinned 1 m apart, neighbouring tops joined by 40 level rods, in one plane: a loop of
+/// four bars forty times. The tops start at 1 m/s; each time the rods lie flat all loops are singular at once, and may
+/// fold either way. As one pendulum: ½J(θ̇² − 1) = G(1 − cos θ), J = 41/3 + 40, G = 9.81 (41/2 + 40).
 fn four_bars(loops: u32, hz: f64, seconds: f64) -> (f64, f64, f64) {
     let mut world = world_with(exact(GAUSS, hz));
     world.init_resource::<Diagnostics>();

@@ -51,8 +51,8 @@ pub const SERIES: [Series; 11] = [
     Series { name: "accurate f64", base: SolverSettings::accurate },
 ];
 
-/// Whether the settings are worth a point beside those of the same step: the exact method has no sweeps, and substeps of it
-/// are shorter steps.
+/// Whether the settings are worth a point beside those of the same step: the exact method has no sweeps, and substeps
+/// of it are shorter steps.
 pub(in crate::lab) fn differs(settings: &SolverSettings, least: &SolverSettings) -> bool {
     settings.method != Method::Exact || settings.substeps == least.substeps && settings.iterations == least.iterations
 }

@@ -150,8 +150,8 @@ pub(super) struct ParameterArguments {
 /// A preset or a file, and single settings on top of it.
 #[derive(Args)]
 pub(super) struct SettingsArguments {
-    /// Start from these settings: game (the default), steady (force-level sweeps), classic (the 2009 engine) or accurate
-    /// (converges with the step)
+    /// Start from these settings: game (the default), steady (force-level sweeps), classic (the 2009 engine) or
+    /// accurate (converges with the step)
     #[arg(long, value_name = "NAME", value_parser = preset, conflicts_with = "settings")]
     preset: Option<SolverSettings>,
     /// Start from the settings in this RON file

@@ -127,8 +127,8 @@ pub(super) fn hold_back(
     }
 }
 
-/// Puts the fast ones of two bodies where they are on their ways at a time, s. One that is not fast, or goes where it is
-/// told, goes on and takes along what it has met.
+/// Puts the fast ones of two bodies where they are on their ways at a time, s. One that is not fast, or goes where it
+/// is told, goes on and takes along what it has met.
 fn hold(bodies: &mut [Body], pair: [usize; 2], ways: &[Body; 2], fast: [bool; 2], time: f64) {
     let held = [0, 1].map(|one| fast[one] && bodies[pair[one]].is_dynamic());
     for one in (0..2).filter(|&one| held[one]) {

@@ -80,8 +80,8 @@ fn speculative_gap(plane: &Body, body: &Body, normal: &Vector3<f64>, settings: &
     approach * settings.step()
 }
 
-/// How far apart two bodies of the exact method may be that get contact points, m: as far as they can come together in a
-/// step at their velocities and under the forces on them.
+/// How far apart two bodies of the exact method may be that get contact points, m: as far as they can come together in
+/// a step at their velocities and under the forces on them.
 fn reachable_gap(a: &Body, b: &Body, settings: &SolverSettings) -> f64 {
     own_reach(a, settings) + own_reach(b, settings)
 }

@@ -1,5 +1,5 @@
-//! Contacts in joint space: joints are eliminated exactly, and what is swept are the rows that have bounds, each of which
-//! moves everything that is joined to its two bodies.
+//! Contacts in joint space: joints are eliminated exactly, and what is swept are the rows that have bounds, each of
+//! which moves everything that is joined to its two bodies.
 //!
 //! With E the rows that nothing bounds, those of joints, and C the others, A = J_E M⁻¹J_Eᵀ + Γ_E:
 //!
@@ -7,9 +7,9 @@
 //! (J_C K J_Cᵀ + Γ_C) λ_C = η_C − J_C M⁻¹J_EᵀA⁻¹η_E within the bounds,
 //!
 //! by projected Gauss–Seidel ([`super::pgs`]) with K J_iᵀ in place of M⁻¹J_iᵀ. K is M⁻¹ seen through the joints, the
-//! inverse inertia in joint space (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, section 11.5), here without joint
-//! coordinates, so that loops need none. However few the sweeps, every joint holds to rounding, and a heavy mechanism
-//! takes no more of them than a single body.
+//! inverse inertia in joint space (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, section 11.5), here without
+//! joint coordinates, so that loops need none. However few the sweeps, every joint holds to rounding, and a heavy
+//! mechanism takes no more of them than a single body.
 //!
 //! A falls apart into mechanisms, bodies that joints connect; each is factored on its own ([`BlockFactor`]) in `f64`,
 //! and solved by turns of the method of multipliers, so that redundant joints share their load. A row with bounds costs
@@ -20,10 +20,11 @@ use std::ops::Range;
 use nalgebra::{Matrix3, Vector3};
 
 use super::direct::pattern::Pattern;
-use super::exact::BlockFactor;
+use super::exact::{BlockFactor, Coupling, Couplings, links_at};
 use super::pgs;
 use super::rows::Scalar;
 use crate::physics::constraint::row::{Bounds, Row, Twist};
+use crate::physics::disjoint_sets::DisjointSets;
 
 /// Shift of A, as a share of each block's trace: where the joints of a tree are independent, and where some may follow
 /// from others. What rounding in `f32`, or errors that no motion mends, ask along those must not grow to great forces.
@@ -104,16 +105,8 @@ struct Joint {
     places: [u32; 2],
 }
 
-/// Two joints that share a body.
-struct Coupling {
-    /// Joint and end (0: A, 1: B) of the row and of the column.
-    row: (usize, usize),
-    column: (usize, usize),
-    block: u32,
-}
-
-/// Solves from the λ that the rows hold, with `accelerations` as in [`pgs::solve`], in `iterations` sweeps over the rows
-/// with bounds. Returns the sweeps.
+/// Solves from the λ that the rows hold, with `accelerations` as in [`pgs::solve`], in `iterations` sweeps over the
+/// rows with bounds. Returns the sweeps.
 pub(super) fn solve<N: Scalar>(
     rows: &mut [Row<N>],
     accelerations: &mut [Twist<N>],
@@ -187,22 +180,15 @@ impl<N: Scalar> JointSpace<N> {
 
     /// The mechanisms of the joints.
     fn connect(&mut self, bodies: usize) {
-        let mut root: Vec<u32> = (0..bodies as u32).collect();
-        let find = |root: &[u32], mut body: u32| {
-            while root[body as usize] != body {
-                body = root[body as usize];
-            }
-            body
-        };
+        let mut sets = DisjointSets::new(bodies);
         for &[a, b] in self.ends.iter().filter(|ends| !ends.contains(&NONE)) {
-            let (a, b) = (find(&root, a), find(&root, b));
-            root[a.max(b) as usize] = a.min(b);
+            sets.union(a, b);
         }
         let mut of_root = vec![NONE; bodies];
         let mut joints: Vec<Vec<u32>> = Vec::new();
         for (joint, ends) in (0..).zip(&self.ends) {
             let Some(&body) = ends.iter().find(|&&body| body != NONE) else { continue };
-            let of_root = &mut of_root[find(&root, body) as usize];
+            let of_root = &mut of_root[sets.root(body) as usize];
             if *of_root == NONE {
                 *of_root = joints.len() as u32;
                 joints.push(Vec::new());
@@ -326,38 +312,23 @@ impl Mechanism {
     /// Of these joints, with the bodies at the ends of all; writes down the places of its bodies.
     fn new(index: u32, joints: &[u32], ends: &[[u32; 2]], place: &mut [(u32, u32)]) -> Self {
         let mut bodies = Vec::new();
-        let mut at: Vec<Vec<(u32, usize)>> = Vec::new();
-        for (joint, &source) in (0..).zip(joints) {
-            for (side, &body) in ends[source as usize].iter().enumerate().filter(|(_, body)| **body != NONE) {
-                if place[body as usize].0 != index {
-                    place[body as usize] = (index, bodies.len() as u32);
-                    bodies.push(body);
-                    at.push(Vec::new());
-                }
-                at[place[body as usize].1 as usize].push((joint, side));
+        let mut place_of = |body: u32| {
+            if body == NONE {
+                return NONE;
             }
-        }
-        let pairs: Vec<[(u32, usize); 2]> = at
-            .iter()
-            .flat_map(|ends| (1..ends.len()).flat_map(move |later| (0..later).map(move |one| [ends[one], ends[later]])))
-            .filter(|[one, other]| one.0 != other.0)
-            .collect();
-        let edges = pairs.iter().map(|[one, other]| [one.0, other.0]);
-        let pattern = Pattern::new(joints.len(), edges, usize::MAX).unwrap_or_default();
-        let coupling = |[one, other]: &[(u32, usize); 2]| {
-            let (block, one_is_column) = pattern.block(one.0, other.0);
-            let (column, row) = if one_is_column { (one, other) } else { (other, one) };
-            let placed = |&(joint, side): &(u32, usize)| (pattern.place(joint) as usize, side);
-            Coupling { row: placed(row), column: placed(column), block }
+            let place = &mut place[body as usize];
+            if place.0 != index {
+                *place = (index, bodies.len() as u32);
+                bodies.push(body);
+            }
+            place.1
         };
-        let couplings = pairs.iter().map(coupling).collect();
-        let mut placed = vec![Joint { index: 0, first_row: 0, places: [NONE; 2] }; joints.len()];
-        for (joint, &source) in (0..).zip(joints) {
-            let places = ends[source as usize].map(|body| if body == NONE { NONE } else { place[body as usize].1 });
-            placed[pattern.place(joint) as usize] = Joint { index: source, first_row: 0, places };
-        }
-        let right = vec![Vector3::zeros(); joints.len()];
-        Self { bodies, joints: placed, pattern, couplings, right, ..Self::default() }
+        let links: Vec<[u32; 2]> = joints.iter().map(|&joint| ends[joint as usize].map(&mut place_of)).collect();
+        let Couplings { order, pattern, list } = Couplings::of(&links_at(bodies.len(), &links), links.len());
+        let joint = |&link: &u32| Joint { index: joints[link as usize], first_row: 0, places: links[link as usize] };
+        let joints = order.iter().map(joint).collect();
+        let right = vec![Vector3::zeros(); links.len()];
+        Self { bodies, joints, pattern, couplings: list, right, ..Self::default() }
     }
 
     /// A and its factor.
@@ -377,7 +348,8 @@ impl Mechanism {
         self.coupled.clear();
         for coupling in &self.couplings {
             let ((row, row_side), (column, column_side)) = (coupling.row, coupling.column);
-            let block = block(self.joints[row].first_row, row_side, self.joints[column].first_row, column_side);
+            let first = |joint: u32| self.joints[joint as usize].first_row;
+            let block = block(first(row), row_side, first(column), column_side);
             self.coupled.push(block);
             self.factor.below[coupling.block as usize] += block;
         }
@@ -403,7 +375,7 @@ impl Mechanism {
                 *left = self.right[joint] - self.diagonal[joint] * self.forces[joint];
             }
             for (coupling, block) in self.couplings.iter().zip(&self.coupled) {
-                let (row, column) = (coupling.row.0, coupling.column.0);
+                let (row, column) = (coupling.row.0 as usize, coupling.column.0 as usize);
                 self.left[row] -= block * self.forces[column];
                 self.left[column] -= block.tr_mul(&self.forces[row]);
             }

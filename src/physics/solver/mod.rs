@@ -1,8 +1,8 @@
 //! The `Solve` phase: each island is taken through all its substeps on its own.
 //!
 //! A substep, whatever the method: rows from the present poses ([`rows`]) → the method's solve
-//! (one file each: [`pgs`], [`cg_pgs`], [`nncg`], [`joint_space`]) → integration (`super::integrator`). Islands share no body that moves,
-//! so threads take whole islands and the result does not depend on their number.
+//! (one file each: [`pgs`], [`cg_pgs`], [`nncg`], [`joint_space`]) → integration (`super::integrator`). Islands share
+//! no body that moves, so threads take whole islands and the result does not depend on their number.
 
 mod cg_pgs;
 mod cone;

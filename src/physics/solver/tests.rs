@@ -100,10 +100,14 @@ impl Rows {
         let mut accelerations = vec![Twist::zero(); self.bodies.len()];
         pgs::solve(&mut self.rows, &mut accelerations, 20_000);
         let lambda = DVector::from_iterator(self.rows.len(), self.rows.iter().map(|row| row.lambda));
-        let flat = accelerations.iter().flat_map(|twist| [twist.linear, twist.angular]);
-        let flat: Vec<f64> = flat.flat_map(|vector: Vector3<f64>| vector.data.0[0]).collect();
-        (lambda, DVector::from_vec(flat))
+        (lambda, flat(&accelerations))
     }
+}
+
+/// Six numbers a body.
+fn flat(twists: &[Twist<f64>]) -> DVector<f64> {
+    let vectors = twists.iter().flat_map(|twist| [twist.linear, twist.angular]);
+    DVector::from_vec(vectors.flat_map(|vector: Vector3<f64>| vector.data.0[0]).collect())
 }
 
 /// Solves A λ + w = b with w complementary to the bounds by trying which rows sit at which bound:

@@ -16,10 +16,10 @@
 //! implicitly (Macklin et al. 2016, eq. 26): from Λ = 0 that is the impulse of the implicit spring
 //! ([`SoftTerms`]).
 //!
-//! **Friction.** Static friction is positional: no slip since the start of the substep. It is solved before the normals,
-//! bounded by what they pushed in the substep before. After or among normals that start from zero, it would hold
-//! against tilts that the next normal takes back, and boxes walk apart (`pyramid 20` by 2 m in 10 s
-//! with 16 substeps, which so drifts by 1 mm in 5 s).
+//! **Friction.** Static friction is positional: no slip since the start of the substep. It is solved before the
+//! normals, bounded by what they pushed in the substep before. After or among normals that start from zero, it would
+//! hold against tilts that the next normal takes back, and boxes walk apart (`pyramid 20` by 2 m in 10 s with 16
+//! substeps, which so drifts by 1 mm in 5 s).
 //!
 //! **Contacts settle** (their velocity solve): points that pushed neither part nor approach, friction up to its bound.
 //! That takes out what the way out of an overlap left in the velocities. Bounces follow once a step, as of all methods

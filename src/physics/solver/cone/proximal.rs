@@ -24,8 +24,8 @@ const STEPS: u32 = 15;
 const HALVINGS: u32 = 5;
 /// A point is reached when what is left of G moves no contact by more than this share of the residual.
 const REACHED: f64 = 0.05;
-/// ε of joints over that of contacts: they neither part nor slide, so that no step is too long for them, and redundant ones
-/// need the less points the smaller it is.
+/// ε of joints over that of contacts: they neither part nor slide, so that no step is too long for them, and redundant
+/// ones need the less points the smaller it is.
 const OF_JOINTS: f64 = 0.01;
 /// What ε is multiplied by after a point that was reached, and after one that was not.
 const HARDEN: f64 = 0.3;

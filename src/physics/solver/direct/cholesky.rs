@@ -1,8 +1,8 @@
 //! Block LDLᵀ of a symmetric positive definite matrix with 6 × 6 blocks on the pattern of a body graph:
 //! A = L D Lᵀ, L with ones on its diagonal, D by blocks, in the order of [`Pattern`].
 //!
-//! Column j: D_j is what is left of A_jj; L_ij = A_ij D_j⁻¹; then A_ik −= L_ij D_j L_kjᵀ = L_ij A_kjᵀ for all i ≥ k of the
-//! column (right-looking). On a tree that is two products a body.
+//! Column j: D_j is what is left of A_jj; L_ij = A_ij D_j⁻¹; then A_ik −= L_ij D_j L_kjᵀ = L_ij A_kjᵀ for all i ≥ k of
+//! the column (right-looking). On a tree that is two products a body.
 
 use nalgebra::{ArrayStorage, SMatrix, SVector};
 
@@ -50,7 +50,8 @@ impl BlockMatrix {
         &mut self.diagonal[place]
     }
 
-    /// Adds a block whose rows are `a`'s and columns `b`'s, and its transpose, where [`Pattern::block`] of the two said.
+    /// Adds a block whose rows are `a`'s and columns `b`'s, and its transpose, where [`Pattern::block`] of the two
+    /// said.
     pub fn add_at(&mut self, (index, rows_are_b): (u32, bool), block: &Block) {
         if rows_are_b {
             self.below[index as usize] += block.transpose();

@@ -9,8 +9,8 @@
 //!
 //! is solved by block LDLᵀ in f64 ([`cholesky`], on the [`pattern`] of the graph), in a time linear in its bodies;
 //! rows are those of [`patch`]. Which points push and which patches slide is guessed from the step before and
-//! corrected by Newton's method, of which a step at rest takes one iteration. The same factor then closes what is left of
-//! depths and gaps, in positions and not in velocities.
+//! corrected by Newton's method, of which a step at rest takes one iteration. The same factor then closes what is left
+//! of depths and gaps, in positions and not in velocities.
 //!
 //! The factor is kept for as long as the same rows act where they did, so that a wall that stands costs two
 //! substitutions a step; and where the step changes nothing any more, it need not be solved for until somebody else

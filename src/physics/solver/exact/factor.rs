@@ -3,11 +3,11 @@
 //! The matrix is A + E with E = ε diag A: the shift makes a factor of what redundant or singular joints leave singular.
 //! Whoever solves does so by residuals, λ ← λ + (A + E)⁻¹(b − A λ), the method of multipliers (Hestenes 1969; Powell
 //! 1969) or proximal point iteration (Rockafellar 1976; Carpentier, Budhiraja and Mansard 2021, "Proximal and sparse
-//! resolution of constrained dynamics"): each turn divides the error along an eigenvector of eigenvalue σ by 1 + σ/E, and
-//! where σ = 0 it stays at zero, so that λ is the least one that gives the same motion.
+//! resolution of constrained dynamics"): each turn divides the error along an eigenvector of eigenvalue σ by 1 + σ/E,
+//! and where σ = 0 it stays at zero, so that λ is the least one that gives the same motion.
 //!
-//! Column j: D_j is what is left of A_jj; L_ij = A_ij D_j⁻¹; then A_ik −= L_ij A_kjᵀ for all i ≥ k of the column. On a tree
-//! of bodies with two joints each that is two products a joint.
+//! Column j: D_j is what is left of A_jj; L_ij = A_ij D_j⁻¹; then A_ik −= L_ij A_kjᵀ for all i ≥ k of the column. On a
+//! tree of bodies with two joints each that is two products a joint.
 
 use nalgebra::{Matrix3, Vector3};
 

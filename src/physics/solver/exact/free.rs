@@ -2,7 +2,8 @@
 //!
 //! Under a constant force and drag c: v(t) = v e^{−ct} + a t φ₁(ct), x(t) = x + v t φ₁(ct) + a t² φ₂(ct), with
 //! φ₁(z) = (1 − e^{−z})/z and φ₂(z) = (1 − φ₁(z))/z. A body of the same inertia about all axes turns by the vector
-//! ∫ω + ½ ∫∫ ω(t) × ω(s) ds dt (Magnus 1954, to fourth order; exact where torque and spin are parallel, or one is zero).
+//! ∫ω + ½ ∫∫ ω(t) × ω(s) ds dt (Magnus 1954, to fourth order; exact where torque and spin are parallel, or one is
+//! zero).
 
 use nalgebra::{UnitQuaternion, Vector3};
 

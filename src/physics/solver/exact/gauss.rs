@@ -13,9 +13,10 @@
 //!
 //! [M̃ −Jᵀ; J 0] (δa, δλ) = (what is left of the two lines above),  M̃ = M (1 + c h a_ii) + h² L_ii K,
 //!
-//! with drag c, and geometric stiffness K (see `joint_tree::stiffness`), kept to M's pattern; L_ii from the tableau. J and
-//! the factor of J M̃⁻¹ Jᵀ are those of the stage's first guess, which is the stages of the step before continued. Where K
-//! counts nothing each sweep leaves a share of order h²; where it is large, the sweeps still converge, whatever ωh.
+//! with drag c, and geometric stiffness K (see `joint_tree::stiffness`), kept to M's pattern; L_ii from the tableau. J
+//! and the factor of J M̃⁻¹ Jᵀ are those of the stage's first guess, which is the stages of the step before continued.
+//! Where K counts nothing each sweep leaves a share of order h²; where it is large, the sweeps still converge, whatever
+//! ωh.
 //!
 //! A joint that gives is a row of its own, λ + m(ω²C + 2ζωĊ) = 0 in place of the second line; its softness
 //! 1/(m(ω² h² L_ii + 2ζω h a_ii)) goes on the diagonal of J M̃⁻¹ Jᵀ. At its greatest force it is only a force.
@@ -30,12 +31,13 @@ use super::tableau::Tableau;
 /// Sweeps at most.
 const MOST_SWEEPS: usize = 40;
 
-/// What the last sweep may leave over the square of the first one's change, in rad or m: the first is what continuing the
-/// step before was off by, of half the order of the step itself, so that this is a small part of the step's own error.
-const OF_SQUARE: f64 = 1e-10;
+/// What the last sweep may leave over the square of the first one's change, in rad or m: the first is what continuing
+/// the step before was off by, of half the order of the step itself, so that this is a small part of the step's own
+/// error.
+pub(super) const OF_SQUARE: f64 = 1e-10;
 
 /// What the last sweep may leave of a turn, rad, or of a way, m, in any case.
-const LEAST: f64 = 1e-18;
+pub(super) const LEAST: f64 = 1e-18;
 
 /// Change in the last sweep, in m or rad, that is no convergence.
 const LOST: f64 = 1e-9;
@@ -508,7 +510,8 @@ fn combine<const S: usize>(screws: &[Screw; S], shares: &[f64; S]) -> Screw {
     })
 }
 
-/// 1/(m(ω² h² L_ii + 2ζω h a_ii)) along each axis, 1/m given; where the force is at its greatest, so much that it stays.
+/// 1/(m(ω² h² L_ii + 2ζω h a_ii)) along each axis, 1/m given; where the force is at its greatest, so much that it
+/// stays.
 fn softness(spring: &Spring, diagonal: &Vector3<f64>, force: &Vector3<f64>, own: f64, swing: f64) -> Vector3<f64> {
     let softness = diagonal / (spring.frequency * (spring.frequency * swing + 2.0 * spring.damping_ratio * own));
     let stays = force.map(|force| if force.abs() >= spring.most { SLACK } else { 1.0 });

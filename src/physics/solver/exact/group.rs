@@ -1,8 +1,8 @@
 //! Rotations as a group: the exponential map and its differential.
 //!
 //! A rotation vector φ stands for the rotation exp φ by |φ| about φ. Where R(t) = exp φ(t) R₀ turns with the angular
-//! velocity ω in world axes, ω = dexp_φ φ̇, of which the inverse is (Hairer, Lubich and Wanner 2006, Geometric Numerical
-//! Integration, lemma III.4.2 and IV.7; Iserles et al. 2000, appendix B)
+//! velocity ω in world axes, ω = dexp_φ φ̇, of which the inverse is (Hairer, Lubich and Wanner 2006, Geometric
+//! Numerical Integration, lemma III.4.2 and IV.7; Iserles et al. 2000, appendix B)
 //!
 //! φ̇ = dexp⁻¹_φ ω = ω − ½ φ × ω + c φ × (φ × ω),  c = (1 − (θ/2) cot(θ/2))/θ²,  θ = |φ|.
 

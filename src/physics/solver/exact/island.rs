@@ -229,7 +229,8 @@ fn is_locked(body: &Body) -> bool {
     body.is_dynamic() && (body.inverse_mass.min() == 0.0 || body.rotation_freedom.min() == 0.0)
 }
 
-/// The place of a body among those of a piece, of which the first `moving` are in order; one that is new there comes last.
+/// The place of a body among those of a piece, of which the first `moving` are in order; one that is new there comes
+/// last.
 pub(super) fn place_in(bodies: &mut Vec<u32>, moving: usize, body: u32) -> u32 {
     let known = bodies[..moving].binary_search(&body).ok();
     // Those that do not move are few.

@@ -2,13 +2,13 @@
 //!
 //! The stages of a collocation method do the same work, each on its own numbers. Here a number is one of
 //! [`WideF64x4`], with the stages in its lanes; what differs is where sums over the stages mix them. The equations are
-//! those of [`gauss`](super::gauss); a sweep changes all stages at once (Jacobi's way instead of Gauss and Seidel's), with
-//! M̃ = M.
+//! those of [`gauss`](super::gauss); a sweep changes all stages at once (Jacobi's way instead of Gauss and Seidel's),
+//! with M̃ = M.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use simba::simd::{SimdValue, WideF64x4};
 
-use super::gauss::{Carry, Sweeps};
+use super::gauss::{Carry, LEAST, OF_SQUARE, Sweeps};
 use super::group::exponential;
 use super::mechanism::Mechanism;
 use super::tableau::Tableau;
@@ -23,15 +23,8 @@ const STAGES: usize = 4;
 /// Sweeps at most.
 const MOST_SWEEPS: usize = 24;
 
-/// What the last sweep may leave over the square of the first one's change, in rad or m: the first is what continuing the
-/// step before was off by, of half the order of the step itself, so that this is a small part of the step's own error.
-const OF_SQUARE: f64 = 1e-10;
-
-/// What the last sweep may leave of a turn, rad, or of a way, m, in any case.
-const LEAST: f64 = 1e-18;
-
-/// Share of its change that a sweep leaves to the next from which on the rows are factored anew, where the stages are by
-/// then, and how often that is done.
+/// Share of its change that a sweep leaves to the next from which on the rows are factored anew, where the stages are
+/// by then, and how often that is done.
 const SLOW: f64 = 0.35;
 const MOST_FACTORS: u32 = 4;
 

@@ -137,8 +137,8 @@ pub(crate) struct Spring {
 
 /// Two links that share a member that moves.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Coupling {
-    /// Link and end (0: A, 1: B) of the row and of the column.
+pub(crate) struct Coupling {
+    /// Place and end (0: A, 1: B) of the link of the row and of the column.
     pub row: (u32, usize),
     pub column: (u32, usize),
     pub member: u32,
@@ -147,8 +147,52 @@ pub(super) struct Coupling {
     pub block: u32,
 }
 
-/// Links from the member that is held, or the first one, outwards, each with its nearer end; none if not all members are
-/// reached, each once.
+/// Links and their ends (0: A, 1: B) at each of the members that move, the first so many.
+pub(crate) fn links_at(moving: usize, links: &[[u32; 2]]) -> Vec<Vec<(u32, usize)>> {
+    let mut at = vec![Vec::new(); moving];
+    for (link, ends) in (0..).zip(links) {
+        for (end, &member) in ends.iter().enumerate().filter(|(_, member)| (**member as usize) < moving) {
+            at[member as usize].push((link, end));
+        }
+    }
+    at
+}
+
+/// Which links share members, and in what order they are to be eliminated.
+pub(crate) struct Couplings {
+    /// The link at each place.
+    pub order: Vec<u32>,
+    pub pattern: Pattern,
+    pub list: Vec<Coupling>,
+}
+
+impl Couplings {
+    /// Of so many links by their ends at members ([`links_at`]).
+    pub fn of(at: &[Vec<(u32, usize)>], links: usize) -> Self {
+        let pairs = (0..).zip(at).flat_map(|(member, ends)| {
+            let earlier = move |later: usize| ends[..later].iter().map(move |&one| (member, one, ends[later]));
+            (1..ends.len()).flat_map(earlier).filter(|(_, one, other)| one.0 != other.0)
+        });
+        let pattern = Pattern::new(links, pairs.clone().map(|(_, one, other)| [one.0, other.0]), usize::MAX);
+        let pattern = pattern.unwrap_or_default();
+        let mut order = vec![0; links];
+        for link in 0..links as u32 {
+            order[pattern.place(link) as usize] = link;
+        }
+        let coupling = |(member, one, other): (u32, (u32, usize), (u32, usize))| {
+            let (block, one_is_column) = pattern.block(one.0, other.0);
+            let (column, row) = if one_is_column { (one, other) } else { (other, one) };
+            let place = |(link, end): (u32, usize)| (pattern.place(link), end);
+            let sign = if row.1 == column.1 { 1.0 } else { -1.0 };
+            Coupling { row: place(row), column: place(column), member, sign, block }
+        };
+        let list = pairs.map(coupling).collect();
+        Self { order, pattern, list }
+    }
+}
+
+/// Links from the member that is held, or the first one, outwards, each with its nearer end; none if not all members
+/// are reached, each once.
 fn walk(moving: usize, links: &[[u32; 2]], at: &[Vec<(u32, usize)>]) -> Option<Vec<(u32, usize)>> {
     let moves = |member: u32| (member as usize) < moving;
     let held = (0..).zip(links).find(|(_, ends)| !ends.iter().all(|&member| moves(member)));
@@ -205,39 +249,12 @@ impl Mechanism {
     /// The order in which `links` (pairs of members) are to stand, and a mechanism without members and links whose
     /// pattern is for that order. `locked`: axes of some member are locked; `gives`: some link is a spring.
     pub fn plan(moving: usize, locked: bool, gives: bool, links: &[[u32; 2]]) -> (Vec<u32>, Self) {
-        let mut at: Vec<Vec<(u32, usize)>> = vec![Vec::new(); moving];
-        for (link, ends) in (0..).zip(links) {
-            for (end, &member) in ends.iter().enumerate().filter(|(_, member)| (**member as usize) < moving) {
-                at[member as usize].push((link, end));
-            }
-        }
-        let pairs = at.iter().flat_map(|ends| {
-            ends.iter()
-                .enumerate()
-                .flat_map(move |(index, one)| ends[..index].iter().map(move |other| [other.0, one.0]))
-        });
-        let edges = pairs.clone().filter(|[a, b]| a != b);
-        let pattern = Pattern::new(links.len(), edges, usize::MAX).unwrap_or_default();
-        let mut order = vec![0; links.len()];
-        for link in 0..links.len() as u32 {
-            order[pattern.place(link) as usize] = link;
-        }
-        let mut couplings = Vec::new();
-        for (member, ends) in (0..).zip(&at) {
-            for (index, &one) in ends.iter().enumerate() {
-                for &other in ends[..index].iter().filter(|other| other.0 != one.0) {
-                    let place = |(link, end): (u32, usize)| (pattern.place(link), end);
-                    let (row, column) = if place(one) > place(other) { (one, other) } else { (other, one) };
-                    let sign = if row.1 == column.1 { 1.0 } else { -1.0 };
-                    let (block, _) = pattern.block(row.0, column.0);
-                    couplings.push(Coupling { row: place(row), column: place(column), member, sign, block });
-                }
-            }
-        }
+        let at = links_at(moving, links);
+        let Couplings { order, pattern, list } = Couplings::of(&at, links.len());
         // A tree of so many bodies with one fixed point has as many links; any more close a loop.
         let may_be_singular = locked || links.len() > moving;
         let tree = if may_be_singular || gives { None } else { walk(moving, links, &at) };
         let tree = tree.map(|tree| tree.into_iter().map(|(link, end)| (pattern.place(link), end)).collect());
-        (order, Self { moving, may_be_singular, gives, tree, pattern, couplings, ..Self::default() })
+        (order, Self { moving, may_be_singular, gives, tree, pattern, couplings: list, ..Self::default() })
     }
 }

@@ -27,11 +27,11 @@ mod tableau;
 
 use bevy::prelude::*;
 
-pub(super) use self::factor::BlockFactor;
-
 pub(crate) use self::contact::PointForce;
 use self::contact::{ContactTerms, Touching};
+pub(super) use self::factor::BlockFactor;
 use self::island::ExactGroup;
+pub(super) use self::mechanism::{Coupling, Couplings, links_at};
 use super::ContactCache;
 use crate::physics::bodies::{Bodies, Joints};
 use crate::physics::collision::Contacts;

@@ -1,7 +1,8 @@
 //! Back onto the joints: places and velocities moved the least way, as masses count, to where joints hold to rounding.
 //!
 //! Places: δ = M⁻¹Jᵀμ with J M⁻¹ Jᵀ μ = −C, again until C is zero to rounding (Newton's method on the group, J and its
-//! factor those of the first turn while that does: the error is small when it starts). Velocities: v −= M⁻¹Jᵀ(J M⁻¹ Jᵀ)⁻¹ J v.
+//! factor those of the first turn while that does: the error is small when it starts). Velocities: v −= M⁻¹Jᵀ(J M⁻¹
+//! Jᵀ)⁻¹ J v.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -14,8 +15,8 @@ const MOST_TURNS: usize = 60;
 /// What of a joint's arms may be left, as a share of them: some units of rounding.
 const ROUNDING: f64 = 4e-16;
 
-/// Levers, as a share, that count little: by trial, with 1e-4 a sheet of 30 × 30 joints parts, with 3e-3 four-bar loops lose
-/// energy as they pass flat poses.
+/// Levers, as a share, that count little: by trial, with 1e-4 a sheet of 30 × 30 joints parts, with 3e-3 four-bar loops
+/// lose energy as they pass flat poses.
 const PROJECTED: f64 = 1e-3;
 
 /// Share of errors that a step leaves from which on the next is taken with the rows of the pose it led to.
@@ -154,6 +155,7 @@ impl Projection {
             } else {
                 mechanism.motion.clone_from(&self.before);
                 self.set_arms(mechanism);
+                self.find_errors(mechanism);
             }
             if is_fresh && kept > STUCK {
                 break;
@@ -161,7 +163,6 @@ impl Projection {
             is_fresh = kept > SLOW || share < 1.0;
             if is_fresh {
                 self.assemble(mechanism);
-                self.find_errors(mechanism);
             }
         }
         left.largest

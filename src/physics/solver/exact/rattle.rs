@@ -1,12 +1,12 @@
-//! RATTLE (Andersen 1983): Strang's splitting into kicks by forces and free flight, with joints held exactly in place and
-//! velocity; symmetric, of order 2. Composed with itself it is of order 4.
+//! RATTLE (Andersen 1983): Strang's splitting into kicks by forces and free flight, with joints held exactly in place
+//! and velocity; symmetric, of order 2. Composed with itself it is of order 4.
 //!
 //! v½ = v₀ + ½h W₀(F + J₀ᵀλ) with λ such that joints hold after the flight: C(q₁) = 0; then
 //! v₁ = v½ + ½h W₁(F + J₁ᵀμ) with μ such that J₁ v₁ = 0. λ is found by Newton's method with J₀ W₀ J₀ᵀ in place of
 //! J₁ W₁ J₀ᵀ. Bodies turn freely by the midpoint rule of `integrator::gyroscopic`; drag takes e^{−ch/2} with each kick.
 //!
-//! Composition (Suzuki 1990): five steps of p h, p h, (1 − 4p) h, p h, p h with p = 1/(4 − ∛4) cancel the error of third
-//! order in h; the error left is a tenth of that of Yoshida's three.
+//! Composition (Suzuki 1990): five steps of p h, p h, (1 − 4p) h, p h, p h with p = 1/(4 − ∛4) cancel the error of
+//! third order in h; the error left is a tenth of that of Yoshida's three.
 
 use nalgebra::Vector3;
 

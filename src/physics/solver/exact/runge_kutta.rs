@@ -1,5 +1,6 @@
-//! The classic Runge–Kutta method of order 4, on the group of rotations by Munthe-Kaas's construction (1998, "Runge–Kutta
-//! methods on Lie groups"; Hairer, Lubich and Wanner 2006, IV.8), with exact joint forces in each of the four stages.
+//! The classic Runge–Kutta method of order 4, on the group of rotations by Munthe-Kaas's construction (1998,
+//! "Runge–Kutta methods on Lie groups"; Hairer, Lubich and Wanner 2006, IV.8), with exact joint forces in each of the
+//! four stages.
 //!
 //! R = exp φ R₀ with φ̇ = dexp⁻¹_φ ω is an equation for vectors, to which the method is applied. It is explicit: where
 //! joint forces make bodies swing by more than [`REACH`] rad a step, the step is too long.

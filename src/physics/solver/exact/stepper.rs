@@ -210,8 +210,10 @@ impl Stepper {
 /// How far a body by itself turns in a part of a step of h, s, cut so often, rad. Of what is joined, sweeps that do not
 /// converge tell.
 fn turn_of(mechanism: &Mechanism, h: f64, level: u32) -> f64 {
-    let alone = mechanism.links.is_empty();
-    let squares = mechanism.motion.iter().filter(|_| alone).map(|motion| motion.angular.norm_squared());
+    if !mechanism.links.is_empty() {
+        return 0.0;
+    }
+    let squares = mechanism.motion.iter().map(|motion| motion.angular.norm_squared());
     squares.fold(0.0, f64::max).sqrt() * h / f64::from(1_u32 << level)
 }
 

@@ -1,8 +1,8 @@
 //! Gauss's collocation methods: nodes, weights and matrices.
 //!
 //! The nodes are the roots of the shifted Legendre polynomial of degree S; the method has order 2S, is symmetric,
-//! symplectic and A-stable (Hairer, Nørsett and Wanner 1993, Solving Ordinary Differential Equations I, II.7; Hairer and
-//! Wanner 1996, II, IV.5). a_ij = ∫₀^{c_i} ℓ_j, b_j = ∫₀¹ ℓ_j with the Lagrange polynomials ℓ of the nodes.
+//! symplectic and A-stable (Hairer, Nørsett and Wanner 1993, Solving Ordinary Differential Equations I, II.7; Hairer
+//! and Wanner 1996, II, IV.5). a_ij = ∫₀^{c_i} ℓ_j, b_j = ∫₀¹ ℓ_j with the Lagrange polynomials ℓ of the nodes.
 
 /// The method of S stages.
 #[derive(Clone, Copy, Debug)]

@@ -2,7 +2,7 @@
 
 use nalgebra::{DVector, Matrix3, Vector3};
 
-use super::{H, Rows, assert_close, single, solve_by_enumeration};
+use super::{H, Rows, assert_close, flat, single, solve_by_enumeration};
 use crate::physics::constraint::ball_joint;
 use crate::physics::constraint::contact::{ContactSite, tangents};
 use crate::physics::constraint::row::{BodyTerms, Bounds, Row, RowPair, Twist};
@@ -44,12 +44,6 @@ fn all_methods<N: Scalar>() -> [(&'static str, Solve<N>); 3] {
 
 fn residuals_made_least(rows: &mut [Row<f64>], accelerations: &mut [Twist<f64>], passes: u32) -> u32 {
     Face::default().solve(rows, accelerations, passes)
-}
-
-/// Six numbers a body.
-fn flat(twists: &[Twist<f64>]) -> DVector<f64> {
-    let vectors = twists.iter().flat_map(|twist| [twist.linear, twist.angular]);
-    DVector::from_vec(vectors.flat_map(|vector: Vector3<f64>| vector.data.0[0]).collect())
 }
 
 const COULOMB: fn(u32) -> Bounds<f64> = |back| Bounds::Friction { coefficient: 0.5, normal_rows_back: back };

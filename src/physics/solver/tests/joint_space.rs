@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Rows, assert_close, solve_by_enumeration};
+use super::{Rows, assert_close, flat, solve_by_enumeration};
 use crate::physics::constraint::row::{Bounds, Twist};
 use crate::physics::solver::joint_space::{self, JointSpace};
 use crate::physics::testing::Random;
@@ -13,9 +13,7 @@ fn solved(system: &Rows, sweeps: u32, space: &mut JointSpace<f64>) -> (DVector<f
     let mut accelerations = vec![Twist::zero(); system.bodies.len()];
     joint_space::solve(&mut rows, &mut accelerations, sweeps, space);
     let lambda = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.lambda));
-    let flat =
-        accelerations.iter().flat_map(|twist| twist.linear.iter().chain(&twist.angular).copied().collect::<Vec<_>>());
-    (lambda, DVector::from_vec(flat.collect()))
+    (lambda, flat(&accelerations))
 }
 
 fn rolled(back: u32) -> Bounds<f64> {
@@ -153,7 +151,7 @@ fn responses_are_those_of_the_dense_matrix() {
     let inverse = among(&joints, &joints).try_inverse().expect("rings are not redundant");
     let dense: DMatrix<f64> = among(&swept, &swept) - among(&swept, &joints) * inverse * among(&joints, &swept);
     for (column, &row) in swept.iter().enumerate() {
-        let mut one = Rows { bodies: system.bodies.clone(), rows: system.rows.clone() };
+        let mut one = system.clone();
         for other in &mut one.rows {
             other.target = 0.0;
         }

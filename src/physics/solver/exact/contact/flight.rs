@@ -69,8 +69,8 @@ pub(super) struct Flight {
 }
 
 impl Flight {
-    /// Flies from a state for h, s, to [`Self::end`]. `start_sites` are those at the start; `bodies` take the poses of the
-    /// end. `guess` is the force that a site may have, N.
+    /// Flies from a state for h, s, to [`Self::end`]. `start_sites` are those at the start; `bodies` take the poses of
+    /// the end. `guess` is the force that a site may have, N.
     pub fn fly(
         &mut self,
         given: &Given,
@@ -140,8 +140,8 @@ impl Flight {
             [1.0, 0.0].into_iter().any(|closed| self.forecast(given, bodies, finder, &separations, closed, h));
     }
 
-    /// Solves for places until what the impulses are to do to them is what they do. That share of errors at the start is
-    /// closed. Whether it came true.
+    /// Solves for places until what the impulses are to do to them is what they do. That share of errors at the start
+    /// is closed. Whether it came true.
     fn forecast(
         &mut self,
         given: &Given,

@@ -1,10 +1,10 @@
 //! Impacts: what bounces, by a law of pairs.
 //!
-//! Of the pairs that touch and come together, the one that does so fastest bounces as if it were alone with what does not
-//! bounce: its points get u⁺ = −e u⁻ along their normals (Newton's law, point by point), friction within its cone,
-//! joints and the contacts that rest hold. That makes others come together; again, until none does. So an impact
-//! passes through a row of balls from one to the next, as it does through real ones, whose contact times do not overlap
-//! if there is any gap between them.
+//! Of the pairs that touch and come together, the one that does so fastest bounces as if it were alone with what does
+//! not bounce: its points get u⁺ = −e u⁻ along their normals (Newton's law, point by point), friction within its cone,
+//! joints and the contacts that rest hold. That makes others come together; again, until none does. So an impact passes
+//! through a row of balls from one to the next, as it does through real ones, whose contact times do not overlap if
+//! there is any gap between them.
 
 use nalgebra::Vector3;
 

@@ -74,8 +74,8 @@ impl Kernel {
         self.solver.set(&self.bodies, &self.contacts, &self.joints);
     }
 
-    /// How many of those sites slide such that no rigid motion exists: n·W(n − μ t̂) ≤ 0, W the mobility of the point and
-    /// t̂ where it slides to (Painlevé 1895): pressing harder pulls its bodies further into each other.
+    /// How many of those sites slide such that no rigid motion exists: n·W(n − μ t̂) ≤ 0, W the mobility of the point
+    /// and t̂ where it slides to (Painlevé 1895): pressing harder pulls its bodies further into each other.
     pub fn jammed<'s>(&self, sites: impl Iterator<Item = (&'s Site, Vector3<f64>)>) -> u32 {
         let mut count = 0;
         for ((site, velocity), contact) in sites.zip(&self.contacts) {

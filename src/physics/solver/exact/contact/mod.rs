@@ -1,10 +1,10 @@
 //! What touches something, exactly: Signorini's condition and Coulomb's cone at the end of each step, in places and in
 //! velocities, with joints in the same system; impacts at their times.
 //!
-//! A step is flown ([`flight`]) with all that does not bounce held. What bounces flies on; where it would have come into
-//! something, the step ends at that time instead (to [`LANDED`] of gap), its impacts pass ([`impact`]), and the rest of
-//! the step follows. Of bounces that become faster and faster those slower than [`impact::LEAST_BOUNCE`] are none, and
-//! after [`MOST_EVENTS`] of them in a step the rest of it is flown without.
+//! A step is flown ([`flight`]) with all that does not bounce held. What bounces flies on; where it would have come
+//! into something, the step ends at that time instead (to [`LANDED`] of gap), its impacts pass ([`impact`]), and the
+//! rest of the step follows. Of bounces that become faster and faster those slower than [`impact::LEAST_BOUNCE`] are
+//! none, and after [`MOST_EVENTS`] of them in a step the rest of it is flown without.
 
 mod flight;
 mod impact;
@@ -276,8 +276,8 @@ impl Touching {
         landed.map(|site| -site.gap).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// How much deeper what is held overlaps at the end of the flight than it did, m: features met that were not seen to
-    /// come, however often they were looked for.
+    /// How much deeper what is held overlaps at the end of the flight than it did, m: features met that were not seen
+    /// to come, however often they were looked for.
     fn missed(&self) -> f64 {
         let deepest =
             |sites: &Sites, pairing: usize| sites.of(pairing).iter().map(|site| -site.gap).fold(0.0, f64::max);
@@ -285,8 +285,8 @@ impl Touching {
         held.map(|pairing| deepest(&self.flight.sites, pairing) - deepest(&self.sites, pairing)).fold(0.0, f64::max)
     }
 
-    /// Whether the flight made motion that no force, spring or support gave: its step is too long for how fast something
-    /// turns. What closing an overlap lifts is none of that.
+    /// Whether the flight made motion that no force, spring or support gave: its step is too long for how fast
+    /// something turns. What closing an overlap lifts is none of that.
     fn gains(&self) -> bool {
         let Self { flight, members, moving, motion, springs, .. } = self;
         let is_driven = !motion[*moving..].iter().all(Motion::is_still);
@@ -346,20 +346,19 @@ impl Touching {
             force: load.map_or_else(Vector3::zeros, |load| load.impulse),
             last_force: is_last.then(|| load.map_or_else(Vector3::zeros, |load| load.last)),
         };
+        let is_gone = |&(pairing, feature): &(u32, FeatureId)| sites.position(pairing, feature).is_none();
+        let mut gone: Vec<_> = self.loads.iter().filter(|&(at, _)| is_gone(at)).collect();
+        gone.sort_unstable_by_key(|(at, _)| **at);
+        let mut gone = gone.into_iter().peekable();
         let mut forces = Vec::new();
-        for (index, pairing) in (0..).zip(&self.flies) {
+        for (index, flies) in (0..).zip(&self.flies) {
             for site in sites.of(index as usize) {
-                let is_held = !pairing && site.gap <= TOUCHING;
+                let is_held = !flies && site.gap <= TOUCHING;
                 forces.push(force(index, site, self.loads.get(&(index, site.feature)), is_held));
             }
-            let mut gone: Vec<&Load> = self
-                .loads
-                .iter()
-                .filter(|((pairing, feature), _)| *pairing == index && sites.position(index, *feature).is_none())
-                .map(|(_, load)| load)
-                .collect();
-            gone.sort_unstable_by_key(|load| load.site.feature);
-            forces.extend(gone.into_iter().map(|load| force(index, &load.site, Some(load), false)));
+            while let Some((_, load)) = gone.next_if(|((pairing, _), _)| *pairing == index) {
+                forces.push(force(index, &load.site, Some(load), false));
+            }
         }
         forces
     }
