@@ -21,6 +21,7 @@ mod messages;
 mod methods;
 mod pendulum;
 mod public_face;
+mod pulled;
 mod quarantine;
 mod resting;
 mod rig;

@@ -229,6 +229,11 @@ impl ConeSolver {
             || (has_contacts && self.walk_inside(tolerance, &mut outcome))
             || self.approach(FIRST_SOFTNESS, STAGES[1], tolerance, &mut outcome);
         if !done {
+            // A guess may be worse than none.
+            self.impulses.fill(Vector3::zeros());
+            self.refresh();
+            let none = self.residual();
+            self.note(none, &mut outcome);
             self.impulses.clone_from(&self.best);
             self.refresh();
             outcome.residual = self.residual().largest;

@@ -42,6 +42,8 @@ const PATIENCE: u32 = 60;
 /// Below this ε, Newton steps on the rigid problem may do.
 const NEAR: f64 = 0.02;
 
+/// So many steps of all kinds, and it ends, too.
+const MOST_STEPS: u32 = 600;
 /// After so many steps of all kinds a residual, m/s, is enough: in heaps with loops of joints each further digit
 /// may take a hundred.
 const ENOUGH_STEPS: u32 = 150;
@@ -100,7 +102,7 @@ impl ConeSolver {
             waited = if outcome.residual < goal { 0 } else { waited + 1 };
             goal = goal.min(0.9 * outcome.residual);
             let is_enough = outcome.steps > ENOUGH_STEPS && outcome.residual <= ENOUGH;
-            if waited > PATIENCE || is_enough || outcome.residual <= self.rounding() {
+            if waited > PATIENCE || outcome.steps > MOST_STEPS || is_enough || outcome.residual <= self.rounding() {
                 break;
             }
         }

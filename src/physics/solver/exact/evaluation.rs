@@ -3,7 +3,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::mechanism::{Link, Mechanism, Motion, Spring};
+use super::mechanism::{Link, Mechanism, Motion, stretch};
 use super::rows::{Rows, Screw, Weight};
 
 /// Buffers, and what the last evaluation found.
@@ -111,12 +111,7 @@ impl Evaluation {
 
 /// Force of a spring on its B, N.
 fn pull(link: &Link, index: usize, motion: &[Motion], rows: &Rows) -> Vector3<f64> {
-    let Some(Spring { frequency, damping_ratio, most }) = link.spring else { return Vector3::zeros() };
-    let [arm_a, arm_b] = &rows.arms[index];
-    let (a, b) = (&motion[link.a as usize], &motion[link.b as usize]);
-    let apart = b.position - a.position + (arm_b - arm_a);
-    let speed = b.linear + b.angular.cross(arm_b) - a.linear - a.angular.cross(arm_a);
-    let pull = (apart * frequency + speed * (2.0 * damping_ratio)) * -frequency;
-    let mobility = &rows.mobility[index];
-    pull.zip_map(mobility, |pull, mobility| if mobility > 0.0 { (pull / mobility).clamp(-most, most) } else { 0.0 })
+    let Some(spring) = &link.spring else { return Vector3::zeros() };
+    let [apart, speed] = stretch(link, &rows.arms[index], motion);
+    spring.give(&spring.ask(&apart, &speed), &rows.mobility[index])
 }

@@ -116,6 +116,8 @@ pub(crate) struct Gauss<const S: usize> {
     rotations: Vec<Matrix3<f64>>,
     angular: Vec<Vector3<f64>>,
     arms: Vec<[Vector3<f64>; 2]>,
+    /// Of each link, what its spring is asked for, m/s².
+    asked: Vec<Vector3<f64>>,
     /// What is left of the balance of forces, and then what it changes.
     wrenches: Vec<Screw>,
     unknowns: Vec<Vector3<f64>>,
@@ -129,6 +131,11 @@ pub(crate) struct Gauss<const S: usize> {
 pub(crate) struct Sweeps {
     pub count: u32,
     pub converged: bool,
+}
+
+impl Sweeps {
+    /// None were made.
+    pub const NONE: Self = Self { count: 0, converged: false };
 }
 
 impl<const S: usize> Gauss<S> {
@@ -333,6 +340,12 @@ impl<const S: usize> Gauss<S> {
         let own = self.tableau.matrix[stage][stage] * h;
         let swing = self.tableau.pivots[stage] * h * h;
         let turn = h * self.angular.iter().fold(0.0, |most: f64, angular| most.max(angular.norm_squared())).sqrt();
+        if mechanism.gives {
+            let mut asked = std::mem::take(&mut self.asked);
+            asked.clear();
+            asked.extend((0..mechanism.links.len()).map(|link| self.ask(mechanism, h, stage, link)));
+            self.asked = asked;
+        }
         let Stage { rows, forces, .. } = &mut self.stages[stage];
         let stiff = !self.stiffness.is_empty();
         if stiff {
@@ -352,7 +365,7 @@ impl<const S: usize> Gauss<S> {
         }
         rows.assemble(mechanism, turn, |link, diagonal| {
             let spring = mechanism.links[link].spring.as_ref();
-            spring.map_or(Vector3::zeros(), |spring| softness(spring, diagonal, &forces[link], own, swing))
+            spring.map_or(Vector3::zeros(), |spring| softness(spring, diagonal, &self.asked[link], own, swing))
         });
     }
 
@@ -415,7 +428,8 @@ impl<const S: usize> Gauss<S> {
             let unknown = match &link.spring {
                 None => gain(link.a, arm_a) - gain(link.b, arm_b),
                 Some(spring) => {
-                    let pull = self.pull(mechanism, h, stage, index, spring);
+                    let asked = self.ask(mechanism, h, stage, index);
+                    let pull = spring.give(&asked, &rows.mobility[index]);
                     let given = rows.softness[index].component_mul(&(pull - forces[index]));
                     let left = |member: u32, arm: &Vector3<f64>| {
                         let left = rows.weights[member as usize].of(&self.wrenches[member as usize]);
@@ -428,10 +442,11 @@ impl<const S: usize> Gauss<S> {
         }
     }
 
-    /// Force of a spring on its B at a stage, N.
-    fn pull(&self, mechanism: &Mechanism, h: f64, stage: usize, index: usize, spring: &Spring) -> Vector3<f64> {
+    /// −(ω²C + 2ζωĊ) of a spring at a stage, m/s²: its force on B for each kg, were it not bounded.
+    fn ask(&self, mechanism: &Mechanism, h: f64, stage: usize, index: usize) -> Vector3<f64> {
         let Tableau { nodes, matrix, squared, .. } = &self.tableau;
         let link = &mechanism.links[index];
+        let Some(spring) = &link.spring else { return Vector3::zeros() };
         let [a, b] = [(link.a, 0), (link.b, 1)].map(|(member, end)| {
             let (member, arm) = (member as usize, &self.arms[index][end]);
             let motion = &mechanism.motion[member];
@@ -442,11 +457,7 @@ impl<const S: usize> Gauss<S> {
             }
             (place + arm, speed + self.angular[member].cross(arm))
         });
-        let Spring { frequency, damping_ratio, most } = *spring;
-        let pull = ((b.0 - a.0) * frequency + (b.1 - a.1) * (2.0 * damping_ratio)) * -frequency;
-        let mobility = &self.stages[stage].rows.mobility[index];
-        pull.zip_map(mobility, |pull, mobility| if mobility > 0.0 { pull / mobility } else { 0.0 })
-            .map(|pull| pull.clamp(-most, most))
+        spring.ask(&(b.0 - a.0), &(b.1 - a.1))
     }
 
     /// Changes a stage's accelerations and forces by what is left. The largest change of an acceleration.
@@ -510,12 +521,12 @@ fn combine<const S: usize>(screws: &[Screw; S], shares: &[f64; S]) -> Screw {
     })
 }
 
-/// 1/(m(ω² h² L_ii + 2ζω h a_ii)) along each axis, 1/m given; where the force is at its greatest, so much that it
-/// stays.
-fn softness(spring: &Spring, diagonal: &Vector3<f64>, force: &Vector3<f64>, own: f64, swing: f64) -> Vector3<f64> {
-    let softness = diagonal / (spring.frequency * (spring.frequency * swing + 2.0 * spring.damping_ratio * own));
-    let stays = force.map(|force| if force.abs() >= spring.most { SLACK } else { 1.0 });
-    softness.component_mul(&stays)
+/// 1/(m(ω² h² L_ii + 2ζω h a_ii)) along each axis, 1/m given; where more than its greatest force is asked for, so much
+/// that it stays.
+fn softness(spring: &Spring, mobility: &Vector3<f64>, asked: &Vector3<f64>, own: f64, swing: f64) -> Vector3<f64> {
+    let softness = mobility / (spring.frequency * (spring.frequency * swing + 2.0 * spring.damping_ratio * own));
+    let is_greatest = asked.zip_map(mobility, |asked, mobility| asked.abs() >= spring.most * mobility);
+    softness.zip_map(&is_greatest, |softness, is_greatest| if is_greatest { SLACK * softness } else { softness })
 }
 
 /// Adds max(0, r·f) (1 − r̂ r̂ᵀ).

@@ -135,6 +135,41 @@ pub(crate) struct Spring {
     pub most: f64,
 }
 
+/// ωt of a spring in a kick of t: kicks and flights in turn follow ω2t up to 2, and a body may have two springs.
+const FASTEST: f64 = 0.7;
+
+impl Spring {
+    /// −(ω²C + 2ζωĊ), m/s²: its force on B for each kg, were it not bounded.
+    pub fn ask(&self, apart: &Vector3<f64>, speed: &Vector3<f64>) -> Vector3<f64> {
+        (apart * self.frequency + speed * (2.0 * self.damping_ratio)) * -self.frequency
+    }
+
+    /// The mean of that over a kick of so long, s. What is damped decays as it does by itself, so that no damping is too
+    /// strong; a spring too stiff for the time is softened.
+    pub fn ask_in_kick(&self, apart: &Vector3<f64>, speed: &Vector3<f64>, time: f64) -> Vector3<f64> {
+        let stiffness = self.frequency.min(FASTEST / time).powi(2);
+        let damping = -(-2.0 * self.damping_ratio * self.frequency * time).exp_m1() / time;
+        apart * -stiffness - speed * damping
+    }
+
+    /// The force on B that is given for it along axes of that mobility, 1/kg, in N.
+    pub fn give(&self, asked: &Vector3<f64>, mobility: &Vector3<f64>) -> Vector3<f64> {
+        asked.zip_map(
+            mobility,
+            |asked, mobility| {
+                if mobility > 0.0 { (asked / mobility).clamp(-self.most, self.most) } else { 0.0 }
+            },
+        )
+    }
+}
+
+/// How far B's anchor is from A's, m, and how fast it leaves, m/s, of a link with those arms from the centres of mass.
+pub(super) fn stretch(link: &Link, arms: &[Vector3<f64>; 2], motion: &[Motion]) -> [Vector3<f64>; 2] {
+    let (a, b) = (&motion[link.a as usize], &motion[link.b as usize]);
+    let apart = b.position - a.position + (arms[1] - arms[0]);
+    [apart, b.linear + b.angular.cross(&arms[1]) - a.linear - a.angular.cross(&arms[0])]
+}
+
 /// Two links that share a member that moves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Coupling {

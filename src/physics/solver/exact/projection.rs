@@ -25,6 +25,10 @@ const SLOW: f64 = 0.8;
 /// Share with such rows from which on nothing is gained.
 const STUCK: f64 = 0.95;
 
+/// How far members may have moved, m or rad, from where rows were factored that velocities are projected with: near a
+/// singular pose others tell too little of where they are singular, and what is left grows from turn to turn.
+const STRAYED: f64 = 1e-6;
+
 /// Shortest share of a step.
 const LEAST_SHARE: f64 = 1e-3;
 
@@ -39,6 +43,8 @@ pub(crate) struct Projection {
     errors: Vec<Vector3<f64>>,
     forces: Vec<Vector3<f64>>,
     motion: Vec<Screw>,
+    /// How far members have moved since the rows were factored, m or rad.
+    strayed: f64,
     /// The mechanism before a step.
     before: Vec<Motion>,
 }
@@ -57,6 +63,7 @@ pub(super) struct Gaps {
 impl Projection {
     /// Arms, weights and the factor at the present pose.
     pub fn assemble(&mut self, mechanism: &Mechanism) {
+        self.strayed = 0.0;
         self.set_arms(mechanism);
         self.rows.weights.clear();
         for (member, rotation) in mechanism.members.iter().zip(&self.rotations) {
@@ -122,6 +129,9 @@ impl Projection {
         }
         self.assemble(mechanism);
         let left = self.project_places(mechanism);
+        if self.strayed > STRAYED {
+            self.assemble(mechanism);
+        }
         self.project_velocities(mechanism);
         left
     }
@@ -152,6 +162,8 @@ impl Projection {
             let kept = if is_less { (found.square / left.square).sqrt() } else { 1.0 };
             if is_less {
                 left = found;
+                let most = self.motion.iter().map(|moved| moved.linear.amax().max(moved.angular.amax()));
+                self.strayed += share * most.fold(0.0, f64::max);
             } else {
                 mechanism.motion.clone_from(&self.before);
                 self.set_arms(mechanism);
@@ -204,6 +216,11 @@ impl Projection {
             self.errors.push(error);
         }
         gaps
+    }
+
+    /// What the last [`Self::project_velocities`] pushed at each link, N·s on B.
+    pub fn impulses(&self) -> &[Vector3<f64>] {
+        &self.forces
     }
 
     /// Velocities, with the rows of [`Self::assemble`].

@@ -14,7 +14,7 @@ use super::evaluation::Evaluation;
 use super::gauss::Sweeps;
 use super::mechanism::{Mechanism, Member, Motion};
 use super::projection::{Gaps, Projection};
-use super::rows::Screw;
+use super::rows::{Screw, Weight};
 use crate::physics::integrator::gyroscopic::free_rotation;
 
 /// Turns of Newton's method at most.
@@ -93,7 +93,7 @@ impl Rattle {
             for (index, (motion, start)) in mechanism.motion.iter_mut().zip(&start).enumerate() {
                 let member = &mechanism.members[index];
                 *motion = *start;
-                kick(member, motion, &screws[index], &evaluation.rows, index, 0.5 * h);
+                kick(member, motion, &screws[index], &evaluation.rows.weights[index], 0.5 * h);
                 fly(member, motion, h);
             }
             let Gaps { largest, rounding, .. } = projection.errors_of(mechanism, errors);
@@ -134,7 +134,7 @@ impl Rattle {
         }
         for (index, motion) in mechanism.motion.iter_mut().enumerate() {
             let member = &mechanism.members[index];
-            kick(member, motion, &self.screws[index], &self.evaluation.rows, index, 0.5 * h);
+            kick(member, motion, &self.screws[index], &self.evaluation.rows.weights[index], 0.5 * h);
         }
         self.projection.assemble(mechanism);
         self.projection.project_velocities(mechanism);
@@ -142,12 +142,12 @@ impl Rattle {
 }
 
 /// Force and drag over h, with what joints give.
-fn kick(member: &Member, motion: &mut Motion, impulse: &Screw, rows: &super::rows::Rows, index: usize, h: f64) {
+pub(super) fn kick(member: &Member, motion: &mut Motion, impulse: &Screw, weight: &Weight, h: f64) {
     if !member.moves() {
         return;
     }
     let given = Screw { linear: member.force * h + impulse.linear, angular: member.torque * h + impulse.angular };
-    let gain = rows.weights[index].of(&given);
+    let gain = weight.of(&given);
     let kept = ((-member.drag.0 * h).exp(), (-member.drag.1 * h).exp());
     motion.linear = motion.linear * kept.0 + gain.linear;
     motion.angular = motion.angular * kept.1 + gain.angular;

@@ -3,15 +3,17 @@
 //! Where the sweeps of a step do not converge, because it is too long for what the forces make of the mechanism, it is
 //! cut in two, and its parts again, and later ones begin with parts of that length; after some that converged longer
 //! ones are tried. So is one in which a body by itself would turn by more than [`LONGEST_TURN`]. How often is counted.
-//! At the shortest a part goes by a plain Euler step, and is reported.
+//! What does not converge in the shortest part goes by a plain Euler step, and is reported, as when a mechanism at speed
+//! comes to the end of its reach; so does all that is left of a step that has taken [`MOST_WORK`]. Whatever becomes of
+//! a mechanism, a step ends.
 
 use nalgebra::Vector3;
 
 use super::gauss::{Gauss, Sweeps};
 use super::lockstep::Lockstep;
-use super::mechanism::{Mechanism, Motion};
+use super::mechanism::{Mechanism, stretch};
 use super::projection::Projection;
-use super::rattle::Rattle;
+use super::rattle::{Rattle, kick};
 use super::rows::Screw;
 use super::runge_kutta::RungeKutta;
 use crate::physics::settings::Integrator;
@@ -19,17 +21,22 @@ use crate::physics::settings::Integrator;
 /// A step is cut into 2 to this power parts at most.
 const MOST_CUTS: u32 = 12;
 
+/// Work that a step may take: evaluations of all rows, and of links in all of these. Hard steps take some hundred
+/// evaluations; few links may take more.
+const MOST_WORK: (u32, u64) = (500, 200_000);
+
+/// A step is cut into 2 to this power parts where they go by Euler's.
+const COARSE_CUTS: u32 = 6;
+
 /// Turn of a part, rad: of twice that, a box that flips over its middle axis keeps no digit for a second.
 const LONGEST_TURN: f64 = 0.8;
 
 /// Parts that must converge before longer ones are tried.
 const CALM: u32 = 8;
 
-/// Kinetic energy after a projection over that before it, at most.
-const MOST_GAINED: f64 = 2.0;
-
-/// Kinetic energy that is none, J/kg.
-pub(crate) const STILL: f64 = 1e-12;
+/// What is left between the ends of a joint from which on that is reported, m. Near poses where ways to move branch a
+/// millionth may be left: no linear step tells which to take.
+const PARTED: f64 = 1e-5;
 
 /// Stages.
 const STAGES: usize = 3;
@@ -63,8 +70,6 @@ pub(crate) struct Stepper {
     /// Mean of each link's force on B over the step, N.
     pub forces: Vec<Vector3<f64>>,
     screws: Vec<Screw>,
-    /// The mechanism before it was projected.
-    before: Vec<Motion>,
 }
 
 impl Stepper {
@@ -137,26 +142,28 @@ impl Stepper {
                 self.level += 1;
                 self.calm = 0;
             }
-            let size = whole >> self.level;
-            let length = f64::from(size) / f64::from(whole);
-            let sweeps = self.step(mechanism, integrator, h * length);
+            let mut size = left.min(whole >> self.level);
+            let part_of = |size: u32| f64::from(size) / f64::from(whole);
+            let work = u64::from(effort.solves) * mechanism.links.len() as u64;
+            let is_spent = effort.solves >= MOST_WORK.0 && work >= MOST_WORK.1;
+            let sweeps = if is_spent { Sweeps::NONE } else { self.step(mechanism, integrator, h * part_of(size)) };
             effort.solves += sweeps.count;
-            if !sweeps.converged && self.level < MOST_CUTS {
-                self.level += 1;
-                self.calm = 0;
-                continue;
-            }
             if sweeps.converged {
                 for link in 0..self.forces.len() {
                     let force = self.force(integrator, link);
-                    self.forces[link] += force * (length * share);
+                    self.forces[link] += force * (part_of(size) * share);
                 }
+            } else if !is_spent && self.level < MOST_CUTS {
+                self.level += 1;
+                self.calm = 0;
+                continue;
             } else {
-                self.fall_back(mechanism, h * length);
+                size = left.min(whole >> COARSE_CUTS);
+                self.fall_back(mechanism, h * part_of(size), h / share);
                 effort.unsettled += 1;
+                (self.level, self.calm) = (COARSE_CUTS, 0);
             }
-            let is_projected = self.project(mechanism);
-            effort.unsettled += u32::from(!is_projected);
+            effort.unsettled += u32::from(self.projection.project(mechanism) > PARTED);
             left -= size;
             parts += 1;
             self.calm += 1;
@@ -172,38 +179,36 @@ impl Stepper {
         effort.cuts += parts - 1;
     }
 
-    /// Brings joints back, unless that makes kinetic energy where no support moves: then their rows are too nearly
-    /// dependent, and the mechanism stays as it was. Whether it did.
-    fn project(&mut self, mechanism: &mut Mechanism) -> bool {
-        self.before.clone_from(&mechanism.motion);
-        self.projection.project(mechanism);
-        let mass: f64 = mechanism.members.iter().map(|member| member.mass).sum();
-        let most = MOST_GAINED * kinetic_energy(mechanism, &self.before) + STILL * mass;
-        let gains = mechanism.motion[mechanism.moving..].iter().all(Motion::is_still)
-            && kinetic_energy(mechanism, &mechanism.motion) > most;
-        if gains {
-            mechanism.motion.clone_from(&self.before);
+    /// v += h a of forces, springs and drag without the other joints, which the projection brings back, then x += h v;
+    /// in a step of so long, s.
+    fn fall_back(&mut self, mechanism: &mut Mechanism, h: f64, step: f64) {
+        let Self { projection, screws, forces, .. } = self;
+        projection.assemble(mechanism);
+        screws.clear();
+        screws.resize(mechanism.members.len(), Screw::ZERO);
+        let rows = &projection.rows;
+        let mut pulls = vec![Vector3::zeros(); mechanism.links.len()];
+        for (index, link) in mechanism.links.iter().enumerate() {
+            if let Some(spring) = &link.spring {
+                let [apart, speed] = stretch(link, &rows.arms[index], &mechanism.motion);
+                pulls[index] = spring.give(&spring.ask_in_kick(&apart, &speed, h), &rows.mobility[index]) * h;
+            }
         }
-        !gains
-    }
-
-    /// v += h a without the joints, which the projection brings back, then x += h v.
-    fn fall_back(&mut self, mechanism: &mut Mechanism, h: f64) {
-        self.projection.assemble(mechanism);
-        self.screws.clear();
-        self.screws
-            .extend(mechanism.members.iter().map(|member| Screw { linear: member.force, angular: member.torque }));
-        for ((motion, wrench), weight) in
-            mechanism.motion.iter_mut().zip(&self.screws).zip(&self.projection.rows.weights)
+        rows.add_wrenches(mechanism, &pulls, screws);
+        for (((motion, member), impulse), weight) in
+            mechanism.motion.iter_mut().zip(&mechanism.members).zip(&*screws).zip(&rows.weights)
         {
-            let gain = weight.of(wrench);
-            motion.linear += gain.linear * h;
-            motion.angular += gain.angular * h;
+            kick(member, motion, impulse, weight, h);
         }
-        self.projection.project_velocities(mechanism);
+        projection.project_velocities(mechanism);
+        for ((force, pull), impulse) in forces.iter_mut().zip(&pulls).zip(projection.impulses()) {
+            *force += (pull + impulse) / step;
+        }
         for motion in &mut mechanism.motion {
             motion.drift(h);
         }
+        self.gauss.forget();
+        self.lockstep.forget();
     }
 }
 
@@ -217,6 +222,44 @@ fn turn_of(mechanism: &Mechanism, h: f64, level: u32) -> f64 {
     squares.fold(0.0, f64::max).sqrt() * h / f64::from(1_u32 << level)
 }
 
-fn kinetic_energy(mechanism: &Mechanism, motion: &[Motion]) -> f64 {
-    mechanism.members.iter().zip(motion).map(|(member, motion)| member.kinetic_energy(motion)).sum()
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::solver::exact::mechanism::{Link, Member, Motion, Spring};
+
+    /// A ball of 2 kg under a fixed point, on a spring and a rod of 1 m that hangs from it, all by Euler's steps: at rest
+    /// the spring carries both, and its stretch is what the weight makes of it for the masses of its two bodies alone.
+    #[test]
+    fn what_falls_back_hangs_on_its_springs() {
+        let (frequency, weight) = (std::f64::consts::TAU, Vector3::y() * -9.81);
+        let body = |mass: f64| Member {
+            mass,
+            inverse_mass: Vector3::repeat(1.0 / mass),
+            inertia: Vector3::repeat(0.1 * mass),
+            force: weight * mass,
+            ..Member::FIXED
+        };
+        let (order, mut mechanism) = Mechanism::plan(2, false, true, &[[2, 0], [0, 1]]);
+        mechanism.members = vec![body(2.0), body(1.0), Member::FIXED];
+        mechanism.motion = vec![Motion::REST; 3];
+        mechanism.motion[1].position = Vector3::y() * -1.0;
+        let spring = Spring { frequency, damping_ratio: 0.5, most: 1e9 };
+        let links = [(2, 0, Vector3::zeros(), Some(spring)), (0, 1, Vector3::y(), None)]
+            .map(|(a, b, anchor_b, spring)| Link { a, b, anchor_a: Vector3::zeros(), anchor_b, spring });
+        mechanism.links = order.iter().map(|&link| links[link as usize].clone()).collect();
+        let mut stepper = Stepper::default();
+        let h = 1.0 / 240.0;
+        for _ in 0..4800 {
+            stepper.forces = vec![Vector3::zeros(); 2];
+            stepper.fall_back(&mut mechanism, h, h);
+            stepper.projection.project(&mut mechanism);
+        }
+        let rest = -9.81 * 3.0 / (2.0 * frequency * frequency);
+        assert!((mechanism.motion[0].position.y - rest).abs() < 1e-6, "{}", mechanism.motion[0].position.y);
+        assert!((mechanism.motion[1].position.y - (rest - 1.0)).abs() < 1e-6);
+        for (&link, force) in order.iter().zip(&stepper.forces) {
+            let carried = -weight * [3.0, 1.0][link as usize];
+            assert!((force - carried).norm() < 1e-6, "{force}");
+        }
+    }
 }

@@ -11,10 +11,10 @@
 
 use nalgebra::Vector3;
 
-use super::super::mechanism::{Link, Member, Motion, Spring};
+use super::super::mechanism::{Link, Member, Motion, stretch};
 use super::super::rattle::fly;
 use super::kernel::{Kernel, View, arms_of, separation_of};
-use super::sites::{Finder, Pairing, Site, Sites, point_velocity};
+use super::sites::{Finder, Pairing, Site, Sites};
 use crate::physics::bodies::Body;
 
 /// Gap up to which surfaces touch, m.
@@ -40,6 +40,8 @@ pub(super) struct Given<'a> {
     pub correction_speed: f64,
     /// Time over which what is not as it should be is closed, s: a whole step, for the parts of a cut one may be short.
     pub closing: f64,
+    /// Whether one forecast has to do: what is left where none comes true.
+    pub is_rough: bool,
 }
 
 /// The step and its buffers.
@@ -95,7 +97,7 @@ impl Flight {
     /// Half a step of forces, springs and drag.
     fn kick(&mut self, given: &Given, h: f64) {
         for (at, link) in given.springs.iter().enumerate() {
-            let force = pull(link, given.view.members, &self.end);
+            let force = pull(link, given.view.members, &self.end, 0.5 * h);
             match self.spring_forces.get_mut(at) {
                 Some(mean) => *mean = (*mean + force) * 0.5,
                 None => self.spring_forces.push(force),
@@ -136,8 +138,9 @@ impl Flight {
         places.impulses.joints.clear();
         places.impulses.joints.extend(joint_guess.iter().map(|force| force * (0.5 * h)));
         // What cannot be closed, as of a chain that is stretched too far, is left as it is.
-        self.is_true =
-            [1.0, 0.0].into_iter().any(|closed| self.forecast(given, bodies, finder, &separations, closed, h));
+        let is_open = held.iter().any(|site| site.gap < -NEARLY) || separations.iter().any(|gap| gap.amax() > NEARLY);
+        self.is_true = self.forecast(given, bodies, finder, &separations, 1.0, h)
+            || is_open && !given.is_rough && self.forecast(given, bodies, finder, &separations, 0.0, h);
     }
 
     /// Solves for places until what the impulses are to do to them is what they do. That share of errors at the start
@@ -167,7 +170,7 @@ impl Flight {
             openings.clear();
             openings.extend(held.iter().map(|site| site.opening(end)));
             partings.clear();
-            partings.extend(given.view.links.iter().map(|link| parting(link, end)));
+            partings.extend(given.view.links.iter().map(|link| stretch(link, &arms_of(link, end), end)[1]));
             for (member, motion) in given.view.members.iter().zip(&mut *end) {
                 fly(member, motion, h);
             }
@@ -214,6 +217,9 @@ impl Flight {
                 return false;
             }
             before = if worst.is_finite() { before.min(worst) } else { f64::INFINITY };
+            if given.is_rough || places.is_spent() {
+                break;
+            }
         }
         before < NEARLY
     }
@@ -262,12 +268,6 @@ pub(super) fn place(bodies: &mut [Body], motion: &[Motion]) {
     }
 }
 
-/// How fast B's anchor leaves A's, m/s.
-fn parting(link: &Link, motion: &[Motion]) -> Vector3<f64> {
-    let [a, b] = arms_of(link, motion);
-    point_velocity(&motion[link.b as usize], &b) - point_velocity(&motion[link.a as usize], &a)
-}
-
 fn push(member: &Member, motion: &mut Motion, impulse: &Vector3<f64>, turning: &Vector3<f64>) {
     if !member.moves() {
         return;
@@ -279,9 +279,9 @@ fn push(member: &Member, motion: &mut Motion, impulse: &Vector3<f64>, turning: &
     }
 }
 
-/// Force of a spring on its B, N, for the masses of its two bodies alone.
-fn pull(link: &Link, members: &[Member], motion: &[Motion]) -> Vector3<f64> {
-    let Some(Spring { frequency, damping_ratio, most }) = link.spring else { return Vector3::zeros() };
+/// Mean force of a spring on its B over a kick of so long, s, in N, for the masses of its two bodies alone.
+fn pull(link: &Link, members: &[Member], motion: &[Motion], time: f64) -> Vector3<f64> {
+    let Some(spring) = &link.spring else { return Vector3::zeros() };
     let arms = arms_of(link, motion);
     let mut mobility = Vector3::zeros();
     for (end, arm) in [(link.a, &arms[0]), (link.b, &arms[1])] {
@@ -290,6 +290,6 @@ fn pull(link: &Link, members: &[Member], motion: &[Motion]) -> Vector3<f64> {
         let rotation = motion[end as usize].rotation.to_rotation_matrix().into_inner();
         mobility += member.inverse_mass - (turning * member.inverse_inertia(&rotation, None) * turning).diagonal();
     }
-    let pull = (separation_of(link, motion) * frequency + parting(link, motion) * (2.0 * damping_ratio)) * -frequency;
-    pull.zip_map(&mobility, |pull, mobility| if mobility > 0.0 { (pull / mobility).clamp(-most, most) } else { 0.0 })
+    let [apart, speed] = stretch(link, &arms, motion);
+    spring.give(&spring.ask_in_kick(&apart, &speed, time), &mobility)
 }

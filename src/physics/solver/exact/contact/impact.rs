@@ -34,18 +34,19 @@ pub(super) fn approach(sites: &[Site], motion: &[Motion]) -> f64 {
 }
 
 impl Impacts {
-    /// Takes the velocities over all impacts that are due. `note` is told what each solve pushed, N·s.
+    /// Takes the velocities over all impacts that are due; if nothing may bounce, all is stopped. `note` is told what each solve pushed, N·s.
     pub fn pass(
         &mut self,
         view: View,
         pairings: &[Pairing],
         sites: &Sites,
         least: f64,
+        may_bounce: bool,
         motion: &mut [Motion],
         mut note: impl FnMut(&[Site], &Kernel),
     ) {
         let mut count = 0;
-        let most = MOST_A_PAIR * pairings.len();
+        let most = if may_bounce { MOST_A_PAIR * pairings.len() } else { 0 };
         loop {
             let bouncing = pairings.iter().enumerate().filter(|(_, pairing)| pairing.restitution > 0.0);
             let approaches = bouncing.map(|(index, _)| (index, approach(sites.of(index), motion)));

@@ -2,13 +2,17 @@
 
 use nalgebra::Vector3;
 
-use super::super::mechanism::{Link, Member, Motion};
+use super::super::mechanism::{Link, Member, Motion, stretch};
 use super::flight::TOUCHING;
 use super::sites::{Site, point_velocity};
 use crate::physics::solver::cone::{ConeBody, ConeContact, ConeJoint, ConeSolver, End, PerPoint};
 
-/// What a point may be off its law by, m/s.
-const TOLERANCE: f64 = 1e-10;
+/// What a point may be off its law by, m/s, and after too much work.
+const TOLERANCES: [f64; 2] = [1e-10, 1e-5];
+
+/// Work that a step may take: factorisations, and points in all of these. Ten figures in a heap take half of it; few
+/// points may take more factorisations. After that no forecast is mended.
+pub(super) const MOST_WORK: (u32, u64) = (1_000, 1_500_000);
 
 /// Slip from which a point slides, m/s.
 const SLIDES: f64 = 1e-6;
@@ -37,6 +41,10 @@ pub(super) struct Kernel {
     /// Times the laws did not hold.
     pub failures: u32,
     pub steps: u32,
+    /// Points in all of these.
+    pub work: u64,
+    /// Whether to solve to less digits.
+    pub is_rough: bool,
 }
 
 impl Kernel {
@@ -95,6 +103,11 @@ impl Kernel {
         count
     }
 
+    /// Whether a step has taken all the work that it may here.
+    pub fn is_spent(&self) -> bool {
+        self.steps >= MOST_WORK.0 && self.work >= MOST_WORK.1
+    }
+
     /// Whether there is nothing to solve.
     pub fn is_empty(&self) -> bool {
         self.contacts.is_empty() && self.joints.is_empty()
@@ -115,8 +128,10 @@ impl Kernel {
         }
         self.velocities.clear();
         self.velocities.extend(motion.iter().take(self.bodies.len()).map(|motion| [motion.linear, motion.angular]));
-        let outcome = self.solver.solve(&mut self.velocities, &self.bias, &mut self.impulses, TOLERANCE);
+        let tolerance = TOLERANCES[usize::from(self.is_rough)];
+        let outcome = self.solver.solve(&mut self.velocities, &self.bias, &mut self.impulses, tolerance);
         self.steps += outcome.steps;
+        self.work += u64::from(outcome.steps) * (self.contacts.len() + self.joints.len()) as u64;
         self.failures += u32::from(matches!(outcome.end, End::Bounded | End::NoRigidSolution));
         for (motion, [linear, angular]) in motion.iter_mut().zip(&self.velocities) {
             (motion.linear, motion.angular) = (*linear, *angular);
@@ -131,6 +146,5 @@ pub(super) fn arms_of(link: &Link, motion: &[Motion]) -> [Vector3<f64>; 2] {
 
 /// How far B's anchor is from A's, m.
 pub(super) fn separation_of(link: &Link, motion: &[Motion]) -> Vector3<f64> {
-    let [a, b] = arms_of(link, motion);
-    motion[link.b as usize].position - motion[link.a as usize].position + (b - a)
+    stretch(link, &arms_of(link, motion), motion)[0]
 }

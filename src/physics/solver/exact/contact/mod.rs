@@ -5,6 +5,10 @@
 //! into something, the step ends at that time instead (to [`LANDED`] of gap), its impacts pass ([`impact`]), and the
 //! rest of the step follows. Of bounces that become faster and faster those slower than [`impact::LEAST_BOUNCE`] are
 //! none, and after [`MOST_EVENTS`] of them in a step the rest of it is flown without.
+//!
+//! A flight that does not come true is cut in two, again and again; what still does not, at [`SHORTEST`], is flown
+//! roughly, by the forecast at its start alone. So is all that is left of a step that has taken [`kernel::MOST_WORK`].
+//! Both are reported.
 
 mod flight;
 mod impact;
@@ -20,7 +24,7 @@ use self::kernel::{Kernel, View};
 use self::sites::{Finder, Pairing, Site, Sites};
 use super::island::{link_of, member, motion, place_in, put};
 use super::mechanism::{Link, Member, Motion};
-use super::stepper::{Effort, STILL};
+use super::stepper::Effort;
 use crate::physics::bodies::{Bodies, Body, Joint, Joints};
 use crate::physics::collision::{FeatureId, Pair, fastest_approach};
 use crate::physics::solver::ContactCache;
@@ -31,8 +35,17 @@ const LANDED: f64 = 1e-11;
 const MISSED: f64 = 1e-6;
 /// Kinetic energy that a flight may have made, as a share of what there is.
 const GAINED: f64 = 3e-3;
+/// Kinetic energy that is none, J/kg.
+const STILL: f64 = 1e-12;
 /// Flights are not cut to less than this share of a step for either.
 const SHORTEST: f64 = 1.0 / 256.0;
+/// A flight that need not come true is no longer than this share of a step.
+const ROUGH: f64 = 1.0 / 16.0;
+/// How much longer than the one before a flight of a step may be, at first: what could not be foreseen is mostly over
+/// after a short flight. Each that has to be cut lowers it to that share, down to the least.
+const FIRST_GROWTH: f64 = 64.0;
+const OF_GROWTH: f64 = 0.25;
+const LEAST_GROWTH: f64 = 1.25;
 /// Landings in a step.
 const MOST_EVENTS: u32 = 1_000;
 /// Flights to find a landing.
@@ -105,6 +118,23 @@ pub(crate) struct Touching {
     pub effort: Effort,
 }
 
+/// How long the next flight of a step may be.
+struct Stride {
+    /// s.
+    longest: f64,
+    growth: f64,
+}
+
+impl Stride {
+    /// After a flight of so long, s, that had to be cut, or not.
+    fn note(&mut self, flight: f64, is_cut: bool) {
+        if is_cut {
+            self.growth = (OF_GROWTH * self.growth).max(LEAST_GROWTH);
+        }
+        self.longest = self.growth * flight;
+    }
+}
+
 impl Touching {
     /// Of those bodies that move, joints and pairs, by their indices in the world.
     pub fn new(moving: Vec<u32>, joints: Vec<u32>, pairs: &[Pair], world: &Bodies, all_joints: &Joints) -> Self {
@@ -146,6 +176,11 @@ impl Touching {
         }
     }
 
+    /// Whether the step has taken all the work that it may.
+    fn is_spent(&self) -> bool {
+        self.flight.places.is_spent() || self.flight.velocities.is_spent() || self.impacts.kernel.is_spent()
+    }
+
     /// Takes it through a step. `cache` has the forces of the one before.
     pub fn step(&mut self, terms: &ContactTerms, cache: &ContactCache) {
         self.effort = Effort::default();
@@ -162,25 +197,27 @@ impl Touching {
         for kernel in kernels {
             self.effort.solves += std::mem::take(&mut kernel.steps);
             self.effort.unsettled += std::mem::take(&mut kernel.failures);
+            kernel.work = 0;
         }
     }
 
     fn advance(&mut self, terms: &ContactTerms, cache: &ContactCache, guesses: &[Vector3<f64>]) {
         let least = terms.restitution_speed.max(LEAST_BOUNCE);
-        let mut left = terms.h;
+        let (mut left, mut stride) = (terms.h, Stride { longest: terms.h, growth: FIRST_GROWTH });
         let mut events = 0;
         while left > 1e-12 * terms.h {
             self.find_sites(left);
             self.pass_impacts(least);
+            let may_bounce = events < MOST_EVENTS && !self.is_spent();
             self.flies.clear();
             let sites = &self.sites;
             let flies = |(index, pairing): (usize, &Pairing)| {
                 let own = sites.of(index);
                 let rests = approach(own, &self.motion).abs() <= least;
-                pairing.restitution > 0.0 && events < MOST_EVENTS && !rests
+                pairing.restitution > 0.0 && may_bounce && !rests
             };
             self.flies.extend(self.pairings.iter().enumerate().map(flies));
-            let h = self.fly_until_landing(left, terms, cache, guesses);
+            let h = self.fly_until_landing(&mut stride, left, terms, cache, guesses);
             self.commit(h);
             left -= h;
             if self.flight_lands {
@@ -210,28 +247,46 @@ impl Touching {
     }
 
     fn pass_impacts(&mut self, least: f64) {
+        let may_bounce = !self.is_spent();
         let Self { members, moving, links, pairings, sites, motion, impacts, loads, joint_forces, .. } = self;
         let view = View { members, moving: *moving, links };
-        impacts.pass(view, pairings, sites, least, motion, |held, kernel| {
+        impacts.pass(view, pairings, sites, least, may_bounce, motion, |held, kernel| {
             add_up(held, kernel, loads, joint_forces, None);
         });
     }
 
-    /// Flies for so long, s, or until something that flies lands, to the end of the flight. Returns the time.
+    /// Flies for what is left, s, or as long as a flight comes true, or until something that flies lands, to the end of
+    /// the flight. Returns the time, and tells the next how long it may be.
     fn fly_until_landing(
         &mut self,
-        most: f64,
+        stride: &mut Stride,
+        left: f64,
         terms: &ContactTerms,
         cache: &ContactCache,
         guesses: &[Vector3<f64>],
     ) -> f64 {
-        let mut most = most;
-        let mut overlap = self.fly(most, terms, cache, guesses);
-        while most > terms.h * SHORTEST && (!self.flight.is_true || self.missed() > MISSED || self.gains()) {
+        let mut most = left.min(stride.longest);
+        if self.is_spent() {
+            most = left.min(ROUGH * terms.h);
+            self.fly(most, true, terms, cache, guesses);
+            self.flight_lands = false;
+            return most;
+        }
+        let cuts = self.effort.cuts;
+        let mut overlap = self.fly(most, false, terms, cache, guesses);
+        while !self.flight.is_true || self.missed() > MISSED || self.gains() {
+            if most <= terms.h * SHORTEST || self.is_spent() {
+                if !self.flight.is_true {
+                    most = most.min(ROUGH * terms.h);
+                    overlap = self.fly(most, true, terms, cache, guesses);
+                }
+                break;
+            }
             most *= 0.5;
             self.effort.cuts += 1;
-            overlap = self.fly(most, terms, cache, guesses);
+            overlap = self.fly(most, false, terms, cache, guesses);
         }
+        stride.note(most, self.effort.cuts > cuts);
         self.flight_lands = overlap > LANDED;
         if !self.flight_lands {
             return most;
@@ -243,10 +298,10 @@ impl Touching {
         for trial in 0..MOST_TRIALS {
             let share = if at_low.is_finite() && trial % 8 != 7 { at_low / (at_low - at_high) } else { 0.5 };
             let h = low + (high - low) * share;
-            if h <= low || h >= high {
+            if h <= low || h >= high || self.is_spent() {
                 break;
             }
-            overlap = self.fly(h, terms, cache, guesses);
+            overlap = self.fly(h, false, terms, cache, guesses);
             if (0.0..=LANDED).contains(&overlap) {
                 return h;
             }
@@ -259,17 +314,26 @@ impl Touching {
                 at_high *= 0.5;
             }
         }
-        // As near as rounding lets it come, on the far side.
-        self.fly(high, terms, cache, guesses);
+        // As near as rounding, or the work that it may take, lets it come, on the far side.
+        self.fly(high, false, terms, cache, guesses);
         high
     }
 
     /// Flies for h, s. The deepest overlap of what flies at the end, m; negative: a gap, of those that are found.
-    fn fly(&mut self, h: f64, terms: &ContactTerms, cache: &ContactCache, guesses: &[Vector3<f64>]) -> f64 {
+    fn fly(
+        &mut self,
+        h: f64,
+        is_rough: bool,
+        terms: &ContactTerms,
+        cache: &ContactCache,
+        guesses: &[Vector3<f64>],
+    ) -> f64 {
+        let is_spent = self.is_spent();
         let Self { flight, members, moving, links, springs, pairings, flies, motion, sites, shapes, finder, .. } = self;
+        (flight.places.is_rough, flight.velocities.is_rough) = (is_spent, is_spent);
         let view = View { members, moving: *moving, links };
-        let given =
-            Given { view, springs, pairings, flies, correction_speed: terms.correction_speed, closing: terms.h };
+        let (correction_speed, closing) = (terms.correction_speed, terms.h);
+        let given = Given { view, springs, pairings, flies, correction_speed, closing, is_rough };
         let guess = |site: &Site| cache.force(pairings[site.pairing as usize].pair, site.feature);
         flight.fly(&given, motion, sites, shapes, finder, guess, &guesses[..links.len()], h);
         let landed = flight.sites.list.iter().filter(|site| flies[site.pairing as usize]);
@@ -311,6 +375,7 @@ impl Touching {
     fn commit(&mut self, h: f64) {
         let Self { flight, motion, loads, joint_forces, links, effort, .. } = self;
         effort.jammed += flight.jammed;
+        effort.unsettled += u32::from(!flight.is_true);
         motion.clone_from(&flight.end);
         for (kernel, held) in [&flight.places, &flight.velocities].into_iter().zip(&flight.held) {
             add_up(held, kernel, loads, joint_forces, Some(0.5 * h));

@@ -1,0 +1,154 @@
+//! Joints that give, under the exact method: at their bounds, in contact, and on what cannot follow. However hard
+//! something is pulled, a step ends.
+
+use bevy::math::DVec3;
+use bevy::prelude::*;
+use plumb::physics::Diagnostics;
+use plumb::prelude::*;
+use plumb::scene::load;
+
+use crate::rig::*;
+
+/// A joint from an immovable point to the middle of a body.
+fn pull(world: &mut World, from: DVec3, body: Entity, softness: Softness) {
+    let hand = world.spawn((RigidBody::Static, Position(from))).id();
+    world.spawn(BallJoint::new(hand, body).with_softness(softness));
+}
+
+const FAR: DVec3 = DVec3::new(500.0, 400.0, 300.0);
+
+/// At its bound a joint that gives is a force along each axis, no more: on a loop, whose rows may be redundant, and on
+/// what slides.
+#[test]
+fn a_pull_at_its_bound_is_a_constant_force() {
+    let bound = 3.0;
+    let loop_of_three = |world: &mut World| {
+        let rod = |world: &mut World, at: DVec3, size: DVec3| {
+            let collider = (Collider::cuboid(size.x, size.y, size.z), CollisionLayers::NONE);
+            world.spawn((RigidBody::Dynamic, collider, Position(at), Mass(1.0))).id()
+        };
+        let [left, right] = [0.0, 1.0].map(|x| rod(world, DVec3::new(x, 0.5, 0.0), DVec3::new(0.1, 1.0, 0.1)));
+        let top = rod(world, DVec3::new(0.5, 1.0, 0.0), DVec3::new(1.0, 0.1, 0.1));
+        let ground = world.spawn((RigidBody::Static, Position(DVec3::ZERO))).id();
+        let up = DVec3::Y * 0.5;
+        for (a, b, anchor_a, anchor_b) in [
+            (ground, left, DVec3::ZERO, -up),
+            (ground, right, DVec3::X, -up),
+            (left, top, up, -DVec3::X * 0.5),
+            (right, top, up, DVec3::X * 0.5),
+        ] {
+            world.spawn(BallJoint::new(a, b).with_anchors(anchor_a, anchor_b));
+        }
+        top
+    };
+    let cube_on_the_ground = |world: &mut World| {
+        ground(world);
+        let cube = body(world, Collider::cuboid(1.0, 1.0, 1.0), DVec3::Y * 0.5);
+        world.entity_mut(cube).insert((Mass(0.5), SurfaceMaterial { friction: 0.3, restitution: 0.0 }));
+        cube
+    };
+    let scenes: [&dyn Fn(&mut World) -> Entity; 2] = [&loop_of_three, &cube_on_the_ground];
+    for scene in scenes {
+        let end = |is_pulled: bool| {
+            let mut world = world_with(SolverSettings::accurate());
+            let body = scene(&mut world);
+            if is_pulled {
+                pull(&mut world, FAR, body, Softness { frequency: 8.0, damping_ratio: 1.0, max_force: bound });
+            } else {
+                world.entity_mut(body).insert(ExternalForce { force: DVec3::splat(bound), torque: DVec3::ZERO });
+            }
+            let mut most = 0;
+            for _ in 0..30 {
+                step(&mut world);
+                let stats = world.resource::<StepStats>();
+                most = most.max(stats.row_updates / u64::from(stats.rows));
+                assert_eq!((stats.cuts, stats.unsettled), (0, 0));
+            }
+            assert!(most < 100, "{most} solves");
+            position(&world, body)
+        };
+        assert_near(end(true), end(false), 1e-9);
+    }
+}
+
+/// A cube on ice: at rest the spring carries what pushes the cube, whatever the step; one that is far too stiff for the
+/// step, or damped far too much, does not throw it.
+#[test]
+fn springs_of_what_touches_something_find_their_rest() {
+    for (frequency, damping_ratio) in [(1.0, 1.0), (10.0, 0.3), (500.0, 0.0), (500.0, 1.0), (5.0, 100.0)] {
+        let mut world = world_with(SolverSettings::accurate());
+        ground(&mut world);
+        let cube = body(&mut world, Collider::cuboid(1.0, 1.0, 1.0), DVec3::Y * 0.5);
+        let push = ExternalForce { force: DVec3::X * 4.0, torque: DVec3::ZERO };
+        world.entity_mut(cube).insert((Mass(2.0), push, SurfaceMaterial { friction: 0.0, restitution: 0.0 }));
+        let softness = Softness { frequency, damping_ratio, max_force: 1e9 };
+        pull(&mut world, DVec3::Y * 0.5, cube, softness);
+        let rest = 4.0 / (2.0 * (std::f64::consts::TAU * frequency).powi(2));
+        let mut farthest = 0.0_f64;
+        for _ in 0..600 {
+            step(&mut world);
+            farthest = farthest.max(position(&world, cube).x.abs());
+        }
+        let end = position(&world, cube).x;
+        assert!(farthest < 2.0 * rest + 5e-3, "{frequency} Hz, {damping_ratio}: {farthest} m");
+        if frequency < 13.0 && damping_ratio < 10.0 {
+            assert_close(end, rest, 1e-9);
+        }
+    }
+}
+
+/// The scene with somebody pulled towards a point, for so many steps: the most solves of one, the greatest separation of
+/// a joint, m, and how much nearer came what is pulled, m. `touches`: bodies collide.
+fn dragged(name: &str, to: DVec3, softness: Softness, touches: bool, count: u32) -> (u64, f64, f64) {
+    let mut world = world_with(SolverSettings::accurate());
+    world.init_resource::<Diagnostics>();
+    load("limbs", &[]).unwrap().spawn(&mut world);
+    if !touches {
+        let mut layers = world.query_filtered::<Entity, With<Collider>>();
+        let all: Vec<Entity> = layers.iter(&world).collect();
+        all.into_iter().for_each(|body| _ = world.entity_mut(body).insert(CollisionLayers::NONE));
+    }
+    let mut names = world.query::<(Entity, &Name)>();
+    let body = names.iter(&world).find(|(_, found)| found.as_str() == name).expect("it is there").0;
+    pull(&mut world, to, body, softness);
+    let distance = |world: &World| position(world, body).distance(to);
+    let before = distance(&world);
+    let (mut solves, mut parted) = (0, 0.0_f64);
+    for _ in 0..count {
+        step(&mut world);
+        let stats = world.resource::<StepStats>();
+        solves = solves.max(stats.row_updates / u64::from(stats.rows));
+        parted = parted.max(world.resource::<Diagnostics>().joint_error);
+    }
+    (solves, parted, before - distance(&world))
+}
+
+#[test]
+fn figures_dragged_against_their_strings_come_along_as_far_as_they_can() {
+    let softness = Softness { frequency: 8.0, damping_ratio: 1.0, max_force: 800.0 };
+    for (name, to) in [
+        ("ann chest", DVec3::new(-1.0, 2.3, 0.1)),
+        ("ann head", DVec3::new(-0.8, 1.78, 0.5)),
+        ("bo chest", DVec3::new(2.4, 1.2, 0.8)),
+    ] {
+        for touches in [true, false] {
+            let (solves, parted, nearer) = dragged(name, to, softness, touches, 30);
+            assert!(solves < 10_000, "{name}, {touches}: {solves} solves");
+            assert!(parted < 3e-3, "{name}, {touches}: {parted} m");
+            assert!(nearer > 0.3, "{name}, {touches}: {nearer} m nearer");
+        }
+    }
+}
+
+#[test]
+fn a_step_ends_however_hard_something_is_pulled() {
+    for (frequency, max_force) in [(50.0, 1e6), (500.0, 1e9)] {
+        let softness = Softness { frequency, damping_ratio: 1.0, max_force };
+        for touches in [true, false] {
+            let (solves, parted, nearer) = dragged("ann chest", DVec3::new(-1.0, 2.3, 0.1), softness, touches, 4);
+            assert!(solves < 30_000, "{max_force} N, {touches}: {solves} solves");
+            assert!(parted < 5.0, "{max_force} N, {touches}: {parted} m");
+            assert!(nearer > 0.5, "{max_force} N, {touches}: {nearer} m nearer");
+        }
+    }
+}
