@@ -25,6 +25,8 @@ const FORECAST: f64 = 1e-13;
 const NEARLY: f64 = 1e-10;
 /// Overlap at the end of a forecast from which on features that it did not hold are held, m.
 const MET: f64 = 1e-7;
+/// What a solve may leave, over its time, m, where it comes to an end before it holds.
+const UNSOLVED: f64 = 1e-7;
 /// Forecasts.
 const MOST_TURNS: usize = 12;
 
@@ -92,6 +94,7 @@ impl Flight {
         self.hold_places(given, start, start_sites, bodies, finder, guess, joint_guess, h);
         self.kick(given, h);
         self.hold_velocities(given);
+        self.is_true &= self.velocities.residual * given.closing <= UNSOLVED;
     }
 
     /// Half a step of forces, springs and drag.
@@ -167,6 +170,9 @@ impl Flight {
         for _ in 0..MOST_TURNS {
             end.clone_from(kicked);
             places.solve(end, gains, joint_gains);
+            if places.residual * h > UNSOLVED && !given.is_rough {
+                return false;
+            }
             openings.clear();
             openings.extend(held.iter().map(|site| site.opening(end)));
             partings.clear();

@@ -38,6 +38,8 @@ pub(super) struct Kernel {
     bias: PerPoint,
     /// λ, N·s, on B: the guess, then the solution.
     pub impulses: PerPoint,
+    /// What the last solve left of the laws, m/s.
+    pub residual: f64,
     /// Times the laws did not hold.
     pub failures: u32,
     pub steps: u32,
@@ -116,6 +118,7 @@ impl Kernel {
     /// Solves for what is to be gained along normals and at joints, m/s, from [`Self::impulses`]; velocities of
     /// `motion` are those without impulses, and with them on return.
     pub fn solve(&mut self, motion: &mut [Motion], gains: &[f64], joint_gains: &[Vector3<f64>]) {
+        self.residual = 0.0;
         if self.is_empty() {
             return;
         }
@@ -130,6 +133,7 @@ impl Kernel {
         self.velocities.extend(motion.iter().take(self.bodies.len()).map(|motion| [motion.linear, motion.angular]));
         let tolerance = TOLERANCES[usize::from(self.is_rough)];
         let outcome = self.solver.solve(&mut self.velocities, &self.bias, &mut self.impulses, tolerance);
+        self.residual = outcome.residual;
         self.steps += outcome.steps;
         self.work += u64::from(outcome.steps) * (self.contacts.len() + self.joints.len()) as u64;
         self.failures += u32::from(matches!(outcome.end, End::Bounded | End::NoRigidSolution));
