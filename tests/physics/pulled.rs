@@ -146,7 +146,7 @@ fn figures_dragged_against_their_strings_come_along_as_far_as_they_can() {
     }
 }
 
-/// Over the bar and the strings, at 8 m/s, until it is taut: contacts and joints that no cone solve brings together in one
+/// Over the bar and the strings, until it is taut: contacts and joints that no cone solve brings together in one
 /// flight.
 #[test]
 fn a_garland_thrown_over_a_bar_stays_whole() {

@@ -1,8 +1,8 @@
 //! Back onto the joints: places and velocities moved the least way, as masses count, to where joints hold to rounding.
 //!
 //! Places: δ = M⁻¹Jᵀμ with J M⁻¹ Jᵀ μ = −C, again until C is zero to rounding (Newton's method on the group, J and its
-//! factor those of the first turn while that does: the error is small when it starts). Velocities: v −= M⁻¹Jᵀ(J M⁻¹
-//! Jᵀ)⁻¹ J v.
+//! factor those of the first turn while that does: the error is small when it starts). Velocities:
+//! v −= M⁻¹Jᵀ(J M⁻¹ Jᵀ)⁻¹ J v.
 
 use nalgebra::{Matrix3, Vector3};
 

@@ -34,7 +34,8 @@ pub(super) fn approach(sites: &[Site], motion: &[Motion]) -> f64 {
 }
 
 impl Impacts {
-    /// Takes the velocities over all impacts that are due; if nothing may bounce, all is stopped. `note` is told what each solve pushed, N·s.
+    /// Takes the velocities over all impacts that are due; if nothing may bounce, all is stopped. `note` is told what
+    /// each solve pushed, N·s.
     pub fn pass(
         &mut self,
         view: View,
