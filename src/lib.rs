@@ -15,8 +15,9 @@ pub mod prelude {
     pub use crate::physics::{
         BallJoint, BodyQuarantined, BroadPhase, Collider, Collision, CollisionLayers, ContactEnded, ContactModel,
         ContactStarted, ConvexHull, Damping, Density, ExternalForce, FrictionModel, Gravity, GravityScale, Inertia,
-        Integrator, JointLoad, LockedAxes, Mass, Method, ObserveContacts, PhysicsPlugin, PhysicsSchedule,
-        PhysicsSystems, Position, Precision, Quarantined, RenderOrigin, ReportCollisions, RigidBody, Rotation,
-        Sleeping, Softness, SolverSettings, StepStats, SurfaceMaterial, Velocity, headless_app, step,
+        Integrator, JointLoad, LockedAxes, Mass, Method, ObserveContacts, PhysicsPlugin, Position, Precision,
+        Quarantined, RenderOrigin, ReportCollisions, RigidBody, Rotation, Sleeping, Softness, SolverSettings,
+        StepStats, SurfaceMaterial, Velocity, headless_app, step,
     };
+    pub use crate::physics::{PhysicsSchedule, PhysicsSystems};
 }

@@ -7,7 +7,7 @@ use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use xxhash_rust::xxh3::Xxh3;
 
-use crate::physics::diagnostics::hash_state;
+use crate::physics::hash_state;
 use crate::physics::{
     Position, Quarantined, Rotation, SettingsError, SolverSettings, StepStats, Velocity, headless_app, step,
 };

@@ -3,140 +3,23 @@
 //! [`StepStats`] is always there. [`Diagnostics`], [`ContactForces`] and [`JointForces`] are filled
 //! in only while the resource exists: insert it to read it.
 
-use std::hash::Hasher;
+use super::readings::{ContactForce, ContactForces, Diagnostics, JointForce, JointForces};
 use std::time::{Duration, Instant};
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use super::bodies::{Bodies, Joints};
-use super::body::{GravityScale, Position, Rotation, Velocity};
-use super::collision::{ContactGraph, Contacts};
 use super::settings::{Gravity, Method, SolverSettings};
-use super::solver::{ContactCache, ExactGroups, IslandSolvers, LaggedContacts};
-use super::{PhysicsSchedule, PhysicsSystems};
-
-/// Counts and times of the last step.
-#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq)]
-#[reflect(Resource, Debug, Default)]
-pub struct StepStats {
-    /// Steps since the world was made.
-    pub steps: u64,
-    /// Simulation time, s: steps × h.
-    pub time: f64,
-    /// Wall-clock time of the last step, s, without what was spent on measuring it.
-    pub step_seconds: f64,
-    /// Bodies, all kinds.
-    pub bodies: u32,
-    /// Joints.
-    pub joints: u32,
-    /// Pairs that the broad phase handed to the narrow phase.
-    pub pairs: u32,
-    /// Axes along which the separating axis test measured how far two shapes overlap.
-    pub axes_tested: u64,
-    /// Pairs that touch, sleeping ones included.
-    pub manifolds: u32,
-    /// Contact points, sleeping ones included.
-    pub contact_points: u32,
-    /// Scalar rows solved, in one substep.
-    pub rows: u32,
-    /// Row updates: rows × iterations × solves, over all substeps.
-    pub row_updates: u64,
-    /// Groups of bodies that touch or are joined, sleeping ones left out.
-    pub islands: u32,
-    /// Bodies of islands at rest, which were solved directly or had nothing to solve.
-    pub resting: u32,
-    /// Parts into which the exact method cut steps that were too long for it, beyond those asked for.
-    pub cuts: u32,
-    /// Parts of the last step that it could not solve however short it cut them: what they held is not exact.
-    pub unsettled: u32,
-    /// Sliding points at which it found no rigid motion to exist (Painlevé), once for each part of the last step: an
-    /// impulse stops them.
-    pub jammed: u32,
-    /// Bodies quarantined now.
-    pub quarantined: u32,
-    /// Bodies asleep now.
-    pub sleeping: u32,
-    /// Where `time` was when the step last changed, and the step.
-    since: (u64, f64, f64),
-}
-
-impl StepStats {
-    /// Steps × h, without the drift of a running sum; a change of the step starts a new product.
-    pub(super) fn count_step(&mut self, settings: &SolverSettings) {
-        let h = settings.step();
-        if self.since.2 != h {
-            self.since = (self.steps, self.time, h);
-        }
-        self.steps += 1;
-        self.time = self.since.1 + (self.steps - self.since.0) as f64 * h;
-    }
-}
-
-/// Conserved quantities and errors of the state after the last step. Filled in while present.
-#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq)]
-#[reflect(Resource, Debug, Default)]
-pub struct Diagnostics {
-    /// Σ ½mv² + ½ωᵀIω of dynamic bodies, J.
-    pub kinetic_energy: f64,
-    /// −Σ m g·x of dynamic bodies (with their gravity scale), J, relative to the world's origin.
-    pub potential_energy: f64,
-    /// Σ m v of dynamic bodies, kg·m/s.
-    pub linear_momentum: DVec3,
-    /// Σ x × m v + I ω of dynamic bodies about the world's origin, kg·m²/s.
-    pub angular_momentum: DVec3,
-    /// Largest distance between the two anchors of a rigid joint, m.
-    pub joint_error: f64,
-    /// Largest depth of a contact found in the last step, m.
-    pub penetration: f64,
-}
-
-impl Diagnostics {
-    /// Kinetic plus potential, J.
-    pub fn energy(&self) -> f64 {
-        self.kinetic_energy + self.potential_energy
-    }
-}
-
-/// The contact points of the last step with the forces that the solver found. Filled in while
-/// present.
-#[derive(Resource, Reflect, Clone, Debug, Default, PartialEq)]
-#[reflect(Resource, Debug, Default)]
-pub struct ContactForces(pub Vec<ContactForce>);
-
-/// One contact point and the force through it.
-#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
-pub struct ContactForce {
-    /// One body.
-    pub a: Entity,
-    /// The other.
-    pub b: Entity,
-    /// World position, m, where the step found it; with the exact method, where it is at the step's end.
-    pub point: DVec3,
-    /// Unit normal from A to B.
-    pub normal: DVec3,
-    /// Overlap, m.
-    pub depth: f64,
-    /// Force on B: normal and friction, N, world axes; mean over the step's substeps.
-    pub force: DVec3,
-    /// Force on B that the step's last solve found, N, world axes; none where that was not of this point.
-    pub last_force: Option<DVec3>,
-}
-
-/// The joints with the forces that the last step's solves found. Filled in while present.
-#[derive(Resource, Reflect, Clone, Debug, Default, PartialEq)]
-#[reflect(Resource, Debug, Default, PartialEq)]
-pub struct JointForces(pub Vec<JointForce>);
-
-/// One joint and the force through it.
-#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
-pub struct JointForce {
-    /// The joint.
-    pub joint: Entity,
-    /// Force on its body B, N, world axes; mean over the step's substeps.
-    pub force: DVec3,
-}
+use crate::physics::body::Bodies;
+use crate::physics::body::GravityScale;
+use crate::physics::collision::ContactGraph;
+use crate::physics::collision::Contacts;
+use crate::physics::collision::LaggedContacts;
+use crate::physics::joint::Joints;
+use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
+use crate::physics::solver::ExactGroups;
+use crate::physics::solver::IslandSolvers;
 
 /// How long the last step's measuring took.
 #[derive(Resource, Default)]
@@ -272,44 +155,4 @@ impl ContactForces {
 fn collect_joint_forces(joints: Res<Joints>, mut forces: ResMut<JointForces>) {
     forces.0.clear();
     forces.0.extend(joints.list.iter().map(|joint| JointForce { joint: joint.entity, force: joint.force.into() }));
-}
-
-/// Feeds every bit that the next step depends on to a hasher: poses and velocities of all bodies
-/// in the order in which they became bodies, who sleeps (not how long others have been calm), the
-/// warm-start cache, and contacts that wait for a lagged solve.
-pub fn hash_state<H: Hasher>(world: &World, hasher: &mut H) {
-    let mut feed = |value: f64| hasher.write_u64(value.to_bits());
-    let Some(bodies) = world.get_resource::<Bodies>() else { return };
-    for body in &bodies.list {
-        if let (Some(position), Some(rotation), Some(velocity)) =
-            (world.get::<Position>(body.entity), world.get::<Rotation>(body.entity), world.get::<Velocity>(body.entity))
-        {
-            position.0.to_array().into_iter().for_each(&mut feed);
-            rotation.0.to_array().into_iter().for_each(&mut feed);
-            velocity.linear.to_array().into_iter().for_each(&mut feed);
-            velocity.angular.to_array().into_iter().for_each(&mut feed);
-        }
-    }
-    bodies.asleep.iter().map(f64::from).for_each(&mut feed);
-    if let Some(cache) = world.get_resource::<ContactCache>() {
-        cache.points().iter().flat_map(|(_, force)| force.iter().copied()).for_each(&mut feed);
-    }
-    if let Some(groups) = world.get_resource::<ExactGroups>() {
-        groups.memory().for_each(&mut feed);
-    }
-    if let Some(graph) = world.get_resource::<ContactGraph>() {
-        for (slot, state) in graph.slots.iter().zip(&graph.states).filter(|(slot, _)| slot.touching) {
-            feed(f64::from(slot.pair.a));
-            state.impulses.0.iter().map(|&impulse| f64::from(impulse)).for_each(&mut feed);
-        }
-    }
-    if let Some(lagged) = world.get_resource::<LaggedContacts>() {
-        for manifold in &lagged.pending().manifolds {
-            manifold.normal.iter().copied().for_each(&mut feed);
-            for point in lagged.pending().points_of(manifold) {
-                point.point.iter().copied().for_each(&mut feed);
-                feed(point.depth);
-            }
-        }
-    }
 }

@@ -3,12 +3,13 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-use super::bodies::Bodies;
-use super::body::{ObserveContacts, ReportCollisions};
-use super::collision::{ContactGraph, Contacts, Manifold};
 use super::messages::{Collision, ContactEnded, ContactStarted};
 use super::settings::contacts_last;
-use super::{PhysicsSchedule, PhysicsSystems};
+use crate::physics::body::Bodies;
+use crate::physics::body::{ObserveContacts, ReportCollisions};
+use crate::physics::collision::ContactGraph;
+use crate::physics::collision::{Contacts, Manifold};
+use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Touching>()

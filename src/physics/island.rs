@@ -10,12 +10,14 @@ mod tests;
 
 use bevy::prelude::*;
 
-use super::bodies::{Bodies, Joints};
-use super::body::RigidBody;
-use super::collision::{ContactGraph, Contacts};
-use super::diagnostics::StepStats;
 use super::settings::SolverSettings;
-use super::solver::LaggedContacts;
+use crate::physics::body::Bodies;
+use crate::physics::body::RigidBody;
+use crate::physics::collision::ContactGraph;
+use crate::physics::collision::Contacts;
+use crate::physics::collision::LaggedContacts;
+use crate::physics::joint::Joints;
+use crate::physics::stats::StepStats;
 
 /// Islands are packed until a group has this many bodies.
 const BODIES_PER_GROUP: u32 = 128;

@@ -12,8 +12,8 @@ use nalgebra::{SimdRealField, Vector3};
 use simba::simd::WideF32x8;
 use wide::f32x8;
 
-use super::solver::Scalar;
 use super::threads::Shared;
+use crate::physics::scalar::Scalar;
 
 /// Constraints that a block of any kind of lanes can hold.
 pub(crate) const WIDTH: usize = 8;

@@ -4,7 +4,7 @@
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use super::body::{QuarantineReason, Quarantined};
+use crate::physics::body::{QuarantineReason, Quarantined};
 
 /// Two bodies touch that did not in the step before. As an entity event it is triggered for
 /// each of the two that has [`super::ObserveContacts`], with that one as `a`.

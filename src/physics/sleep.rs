@@ -20,14 +20,16 @@
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use super::bodies::{Bodies, Body, Joints};
-use super::body::{BodySlot, RigidBody, Sleeping};
 use super::collision::{ContactGraph, GONE, NearPairs};
-use super::diagnostics::StepStats;
 use super::island::{Islands, find_islands};
-use super::prepare::Presence;
 use super::settings::{SolverSettings, contacts_last};
-use super::{PhysicsSchedule, PhysicsSystems};
+use crate::physics::body::BodySlot;
+use crate::physics::body::Presence;
+use crate::physics::body::{Bodies, Body};
+use crate::physics::body::{RigidBody, Sleeping};
+use crate::physics::joint::Joints;
+use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
+use crate::physics::stats::StepStats;
 
 #[cfg(test)]
 mod tests;

@@ -9,16 +9,19 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::bodies::{Bodies, Body, Joints};
-use super::body::{BodySlot, Position, QuarantineReason, RigidBody, Rotation, Sleeping, Velocity};
 use super::columns::{self, Numbers, set_if_other};
-use super::diagnostics::StepStats;
-use super::joint::{JointLoad, JointSlot};
 use super::messages::{BodyQuarantined, set_aside};
 use super::settings::SolverSettings;
 use super::sleep::Sleep;
-use super::transform::PoseHistory;
-use super::{PhysicsSchedule, PhysicsSystems};
+use crate::physics::body::BodySlot;
+use crate::physics::body::PoseHistory;
+use crate::physics::body::{Bodies, Body};
+use crate::physics::body::{Position, QuarantineReason, RigidBody, Rotation, Sleeping, Velocity};
+use crate::physics::joint::JointLoad;
+use crate::physics::joint::JointSlot;
+use crate::physics::joint::Joints;
+use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
+use crate::physics::stats::StepStats;
 
 pub(super) fn plugin(app: &mut App) {
     app.add_systems(

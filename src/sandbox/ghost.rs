@@ -15,7 +15,8 @@ use super::{CurrentScene, SandboxAction};
 use crate::lab::Simulation;
 use crate::lab::chart::SERIES;
 use crate::lab::truth;
-use crate::physics::{PhysicsSchedule, PhysicsSystems, Position, RenderOrigin, RigidBody, SolverSettings, StepStats};
+use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
+use crate::physics::{Position, RenderOrigin, RigidBody, SolverSettings, StepStats};
 use crate::scene::SceneSpec;
 
 /// Units in the last place of the depth by which a ghost is drawn nearer than it is. The depth buffer holds

@@ -3,7 +3,7 @@
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
-use plumb::physics::{Shape, diagnostics::hash_state};
+use plumb::physics::{Shape, hash_state};
 use plumb::prelude::*;
 
 /// Starts a compute pool of four threads on any machine. The first pool of a process stays, so

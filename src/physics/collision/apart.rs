@@ -19,10 +19,10 @@
 
 use nalgebra::Vector3;
 
-use super::Overlap;
 use super::clipping::{ClipBuffers, REFERENCE_SIDE, SIDE_MARGIN};
 use super::edge_contact::{self, Segment, closest};
 use super::feature_sat::Scale;
+use super::manifold::Overlap;
 use super::polyhedron::{Convex, Frame};
 
 /// Distances that differ by less than this share are the same to rounding.

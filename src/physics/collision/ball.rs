@@ -7,10 +7,10 @@ use nalgebra::Vector3;
 
 use super::cone::{Cone, unit_across};
 use super::feature_sat::Scale;
+use super::manifold::{ContactPoint, FeatureId, Overlap};
 use super::placed::{first_max, nearest_on_hull};
 use super::polyhedron::Frame;
-use super::{ContactPoint, FeatureId, Overlap};
-use crate::physics::collider::{Geometry, Hull};
+use crate::physics::shape::{Geometry, Hull};
 
 /// Centre to nearest point closer than this share of the radius: the direction would be noise.
 const ON_SURFACE: f64 = 1e-12;

@@ -7,11 +7,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::apart;
 use super::clipping::{Clip, ClipBuffers};
 use super::edge_contact::{Segment, closest, middle};
 use super::feature_sat::Scale;
+use super::manifold::{ContactPoint, FeatureId, Overlap};
 use super::polyhedron::{Cuboid, Frame, Polyhedron};
-use super::{ContactPoint, FeatureId, Overlap, apart};
 
 /// Squared sine of the angle under which two edges count as parallel.
 const PARALLEL: f64 = 1e-12;

@@ -13,8 +13,8 @@
 use nalgebra::Vector3;
 
 use super::feature_sat::Scale;
+use super::manifold::{ContactPoint, FeatureId};
 use super::placed::first_max;
-use super::{ContactPoint, FeatureId};
 
 /// Most points of a clipped manifold.
 pub(super) const MAX_POINTS: usize = 4;

@@ -29,8 +29,8 @@ use super::clipping::{Clip, ClipBuffers};
 use super::cone::{Cone, Facing, unit_across};
 use super::edge_contact::{self, Segment};
 use super::feature_sat::{Feature, Found, Least, Scale};
+use super::manifold::{ContactPoint, FeatureId, Overlap};
 use super::polyhedron::{Convex, Frame};
-use super::{ContactPoint, FeatureId, Overlap};
 
 /// Samples of the depth around a flank's circle of normals.
 const CIRCLE_SAMPLES: usize = 24;

@@ -28,8 +28,8 @@ use super::cone::{Cone, Facing, unit_across};
 use super::edge_contact::{self, Segment};
 use super::ellipse;
 use super::feature_sat::{Best, Feature, Found, Least, Scale, face_depth, facing_edges, least_face};
+use super::manifold::{ContactPoint, FeatureId, Overlap};
 use super::polyhedron::{Convex, Edge, Frame, Polyhedron};
-use super::{ContactPoint, FeatureId, Overlap};
 
 /// Normals that each edge may have: two across the flank, two across the rim.
 const PER_EDGE: u32 = 4;

@@ -6,29 +6,29 @@
 //! either body, move along with them, which is exact to first order. Impulses stay with the slot
 //! and are matched by feature when the manifold is found again.
 
+use super::gap::{MARGIN, fastest_approach};
 use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::contact_pair::{self, PairSearch};
 use super::hold_back::FastPair;
+use super::manifold::{ContactPoint, Contacts, FeatureId, Manifold, Overlap, Pair};
 use super::near_pairs::NearPairs;
 use super::pair_slots::PairSlot;
 use super::time_of_impact::{self, Course, Impact};
-use super::{ContactPoint, Contacts, FeatureId, Manifold, Overlap, Pair};
 use crate::physics::bit_set::{BitSet, ones};
-use crate::physics::bodies::{Bodies, Body, Joints};
 use crate::physics::body::RigidBody;
+use crate::physics::body::{Bodies, Body};
 use crate::physics::constraint::contact::tangents;
-use crate::physics::diagnostics::{ContactForces, StepStats};
+use crate::physics::joint::Joints;
 use crate::physics::lanes::{Record, WIDTH};
+use crate::physics::readings::ContactForces;
 use crate::physics::settings::{FrictionModel, SolverSettings};
+use crate::physics::stats::StepStats;
 use crate::physics::threads::for_each_of;
 
 /// Share of the smaller bounding radius by which a pair may move before its manifold is found anew.
 const RECYCLED: f64 = 1e-3;
-
-/// Share of the smaller bounding radius within which surfaces that do not touch get contact points.
-const MARGIN: f64 = 0.01;
 
 /// Share of the smaller bounding radius within which a point without a namesake takes over from an old one.
 const NEAR: f64 = 0.1;
@@ -414,22 +414,6 @@ impl Chunk<'_> {
 /// The gap up to which a pair gets contact points: a margin, and what it may close in one step.
 pub(super) fn reachable_gap(a: &Body, b: &Body, size: f64, settings: &SolverSettings) -> f64 {
     MARGIN * size + fastest_approach(a, b) * settings.step()
-}
-
-/// The most that two bodies can come together, m/s.
-pub(crate) fn fastest_approach(a: &Body, b: &Body) -> f64 {
-    (a.linear - b.linear).norm() + turning_speed(a) + turning_speed(b)
-}
-
-/// A body's own part of that: those of two bodies together are no less than their gap.
-pub(super) fn own_reachable_gap(body: &Body, settings: &SolverSettings) -> f64 {
-    let margin = if body.radius.is_finite() { MARGIN * body.radius } else { 0.0 };
-    margin + (body.linear.norm() + turning_speed(body)) * settings.step()
-}
-
-/// Greatest speed that turning gives a point of the body, m/s; on a half-space, one that reaches far.
-pub(super) fn turning_speed(body: &Body) -> f64 {
-    body.angular.norm() * body.radius.min(1e6)
 }
 
 impl Slot {

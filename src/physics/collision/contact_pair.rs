@@ -12,7 +12,7 @@
 //!
 //! All take a *gap*: shapes apart by no more than that get points as well, and shapes that touch
 //! get those of their facing features that stand off by no more, with negative depths
-//! ([speculative contacts](super::ContactPoint::depth)). The separation of the manifold is at most the
+//! ([speculative contacts](crate::physics::collision::manifold::ContactPoint::depth)). The separation of the manifold is at most the
 //! distance of the shapes, and equal to it wherever a face, a ball or a crossing of edges is
 //! nearest; where corners and edges pass beside each other see [`apart`](super::apart).
 
@@ -21,10 +21,11 @@ use nalgebra::Vector3;
 use super::clipping::{ClipBuffers, keep_touching_spread};
 use super::cone::Cone;
 use super::feature_sat::{EdgeBuffers, Feature, Scale};
+use super::manifold::{ContactPoint, Overlap};
 use super::polyhedron::{Cuboid, Frame};
-use super::{ContactPoint, Overlap, ball, boxes, cone_cone, cone_polyhedron, plane, polyhedra};
-use crate::physics::bodies::Body;
-use crate::physics::collider::Geometry;
+use super::{ball, boxes, cone_cone, cone_polyhedron, plane, polyhedra};
+use crate::physics::body::Body;
+use crate::physics::shape::Geometry;
 
 /// What one pair's test needs and leaves: buffers, and the axis that next step's test begins with.
 #[derive(Default)]

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::feature_sat::Scale;
-use super::{ContactPoint, FeatureId};
+use super::manifold::{ContactPoint, FeatureId};
 
 /// Squared sine of the angle under which two edges touch along a stretch, not in a point.
 const NEARLY_PARALLEL: f64 = 1e-5;

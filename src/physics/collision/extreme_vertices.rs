@@ -7,9 +7,9 @@
 
 use nalgebra::Vector3;
 
+use super::manifold::{ContactPoint, FeatureId, Overlap};
 use super::placed::Placed;
-use super::{ContactPoint, FeatureId, Overlap};
-use crate::physics::collider::Geometry;
+use crate::physics::shape::Geometry;
 
 /// Vertices within this share of the bounding radius of the farthest are extreme too.
 const EXTREME_SHARE: f64 = 1e-3;

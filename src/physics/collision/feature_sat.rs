@@ -31,9 +31,11 @@
 
 use nalgebra::Vector3;
 
+use super::apart;
 use super::clipping::ClipBuffers;
+use super::gap::CONTACT_TOLERANCE;
+use super::manifold::Overlap;
 use super::polyhedron::{Convex, Edge, Frame, Polyhedron};
-use super::{CONTACT_TOLERANCE, Overlap, apart};
 
 /// An edge–edge axis (or a face of B) is taken only where its depth is below this share of the
 /// depth along the best face (of A) …

@@ -16,11 +16,12 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::contact_graph::ContactGraph;
 use super::contact_pair::PairSearch;
+use super::manifold::{ContactPoint, Pair};
 use super::time_of_impact::{self, Course, Impact, advanced, inner_radius};
-use super::{ContactPoint, Pair};
-use crate::physics::bodies::{Bodies, Body, world_inverse_inertia};
-use crate::physics::collider::Geometry;
+use crate::physics::body::world_inverse_inertia;
+use crate::physics::body::{Bodies, Body};
 use crate::physics::settings::SolverSettings;
+use crate::physics::shape::Geometry;
 
 /// Share of the radius of the ball that a body holds that its core has.
 const CORE: f64 = 0.5;

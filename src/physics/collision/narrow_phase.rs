@@ -14,15 +14,14 @@ use nalgebra::Vector3;
 use super::contact_pair::{self, PairSearch};
 use super::extreme_vertices;
 use super::feature_sat::Feature;
+use super::gap::{CONTACT_TOLERANCE, reachable_gap, speculative_gap};
+use super::manifold::{CandidatePairs, ContactPoint, Contacts, Manifold, Overlap, Pair};
 use super::placed::Placed;
 use super::sat::{self, AxisBuffers, AxisSearch};
-use super::{
-    CONTACT_TOLERANCE, CandidatePairs, ContactPoint, Contacts, Manifold, Overlap, Pair, reachable_gap, speculative_gap,
-};
-use crate::physics::bodies::{Bodies, Body};
-use crate::physics::collider::Geometry;
-use crate::physics::diagnostics::StepStats;
+use crate::physics::body::{Bodies, Body};
 use crate::physics::settings::{ContactModel, Method, SolverSettings};
+use crate::physics::shape::Geometry;
+use crate::physics::stats::StepStats;
 use crate::physics::threads::for_each_block;
 
 /// Pairs that one thread works through at a time.

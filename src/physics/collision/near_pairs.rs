@@ -7,16 +7,18 @@ use nalgebra::Vector3;
 
 use super::bounding_tree::BoundingBox;
 use super::fat_box::{Extent, Placement};
+use super::gap::CONTACT_TOLERANCE;
+use super::manifold::Pair;
 use super::pair_slots::{PairSlot, PairSlots};
 use super::persistent_pairs::{BoundedBodies, Bounds, PairChanges, PersistentPairs};
 use super::swept_pairs::SweptPairs;
-use super::{CONTACT_TOLERANCE, Pair};
-use crate::physics::bodies::{Bodies, Body, Joints};
 use crate::physics::body::RigidBody;
-use crate::physics::collider::Geometry;
-use crate::physics::diagnostics::StepStats;
+use crate::physics::body::{Bodies, Body};
 use crate::physics::joint::JoinedPairs;
+use crate::physics::joint::Joints;
 use crate::physics::settings::{BroadPhase, SolverSettings};
+use crate::physics::shape::Geometry;
+use crate::physics::stats::StepStats;
 
 /// Who keeps the pairs.
 enum Search {

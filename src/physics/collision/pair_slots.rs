@@ -6,7 +6,7 @@
 //! many the bodies have (a floor has thousands). A *pair end* 2 s + k is the pair of slot s seen
 //! from A (k = 0) or B (k = 1).
 
-use super::Pair;
+use super::manifold::Pair;
 
 const NONE: u32 = u32::MAX;
 

@@ -22,9 +22,9 @@
 
 use nalgebra::Vector3;
 
-use super::Pair;
 use super::bounding_tree::{BoundingBox, BoundingTree, Leaf};
 use super::fat_box::{Extent, Placement, Room};
+use super::manifold::Pair;
 use super::pair_slots::{PairSlot, PairSlots};
 
 /// What the broad phase asks about the bodies, which are numbered from 0.

@@ -5,8 +5,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::physics::bodies::Body;
-use crate::physics::collider::{Geometry, Hull};
+use crate::physics::body::Body;
+use crate::physics::shape::{Geometry, Hull};
 
 /// A body's shape, its centre relative to body A of the pair, in world axes.
 pub(super) struct Placed<'a> {

@@ -5,9 +5,10 @@ use nalgebra::Vector3;
 
 use super::clipping::{ClipBuffers, keep_spread};
 use super::cone::Cone;
+use super::gap::CONTACT_TOLERANCE;
+use super::manifold::{ContactPoint, FeatureId, Overlap};
 use super::polyhedron::{Cuboid, Frame, Polyhedron};
-use super::{CONTACT_TOLERANCE, ContactPoint, FeatureId, Overlap};
-use crate::physics::collider::Geometry;
+use crate::physics::shape::Geometry;
 
 /// Points of a cone's rim that may touch.
 const RIM_POINTS: usize = 4;

@@ -1,11 +1,12 @@
 //! Two convex polyhedra of any kind: [`feature_sat`], then the faces clipped, or the point where
 //! two edges cross.
 
+use super::apart;
 use super::clipping::{Clip, ClipBuffers};
 use super::edge_contact::{Segment, closest, middle};
 use super::feature_sat::{self, EdgeBuffers, Feature, Least, Scale, Verdict};
+use super::manifold::{ContactPoint, FeatureId, Overlap};
 use super::polyhedron::{Frame, Polyhedron};
-use super::{ContactPoint, FeatureId, Overlap, apart};
 
 /// Tests two polyhedra; what was the last step's axis is tried first and replaced. Contact points
 /// are left in the clip buffers, in A's axes.

@@ -4,7 +4,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::placed::first_max;
-use crate::physics::collider::Hull;
+use crate::physics::shape::Hull;
 
 /// A body's axes and centre in those of another.
 #[derive(Clone, Copy, Debug)]

@@ -3,9 +3,9 @@
 use bevy::prelude::*;
 
 use super::narrow_phase::{Buffers, touch};
-use crate::physics::bodies::Body;
-use crate::physics::collider::{Collider, Geometry};
+use crate::physics::body::Body;
 use crate::physics::settings::SolverSettings;
+use crate::physics::shape::{Collider, Geometry};
 use crate::physics::{Position, Rotation};
 
 /// A collider at a pose, to ask what it overlaps without a step.

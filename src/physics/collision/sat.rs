@@ -16,10 +16,11 @@
 
 use nalgebra::Vector3;
 
+use super::gap::CONTACT_TOLERANCE;
+use super::manifold::Overlap;
 use super::placed::Placed;
 use super::vector_set::VectorSet;
-use super::{CONTACT_TOLERANCE, Overlap};
-use crate::physics::collider::Geometry;
+use crate::physics::shape::Geometry;
 
 /// Centre to nearest point closer than this share of the radius: the centre lies in the other
 /// shape, and the direction would be noise.

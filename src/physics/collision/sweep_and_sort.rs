@@ -21,14 +21,15 @@ use std::ops::Range;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use super::contact_graph::own_reachable_gap;
-use super::{CONTACT_TOLERANCE, CandidatePairs, Pair, own_reach, speculative_gap};
-use crate::physics::bodies::{Bodies, Body};
+use super::gap::own_reachable_gap;
+use super::gap::{CONTACT_TOLERANCE, own_reach, speculative_gap};
+use super::manifold::{CandidatePairs, Pair};
 use crate::physics::body::CollisionLayers;
-use crate::physics::collider::Geometry;
-use crate::physics::diagnostics::StepStats;
+use crate::physics::body::{Bodies, Body};
 use crate::physics::joint::JoinedPairs;
 use crate::physics::settings::{Method, SolverSettings};
+use crate::physics::shape::Geometry;
+use crate::physics::stats::StepStats;
 use crate::physics::threads::for_each_block;
 
 /// Buckets that one thread works through at a time.

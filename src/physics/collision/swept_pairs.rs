@@ -7,11 +7,11 @@
 
 use std::cmp::Ordering;
 
-use super::Pair;
+use super::manifold::Pair;
 use super::pair_slots::{PairSlot, PairSlots};
 use super::persistent_pairs::PairChanges;
 use super::sweep_and_sort::SweepAndSort;
-use crate::physics::bodies::Body;
+use crate::physics::body::Body;
 use crate::physics::joint::JoinedPairs;
 use crate::physics::settings::SolverSettings;
 

@@ -15,15 +15,14 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::Overlap;
 use super::contact_pair::{self, PairSearch};
-use super::{
-    ContactPoint,
-    contact_graph::{fastest_approach, turning_speed},
-};
-use crate::physics::bodies::{Body, rotation_by};
+use super::gap::{fastest_approach, turning_speed};
+use super::manifold::ContactPoint;
+use super::manifold::Overlap;
+use crate::physics::body::Body;
 use crate::physics::body::RigidBody;
-use crate::physics::collider::Geometry;
+use crate::physics::body::rotation_by;
+use crate::physics::shape::Geometry;
 
 /// Looks at the pair before it is taken to touch where it is then: at corners that pass each other the bound
 /// is far from sharp.

@@ -1,8 +1,9 @@
 use bevy::ecs::system::RunSystemOnce;
 
 use super::*;
-use crate::physics::bodies::{Body, Joint};
+use crate::physics::body::Body;
 use crate::physics::collision::{Manifold, Pair};
+use crate::physics::joint::Joint;
 use nalgebra::Vector3;
 
 fn joint(a: u32, b: u32) -> Joint {

@@ -23,8 +23,8 @@ use bevy::prelude::*;
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, PartialEq)]
-#[component(map_entities, on_add = super::number_joint)]
-#[require(super::JointSlot)]
+#[component(map_entities, on_add = super::slot::number_joint)]
+#[require(crate::physics::joint::slot::JointSlot)]
 pub struct BallJoint {
     /// One body.
     pub body_a: Entity,

@@ -6,15 +6,18 @@ use bevy::prelude::*;
 
 use super::gather_body::{freeze, gather_body, teleport};
 use super::table::{BodyQuery, BodyTable, Watch};
-use crate::physics::bodies::{Bodies, Body, Joints};
-use crate::physics::body::{BodySlot, QuarantineReason, RigidBody, Sleeping};
+use crate::physics::body::BodySlot;
+use crate::physics::body::RenderOrigin;
+use crate::physics::body::{Bodies, Body};
+use crate::physics::body::{QuarantineReason, RigidBody, Sleeping};
+use crate::physics::collision::LaggedContacts;
 use crate::physics::collision::{ContactGraph, NearPairs};
-use crate::physics::diagnostics::StepStats;
+use crate::physics::joint::Joints;
 use crate::physics::messages::{BodyQuarantined, set_aside};
 use crate::physics::settings::{Gravity, SolverSettings};
 use crate::physics::sleep::Sleep;
-use crate::physics::solver::{ContactCache, LaggedContacts};
-use crate::physics::transform::RenderOrigin;
+use crate::physics::solver::ContactCache;
+use crate::physics::stats::StepStats;
 
 /// Why contiguous iteration cannot fail: all components of a body are stored in tables.
 const IN_TABLES: &str = "a disabling component stored as a sparse set hides bodies from physics: store it in tables";

@@ -5,12 +5,12 @@ use bevy::prelude::*;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
 use super::table::{BodyTable, Components};
-use crate::physics::bodies::Body;
+use crate::physics::body::Body;
+use crate::physics::body::PoseHistory;
 use crate::physics::body::{Inertia, Mass, Position, QuarantineReason, RigidBody, Rotation, Velocity};
-use crate::physics::collider::Shape;
 use crate::physics::columns;
 use crate::physics::settings::{Gravity, SolverSettings};
-use crate::physics::transform::PoseHistory;
+use crate::physics::shape::Shape;
 
 /// Takes over a `Transform` that the user changed. Returns whether there was one.
 pub(super) fn teleport(table: &mut BodyTable, row: usize, origin: DVec3) -> bool {

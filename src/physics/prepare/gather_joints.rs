@@ -5,12 +5,15 @@ use bevy::prelude::*;
 use nalgebra::Vector3;
 
 use crate::physics::bit_set::BitSet;
-use crate::physics::bodies::{Bodies, Joint, Joints};
-use crate::physics::body::{BodySlot, QuarantineReason, Quarantined, RigidBody};
-use crate::physics::diagnostics::StepStats;
-use crate::physics::joint::{BallJoint, JoinedPairs, JointSlot, Softness};
+use crate::physics::body::Bodies;
+use crate::physics::body::BodySlot;
+use crate::physics::body::{QuarantineReason, Quarantined, RigidBody};
+use crate::physics::joint::JointSlot;
+use crate::physics::joint::{BallJoint, JoinedPairs, Softness};
+use crate::physics::joint::{Joint, Joints};
 use crate::physics::messages::{BodyQuarantined, set_aside};
 use crate::physics::sleep::Sleep;
+use crate::physics::stats::StepStats;
 
 /// What the joints were packed for. Counts tell that one is gone or was let go; events would be lost
 /// in an app that runs many frames without a step.

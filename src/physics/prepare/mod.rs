@@ -18,15 +18,14 @@ mod tests;
 
 use bevy::prelude::*;
 
-pub(super) use table::Presence;
-
 use gather_bodies::gather_bodies;
 use gather_joints::{PackedFor, gather_joints, joints_changed};
 
-use super::bodies::{Bodies, Joints};
-use super::body::BirthCounter;
 use super::joint::JoinedPairs;
-use super::{PhysicsSchedule, PhysicsSystems};
+use crate::physics::body::BirthCounter;
+use crate::physics::body::Bodies;
+use crate::physics::joint::Joints;
+use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Bodies>()

@@ -10,16 +10,18 @@
 //! Ticks lie in columns of their own, so that looking at all of them is a few instructions for
 //! eight bodies.
 
+use crate::physics::body::Presence;
 use bevy::ecs::change_detection::{ContiguousMut, ContiguousRef, Tick};
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 
+use crate::physics::body::BodySlot;
+use crate::physics::body::PoseHistory;
 use crate::physics::body::{
-    BodySlot, CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, Position,
+    CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, Position,
     QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, Sleeping, SurfaceMaterial, Velocity,
 };
-use crate::physics::collider::Collider;
-use crate::physics::transform::PoseHistory;
+use crate::physics::shape::Collider;
 
 #[derive(QueryData)]
 #[query_data(mutable, contiguous(all))]
@@ -50,25 +52,6 @@ pub(super) struct BodyQuery {
 
 /// All bodies with the same components, a slice each.
 pub(super) type BodyTable<'w, 's> = BodyQueryContiguousItem<'w, 's>;
-
-/// The optional components of a body, one bit each.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(in crate::physics) struct Presence(pub u32);
-
-impl Presence {
-    const DENSITY: u32 = 1 << 1;
-    const SLEEPING: u32 = 1 << 13;
-
-    /// The same body asleep or awake.
-    pub fn with_sleeping(self, sleeping: bool) -> Self {
-        Self(if sleeping { self.0 | Self::SLEEPING } else { self.0 & !Self::SLEEPING })
-    }
-
-    /// Whether the body lost its density.
-    pub fn lost_density(self, before: u32) -> bool {
-        before != BodySlot::TO_GATHER && before & !self.0 & Self::DENSITY != 0
-    }
-}
 
 /// What counts as written by others.
 #[derive(Clone, Copy)]

@@ -6,17 +6,20 @@ use nalgebra::Vector3;
 
 use super::gather_bodies::gather_bodies;
 use super::gather_joints::{gather_joints, joints_changed};
-use crate::physics::bodies::{Bodies, Body, Joints};
+use crate::physics::body::{Bodies, Body};
 use crate::physics::body::{
     CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, Position, Quarantined,
     ReportCollisions, RigidBody, Rotation, SurfaceMaterial, Velocity,
 };
-use crate::physics::collider::Collider;
-use crate::physics::diagnostics::StepStats;
-use crate::physics::joint::{BallJoint, JointLoad};
+use crate::physics::joint::BallJoint;
+use crate::physics::joint::JointLoad;
+use crate::physics::joint::Joints;
+use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::physics::settings::{Gravity, SolverSettings};
+use crate::physics::shape::Collider;
+use crate::physics::stats::StepStats;
 use crate::physics::write_back::{write_bodies, write_joint_loads};
-use crate::physics::{PhysicsSchedule, PhysicsSystems, RenderOrigin, headless_app, step};
+use crate::physics::{RenderOrigin, headless_app, step};
 
 fn world() -> World {
     let mut world = std::mem::take(headless_app().world_mut());

@@ -3,7 +3,7 @@
 //! Nothing has to be passed on from row to row there, so that what is left to resolve is the motion. Its error goes
 //! with the square of how far bodies turn in a substep.
 
-use crate::physics::bodies::Body;
+use crate::physics::body::Body;
 use crate::physics::settings::SolverSettings;
 
 /// How many substeps are made one where no body turns that far: joints end as near to each other, and what turns

@@ -4,14 +4,14 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use super::super::Pair;
 use super::super::sweep_and_sort::SweepAndSort;
 use super::{KINDS, body, random, random_rotation, random_vector, upright};
-use crate::physics::bodies::Body;
+use crate::physics::body::Body;
 use crate::physics::body::{CollisionLayers, RigidBody};
-use crate::physics::collider::Collider;
+use crate::physics::collision::manifold::Pair;
 use crate::physics::joint::JoinedPairs;
 use crate::physics::settings::SolverSettings;
+use crate::physics::shape::Collider;
 
 fn settings(prune_y: bool) -> SolverSettings {
     SolverSettings { prune_y, ..SolverSettings::classic() }

@@ -11,9 +11,9 @@ use super::{
     assert_close, body, deepest, exact, random, random_direction, random_rotation, random_size, random_vector, touch,
     upright,
 };
-use crate::physics::bodies::Body;
-use crate::physics::collider::{Collider, Geometry};
+use crate::physics::body::Body;
 use crate::physics::settings::{ContactModel, SolverSettings};
+use crate::physics::shape::{Collider, Geometry};
 
 fn clipping() -> SolverSettings {
     exact(ContactModel::Clipping)

@@ -6,9 +6,9 @@ use rand_pcg::Pcg64Mcg;
 
 use super::hulls::{Features, depth_along, hull_body, least_depths, random_hull};
 use super::{assert_close, body, exact, random, random_direction, random_rotation, random_size, touch, upright};
-use crate::physics::bodies::Body;
-use crate::physics::collider::{Collider, Geometry};
+use crate::physics::body::Body;
 use crate::physics::settings::{ContactModel, SolverSettings};
+use crate::physics::shape::{Collider, Geometry};
 
 fn clipping() -> SolverSettings {
     exact(ContactModel::Clipping)
@@ -196,7 +196,7 @@ fn faces_of_many_sides_give_four_named_points() {
         let top = (0..300).map(|side| 2 * side + 1).collect();
         let bottom = (0..300).rev().map(|side| 2 * side).collect();
         let sides = (0..300).map(|side| vec![2 * side, 2 * next(side), 2 * next(side) + 1, 2 * side + 1]);
-        crate::physics::collider::Hull::new(vertices, [top, bottom].into_iter().chain(sides).collect())
+        crate::physics::shape::Hull::new(vertices, [top, bottom].into_iter().chain(sides).collect())
     };
     let lower = hull_body(drum(1.0), Vector3::zeros(), UnitQuaternion::identity());
     for shift in [0.0, 0.7, 1.6] {
@@ -233,7 +233,7 @@ fn slivers_and_faces_edge_on_stay_finite() {
                 .map(|bits| half.map_with_location(|row, _, half| if bits >> row & 1 == 0 { half } else { -half }))
                 .collect();
             b = hull_body(
-                crate::physics::collider::Hull::new(
+                crate::physics::shape::Hull::new(
                     corners,
                     vec![
                         vec![0, 2, 6, 4],

@@ -8,13 +8,13 @@ use rand_pcg::Pcg64Mcg;
 
 use super::super::clipping::keep_touching_spread;
 use super::super::contact_pair::{self, PairSearch};
-use super::super::{ContactPoint, FeatureId, Overlap};
 use super::hulls::{hull_body, hull_of, least_depths, random_hull};
 use super::{
     assert_close, body, cones, random, random_direction, random_rotation, random_size, random_vector, upright,
 };
-use crate::physics::bodies::Body;
-use crate::physics::collider::{Collider, Geometry};
+use crate::physics::body::Body;
+use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
+use crate::physics::shape::{Collider, Geometry};
 
 fn touch_within(gap: f64, a: &Body, b: &Body) -> Option<(Overlap, Vec<ContactPoint>)> {
     let mut points = Vec::new();

@@ -9,8 +9,8 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
 use super::{body, random_direction, random_size};
-use crate::physics::bodies::Body;
-use crate::physics::collider::{Collider, Geometry, Hull};
+use crate::physics::body::Body;
+use crate::physics::shape::{Collider, Geometry, Hull};
 
 /// Points nearer to a plane than this lie on it.
 const FLAT: f64 = 1e-9;

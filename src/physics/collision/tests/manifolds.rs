@@ -4,14 +4,14 @@ use std::f64::consts::{FRAC_PI_4, SQRT_2};
 use nalgebra::{UnitQuaternion, Vector3};
 use rand_pcg::Pcg64Mcg;
 
-use super::super::ContactPoint;
 use super::{
     assert_close, body, deepest, exact, random, random_direction, random_pair, random_rotation, random_vector, touch,
     upright,
 };
-use crate::physics::bodies::Body;
-use crate::physics::collider::{Collider, Geometry};
+use crate::physics::body::Body;
+use crate::physics::collision::manifold::ContactPoint;
 use crate::physics::settings::{ContactModel, SolverSettings};
+use crate::physics::shape::{Collider, Geometry};
 
 fn unit_cube() -> Collider {
     Collider::cuboid(1.0, 1.0, 1.0)

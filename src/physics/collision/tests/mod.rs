@@ -19,12 +19,12 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
+use super::manifold::{ContactPoint, Overlap};
 use super::narrow_phase::{self, Buffers};
-use super::{ContactPoint, Overlap};
-use crate::physics::bodies::Body;
+use crate::physics::body::Body;
 use crate::physics::body::RigidBody;
-use crate::physics::collider::Collider;
 use crate::physics::settings::{ContactModel, SolverSettings};
+use crate::physics::shape::Collider;
 
 /// All candidate axes, so that depths are the least.
 fn exact(contacts: ContactModel) -> SolverSettings {

@@ -4,11 +4,11 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use super::super::Overlap;
 use super::{assert_close, body, exact, random, random_direction, random_pair, random_rotation, touch, upright};
-use crate::physics::bodies::Body;
-use crate::physics::collider::{Collider, Geometry};
+use crate::physics::body::Body;
+use crate::physics::collision::manifold::Overlap;
 use crate::physics::settings::{ContactModel, SolverSettings};
+use crate::physics::shape::{Collider, Geometry};
 
 /// The extreme-vertex model takes the least depth as it is.
 fn overlap(a: &Body, b: &Body) -> Option<Overlap> {

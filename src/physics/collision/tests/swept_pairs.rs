@@ -3,17 +3,17 @@ use std::collections::{BTreeMap, BTreeSet};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use super::super::Pair;
 use super::super::contact_graph::reachable_gap;
 use super::super::pair_slots::PairSlot;
 use super::super::persistent_pairs::PairChanges;
 use super::super::swept_pairs::SweptPairs;
 use super::{KINDS, body, random, random_rotation, random_vector, upright};
-use crate::physics::bodies::Body;
+use crate::physics::body::Body;
 use crate::physics::body::RigidBody;
-use crate::physics::collider::Collider;
+use crate::physics::collision::manifold::Pair;
 use crate::physics::joint::JoinedPairs;
 use crate::physics::settings::{BroadPhase, SolverSettings};
+use crate::physics::shape::Collider;
 
 fn settings() -> SolverSettings {
     SolverSettings { broad_phase: BroadPhase::SweepAndSort, ..SolverSettings::game() }

@@ -5,15 +5,16 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::super::near_pairs::InStep;
 use super::super::persistent_pairs::{BoundedBodies, Bounds};
-use super::super::{CandidatePairs, Contacts, narrow_phase, sweep_and_sort};
 use super::hulls::{hull_body, random_hull};
 use super::{KINDS, body, random, random_rotation, random_vector, touch, upright};
-use crate::physics::bodies::{Bodies, Body};
+use crate::physics::body::{Bodies, Body};
 use crate::physics::body::{CollisionLayers, RigidBody, SurfaceMaterial};
-use crate::physics::collider::Collider;
-use crate::physics::diagnostics::StepStats;
+use crate::physics::collision::manifold::{CandidatePairs, Contacts};
+use crate::physics::collision::{narrow_phase, sweep_and_sort};
 use crate::physics::joint::JoinedPairs;
 use crate::physics::settings::SolverSettings;
+use crate::physics::shape::Collider;
+use crate::physics::stats::StepStats;
 
 fn world(list: Vec<Body>, settings: SolverSettings) -> World {
     let mut world = World::new();

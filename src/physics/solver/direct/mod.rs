@@ -30,8 +30,10 @@ use std::ops::RangeInclusive;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::soft_terms::{SoftTerms, UNLIMITED};
-use crate::physics::bodies::{Body, Joint, world_inverse_inertia};
+use crate::physics::body::Body;
+use crate::physics::body::world_inverse_inertia;
 use crate::physics::collision::{ContactState, Slot};
+use crate::physics::joint::Joint;
 use crate::physics::joint::Softness;
 use crate::physics::lanes::Record;
 use crate::physics::solver::substeps::Parts;

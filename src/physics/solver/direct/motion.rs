@@ -16,10 +16,10 @@ use super::cholesky::Part;
 use super::{
     Closing, DirectIsland, Motion, World, across, halves, inertia_of_spin, link_of, momentum_of, moves_freely, patch_of,
 };
-use crate::physics::bodies::Body;
+use crate::physics::body::Body;
 use crate::physics::body::RigidBody;
+use crate::physics::body::free_rotation::turn_freely;
 use crate::physics::collision::fastest_approach;
-use crate::physics::integrator::gyroscopic::turn_freely;
 use crate::physics::settings::SolverSettings;
 use crate::physics::solver::joint_tree::{Swing, add_pull};
 use crate::physics::solver::substeps::{Parts, Substeps};

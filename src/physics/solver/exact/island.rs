@@ -7,11 +7,12 @@ use super::contact::{ContactTerms, Touching};
 use super::free;
 use super::mechanism::{Link, Mechanism, Member, Motion, Spring};
 use super::stepper::{Effort, Stepper};
-use crate::physics::bodies::{Bodies, Body, Joint, Joints};
+use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::{Contacts, Pair};
 use crate::physics::disjoint_sets::DisjointSets;
 use crate::physics::island::Islands;
 use crate::physics::joint::Softness;
+use crate::physics::joint::{Joint, Joints};
 use crate::physics::settings::Integrator;
 use crate::physics::solver::ContactCache;
 

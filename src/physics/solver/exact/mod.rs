@@ -32,13 +32,15 @@ use self::contact::{ContactTerms, Touching};
 pub(super) use self::factor::BlockFactor;
 use self::island::ExactGroup;
 pub(super) use self::mechanism::{Coupling, Couplings, links_at};
-use super::ContactCache;
-use crate::physics::bodies::{Bodies, Joints};
+use super::sweeps::ContactCache;
+use crate::physics::body::Bodies;
 use crate::physics::collision::Contacts;
-use crate::physics::diagnostics::StepStats;
 use crate::physics::island::Islands;
+use crate::physics::joint::Joints;
+use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::physics::settings::{Method, SolverSettings};
-use crate::physics::{PhysicsSchedule, PhysicsSystems, threads};
+use crate::physics::stats::StepStats;
+use crate::physics::threads;
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<ExactGroups>().add_systems(

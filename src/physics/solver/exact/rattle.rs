@@ -15,7 +15,7 @@ use super::gauss::Sweeps;
 use super::mechanism::{Mechanism, Member, Motion};
 use super::projection::{Gaps, Projection};
 use super::rows::{Screw, Weight};
-use crate::physics::integrator::gyroscopic::free_rotation;
+use crate::physics::body::free_rotation::free_rotation;
 
 /// Turns of Newton's method at most.
 const MOST_TURNS: usize = 40;

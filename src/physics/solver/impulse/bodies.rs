@@ -13,11 +13,11 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use crate::physics::bodies::Body;
+use crate::physics::body::Body;
 use crate::physics::body::RigidBody;
-use crate::physics::integrator::gyroscopic::free_rotation;
+use crate::physics::body::free_rotation::free_rotation;
 use crate::physics::lanes::{Lanes, READ_ONLY, Record, WIDTH, add_scaled, dot, vector};
-use crate::physics::solver::Scalar;
+use crate::physics::scalar::Scalar;
 use crate::physics::threads::Shared;
 
 /// W of what constraints do not move.
@@ -27,7 +27,7 @@ const UNMOVED: f64 = 1.0 / (1_u64 << 40) as f64;
 /// inertia at the start of the step says too little of that at the end, and energy could come of it.
 const FAST: f64 = 0.5;
 
-/// Turn up to which a body keeps the frame that rows of contacts were made for, rad; see [`super::super::soft_step`].
+/// Turn up to which a body keeps the frame that rows of contacts were made for, rad; see [`crate::physics::solver::impulse::soft_step`].
 const KEPT: f64 = 0.01;
 
 /// Angular speed up to which it does, rad/s: what leans for being soft does so slowly, and what turns by itself keeps

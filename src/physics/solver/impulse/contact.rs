@@ -28,7 +28,7 @@ use super::bodies::Frames;
 use super::stage::Sweep;
 use crate::physics::collision::{ContactGeometry, GEOMETRY, POINTS};
 use crate::physics::lanes::{Lanes, READ_ONLY, Record, WIDTH, add_scaled, dot, inverse, vector};
-use crate::physics::solver::Scalar;
+use crate::physics::scalar::Scalar;
 use crate::physics::solver::soft_terms::{Projection, SoftTerms};
 use crate::physics::threads::Shared;
 

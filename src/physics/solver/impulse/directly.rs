@@ -5,9 +5,10 @@ use std::sync::atomic::Ordering;
 
 use super::group::{Exactly, Group};
 use super::stage::WorldParts;
-use crate::physics::bodies::{Body, Joint};
+use crate::physics::body::Body;
 use crate::physics::body::RigidBody;
 use crate::physics::collision::{ContactState, Slot};
+use crate::physics::joint::Joint;
 use crate::physics::lanes::{Lanes, Record};
 use crate::physics::solver::direct::{DirectIsland, MotionTerms, Outcome, World};
 use crate::physics::solver::substeps::Parts;

@@ -9,16 +9,17 @@ use super::bodies::GroupBodies;
 use super::coloring::Coloring;
 use super::contact::{ContactBlock, ContactImpulses};
 use super::joint::JointBlock;
+use super::method;
 use super::tree::TreeStep;
-use crate::physics::bodies::{Bodies, Body, Joint, Joints};
+use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::{ContactGraph, POINTS};
 use crate::physics::disjoint_sets::DisjointSets;
 use crate::physics::island::Islands;
+use crate::physics::joint::{Joint, Joints};
 use crate::physics::lanes::{Lanes, READ_ONLY};
 use crate::physics::settings::{Method, SolverSettings};
 use crate::physics::solver::direct::DirectIsland;
 use crate::physics::solver::joint_tree::{Partition, partition};
-use crate::physics::solver::method;
 use crate::physics::threads::Stages;
 
 /// Blocks from which on a group is worth more threads than one.

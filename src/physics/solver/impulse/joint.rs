@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::bodies::Frames;
 use crate::physics::joint::Softness;
 use crate::physics::lanes::{Lanes, READ_ONLY, Record, WIDTH, add_scaled, dot, inverse, vector};
-use crate::physics::solver::Scalar;
+use crate::physics::scalar::Scalar;
 use crate::physics::solver::soft_terms::{Projection, SoftTerms, UNLIMITED};
 use crate::physics::threads::Shared;
 

@@ -9,15 +9,16 @@ use nalgebra::Vector3;
 use super::bodies::SharedBodies;
 use super::coloring::Coloring;
 use super::contact::{ContactBlock, ContactImpulses, ContactSite};
-use super::free;
 use super::group::{Bounce, Group, GroupContact, GroupJoint};
 use super::joint::{JointBlock, JointSite};
 use super::tree::TreeStep;
-use crate::physics::bodies::{Bodies, Body, Joint, Joints};
 use crate::physics::body::RigidBody;
+use crate::physics::body::free_flight;
+use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::{ContactGraph, ContactState, POINTS, Slot};
+use crate::physics::joint::{Joint, Joints};
 use crate::physics::lanes::{Lanes, READ_ONLY};
-use crate::physics::solver::Scalar;
+use crate::physics::scalar::Scalar;
 use crate::physics::solver::soft_terms::{Projection, SoftTerms};
 use crate::physics::solver::substeps::Substeps;
 use crate::physics::threads::Shared;
@@ -254,7 +255,7 @@ impl<L: Lanes> Walk<'_, L> {
             match stage {
                 Stage::Fly => items.for_each(|index| {
                     let body = self.world.bodies.element(self.flying[index] as usize);
-                    free::fly(body, self.terms.h, self.terms.substeps.most);
+                    free_flight::fly(body, self.terms.h, self.terms.substeps.most);
                 }),
                 Stage::Swing => items.for_each(|index| self.swing(self.trees.element(index))),
                 Stage::Gather { substeps, done } => items.for_each(|index| self.gather(index, substeps, done)),

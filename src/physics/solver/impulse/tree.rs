@@ -3,9 +3,12 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use crate::physics::bodies::{Body, Joint, rotation_by, world_inverse_inertia};
+use crate::physics::body::Body;
+use crate::physics::body::free_rotation::turn_freely;
+use crate::physics::body::rotation_by;
+use crate::physics::body::world_inverse_inertia;
 use crate::physics::constraint::row::Twist;
-use crate::physics::integrator::gyroscopic::turn_freely;
+use crate::physics::joint::Joint;
 use crate::physics::solver::joint_tree::{JointTree, PoseChange, UNRESOLVED};
 use crate::physics::solver::substeps::{Parts, Substeps};
 

@@ -15,7 +15,7 @@ use super::super::mechanism::{Link, Member, Motion, stretch};
 use super::super::rattle::fly;
 use super::kernel::{Kernel, View, arms_of, separation_of};
 use super::sites::{Finder, Pairing, Site, Sites};
-use crate::physics::bodies::Body;
+use crate::physics::body::Body;
 
 /// Gap up to which surfaces touch, m.
 pub(super) const TOUCHING: f64 = 1e-9;

@@ -25,8 +25,10 @@ use self::sites::{Finder, Pairing, Site, Sites};
 use super::island::{link_of, member, motion, place_in, put};
 use super::mechanism::{Link, Member, Motion};
 use super::stepper::Effort;
-use crate::physics::bodies::{Bodies, Body, Joint, Joints};
-use crate::physics::collision::{FeatureId, Pair, fastest_approach};
+use crate::physics::body::{Bodies, Body};
+use crate::physics::collision::fastest_approach;
+use crate::physics::collision::{FeatureId, Pair};
+use crate::physics::joint::{Joint, Joints};
 use crate::physics::solver::ContactCache;
 
 /// Overlap within which a landing is found, m.

@@ -3,8 +3,9 @@
 use nalgebra::Vector3;
 
 use super::super::mechanism::Motion;
-use crate::physics::bodies::Body;
-use crate::physics::collision::{ContactPoint, FeatureId, Pair, PairSearch, touch};
+use crate::physics::body::Body;
+use crate::physics::collision::{ContactPoint, FeatureId, Pair};
+use crate::physics::collision::{PairSearch, touch};
 
 /// Two bodies in reach of each other.
 #[derive(Clone, Debug)]

@@ -1,0 +1,22 @@
+//! What a body is made of: the components that users see, and the packed copy that a step works on.
+
+mod components;
+pub(crate) mod free_flight;
+pub(crate) mod free_rotation;
+mod inertia;
+mod packed;
+mod pose_history;
+mod rotation;
+mod slot;
+
+pub use components::{
+    CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, ObserveContacts,
+    Position, QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, Sleeping, SurfaceMaterial,
+    Velocity,
+};
+pub(crate) use inertia::world_inverse_inertia;
+pub(crate) use packed::{Bodies, Body};
+pub use pose_history::RenderOrigin;
+pub(crate) use pose_history::{PoseHistory, bits};
+pub(crate) use rotation::rotation_by;
+pub(crate) use slot::{BirthCounter, BodySlot, Presence};

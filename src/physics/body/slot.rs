@@ -1,0 +1,55 @@
+//! Where a body stands in the packed arrays, and what it was gathered with.
+
+use bevy::prelude::*;
+
+/// Where the body stands in the solver's packed arrays.
+#[derive(Component, Clone, Copy, Debug)]
+pub(crate) struct BodySlot {
+    /// Index; `u32::MAX` until the body's first step.
+    pub index: u32,
+    /// The optional components that it was last gathered with.
+    pub gathered_with: u32,
+    /// Bodies are packed in this order, which no change of components disturbs.
+    pub born: u64,
+}
+
+impl BodySlot {
+    /// As `gathered_with`, of a body that must be gathered whatever was or was not written to it.
+    pub const TO_GATHER: u32 = u32::MAX;
+}
+
+impl Default for BodySlot {
+    fn default() -> Self {
+        Self { index: u32::MAX, gathered_with: Self::TO_GATHER, born: 0 }
+    }
+}
+
+/// Numbers bodies and joints in the order in which they are made.
+#[derive(Resource, Default)]
+pub(crate) struct BirthCounter(u64);
+
+impl BirthCounter {
+    pub fn next(&mut self) -> u64 {
+        self.0 += 1;
+        self.0
+    }
+}
+
+/// The optional components of a body, one bit each.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Presence(pub u32);
+
+impl Presence {
+    const DENSITY: u32 = 1 << 1;
+    const SLEEPING: u32 = 1 << 13;
+
+    /// The same body asleep or awake.
+    pub fn with_sleeping(self, sleeping: bool) -> Self {
+        Self(if sleeping { self.0 | Self::SLEEPING } else { self.0 & !Self::SLEEPING })
+    }
+
+    /// Whether the body lost its density.
+    pub fn lost_density(self, before: u32) -> bool {
+        before != BodySlot::TO_GATHER && before & !self.0 & Self::DENSITY != 0
+    }
+}

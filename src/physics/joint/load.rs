@@ -1,0 +1,17 @@
+//! What a joint carries.
+
+use bevy::math::DVec3;
+use bevy::prelude::*;
+
+/// What a joint carried in the last step, measured from its multipliers λ. Add it to a joint
+/// entity to have it filled in.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Debug, Default, PartialEq)]
+pub struct JointLoad {
+    /// Force on body B at the joint, N, world axes.
+    pub force: DVec3,
+    /// Torque on body B about the joint, N·m, world axes (zero for a ball joint).
+    pub torque: DVec3,
+    /// Euclidean norm |λ| of the joint's multipliers, N.
+    pub lambda: f64,
+}

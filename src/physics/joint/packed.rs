@@ -1,0 +1,46 @@
+//! The solver's packed copy of the joints.
+
+use bevy::prelude::*;
+use nalgebra::Vector3;
+
+use crate::physics::bit_set::BitSet;
+
+/// One joint as the step sees it.
+#[derive(Clone, Debug)]
+pub(crate) struct Joint {
+    pub entity: Entity,
+    /// Indices into [`Bodies`].
+    pub a: u32,
+    pub b: u32,
+    /// From the centres of mass, body axes.
+    pub anchor_a: Vector3<f64>,
+    pub anchor_b: Vector3<f64>,
+    pub softness: Option<crate::physics::joint::Softness>,
+    /// Force on B in the last step, world axes, mean over its substeps, N.
+    pub force: Vector3<f64>,
+}
+
+/// All joints, in the order in which they were made.
+#[derive(Resource, Default)]
+pub(crate) struct Joints {
+    pub list: Vec<Joint>,
+    /// The bodies that they hold.
+    pub joined: BitSet,
+    /// Counts every time they were packed anew, which is also when a body came, went or changed its kind.
+    pub version: u64,
+}
+
+impl Joint {
+    /// Stands for a body that is gone, until the joints are packed anew.
+    pub const GONE: u32 = u32::MAX;
+}
+
+impl Joints {
+    /// Follows bodies to their new indices.
+    pub fn remap(&mut self, new_index: &[Option<u32>]) {
+        let of = |body: u32| new_index.get(body as usize).copied().flatten().unwrap_or(Joint::GONE);
+        for joint in &mut self.list {
+            (joint.a, joint.b) = (of(joint.a), of(joint.b));
+        }
+    }
+}

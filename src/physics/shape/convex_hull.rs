@@ -1,0 +1,282 @@
+//! Any convex polyhedron, made from points.
+
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+
+use bevy::math::{DMat3, DQuat, DVec3};
+use bevy::prelude::*;
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+
+use super::hull::{Face, Hull};
+use super::merge_facets;
+use super::quick_hull;
+use super::quick_hull::Degenerate;
+use super::volume_integrals::VolumeIntegrals;
+
+/// Half the largest extent that a hull may have, m: its volume and moments are well within the
+/// range of `f64`.
+const HALF_EXTENTS: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
+
+/// Of the extent: a centre of mass this near the middle of the extents is in it but for rounding.
+const CENTER_ROUNDING: f64 = 1e-14;
+
+/// Of the moments: products of inertia this small are rounding.
+const PRODUCT_ROUNDING: f64 = 1e-12;
+
+/// Of the moments: principal moments that differ by less are equal, and any axes across the third
+/// are principal.
+const EQUAL_MOMENTS: f64 = 1e-9;
+
+/// Why some points have no convex hull that a body could have.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum HullError {
+    /// Fewer than four points.
+    #[error("{count} points have no volume; give at least 4 that are not in one plane")]
+    TooFewPoints {
+        /// How many.
+        count: usize,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("point {index} (counted from 0) is not finite; give finite coordinates")]
+    NotFinite {
+        /// Of the first such point.
+        index: usize,
+    },
+    /// All points are one.
+    #[error("all {count} points are the same; give at least 4 that are not in one plane")]
+    Coincident {
+        /// How many.
+        count: usize,
+    },
+    /// All points lie on a line, up to a millionth of their extent.
+    #[error("all {count} points lie on one line; add points beside it")]
+    Collinear {
+        /// How many.
+        count: usize,
+    },
+    /// All points lie in a plane, up to a millionth of their extent.
+    #[error("all {count} points lie in one plane; add points beside it to give it a thickness")]
+    Flat {
+        /// How many.
+        count: usize,
+    },
+    /// So large or so small that volume or inertia would leave the range of `f64`.
+    #[error("the points reach over {extent:e} m; scale them to something from 1e-59 to 1e60 m")]
+    Extent {
+        /// The largest extent, m.
+        extent: f64,
+    },
+}
+
+/// The convex hull of points, about its centre of mass, in principal axes. Cheap to clone.
+///
+/// Vertices are reduced as in the 2009 engine: where one would be within 1 % of half the largest
+/// extent of another (L1 distance), the outer one is kept; where the points lie flatter than a
+/// tenth of that half extent, 1 % becomes a tenth of how thick they lie. Faces that bend by less
+/// than a tenth of this merge. So no point lies farther in front of any face than 1.2 % of half
+/// the largest extent, unless that would take more than [`ConvexHull::MAX_VERTICES`] vertices: a
+/// fine ball keeps within 4 %. Exact corners stay exact.
+#[derive(Reflect, Clone, Debug, PartialEq)]
+#[reflect(opaque, Clone, Debug, PartialEq)]
+pub struct ConvexHull(Arc<Measured>);
+
+#[derive(Debug)]
+struct Measured {
+    hull: Arc<Hull>,
+    center: DVec3,
+    axes: DQuat,
+    volume: f64,
+    /// Principal, of 1 kg.
+    moments: DVec3,
+    radius: f64,
+}
+
+impl PartialEq for Measured {
+    /// All else follows from these.
+    fn eq(&self, other: &Self) -> bool {
+        let same_faces =
+            || self.hull.faces.iter().map(|face| &face.vertices).eq(other.hull.faces.iter().map(|face| &face.vertices));
+        self.center == other.center
+            && self.axes == other.axes
+            && self.hull.vertices == other.hull.vertices
+            && same_faces()
+    }
+}
+
+impl ConvexHull {
+    /// Most vertices that a hull has.
+    pub const MAX_VERTICES: usize = quick_hull::MAX_VERTICES;
+
+    /// The hull of points in any order, inner ones and repeated ones among them.
+    ///
+    /// # Errors
+    /// The points are not finite, too large or too small, or have no volume.
+    pub fn new(points: &[DVec3]) -> Result<Self, HullError> {
+        let (middle, half_extent) = bounds(points)?;
+        // A power of two: scaling by it rounds nothing.
+        let unit = half_extent.log2().ceil().exp2();
+        let scaled: Vec<Vector3<f64>> = points.iter().map(|&point| vector((point - middle) / unit)).collect();
+        let count = points.len();
+        let triangulation = quick_hull::triangulate(&scaled).map_err(|degenerate| match degenerate {
+            Degenerate::Line => HullError::Collinear { count },
+            Degenerate::Plane => HullError::Flat { count },
+        })?;
+        let (vertices, loops) = compact(&scaled, merge_facets::merge(&scaled, &triangulation));
+        Ok(Self(Arc::new(Measured::new(vertices, loops, middle, unit))))
+    }
+
+    /// Centre of mass in the frame of the points.
+    pub fn center(&self) -> DVec3 {
+        self.0.center
+    }
+
+    /// Turns principal axes into those of the points: a vertex v is their point
+    /// `center() + axes() * v`. The identity where theirs are principal.
+    pub fn axes(&self) -> DQuat {
+        self.0.axes
+    }
+
+    /// From the centre of mass, in principal axes, m.
+    pub fn vertices(&self) -> impl ExactSizeIterator<Item = DVec3> {
+        self.0.hull.vertices.iter().map(|vertex| DVec3::new(vertex.x, vertex.y, vertex.z))
+    }
+
+    /// The faces, each as indices of its vertices, counter-clockwise seen from outside.
+    pub fn faces(&self) -> impl ExactSizeIterator<Item = &[u32]> {
+        self.0.hull.faces.iter().map(|face| face.vertices.as_slice())
+    }
+
+    /// m³.
+    pub fn volume(&self) -> f64 {
+        self.0.volume
+    }
+
+    /// The least distance from a face's plane to the vertex farthest behind it, m.
+    pub fn thickness(&self) -> f64 {
+        let hull = &self.0.hull;
+        let depth = |vertex: &Vector3<f64>, face: &Face| face.offset - face.normal.dot(vertex);
+        let behind = |face| hull.vertices.iter().map(|vertex| depth(vertex, face)).fold(0.0, f64::max);
+        hull.faces.iter().map(behind).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Principal moments of 1 kg, m².
+    pub(super) fn moments(&self) -> DVec3 {
+        self.0.moments
+    }
+
+    /// Radius of the smallest sphere about the centre of mass that holds it, m.
+    pub fn bounding_radius(&self) -> f64 {
+        self.0.radius
+    }
+
+    pub(super) fn hull(&self) -> Arc<Hull> {
+        self.0.hull.clone()
+    }
+}
+
+impl Measured {
+    /// From vertices in units of `unit` about `middle`.
+    fn new(vertices: Vec<Vector3<f64>>, loops: Vec<Vec<u32>>, middle: DVec3, unit: f64) -> Self {
+        let center = VolumeIntegrals::of(&vertices, &loops).center;
+        let center = center.map(|component| if component.abs() < CENTER_ROUNDING { 0.0 } else { component });
+        let about_center: Vec<Vector3<f64>> = vertices.iter().map(|vertex| vertex - center).collect();
+        let integrals = VolumeIntegrals::of(&about_center, &loops);
+        let (axes, moments) = principal_axes(&(integrals.inertia() / integrals.volume));
+        let turn = nalgebra::UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(axes.w, axes.x, axes.y, axes.z));
+        let vertices: Vec<Vector3<f64>> =
+            about_center.iter().map(|vertex| turn.inverse_transform_vector(vertex) * unit).collect();
+        Self {
+            radius: vertices.iter().map(Vector3::norm).fold(0.0, f64::max),
+            hull: Arc::new(Hull::new(vertices, loops)),
+            center: middle + DVec3::new(center.x, center.y, center.z) * unit,
+            axes,
+            volume: integrals.volume * unit.powi(3),
+            moments: moments * unit * unit,
+        }
+    }
+}
+
+/// The middle of the extents and half the largest.
+fn bounds(points: &[DVec3]) -> Result<(DVec3, f64), HullError> {
+    if let Some(index) = points.iter().position(|point| !point.is_finite()) {
+        return Err(HullError::NotFinite { index });
+    }
+    let count = points.len();
+    if count < 4 {
+        return Err(HullError::TooFewPoints { count });
+    }
+    let (low, high) = points.iter().fold((points[0], points[0]), |(low, high), &p| (low.min(p), high.max(p)));
+    // Halved first: their sum and difference may leave the range.
+    let half_extent = (high / 2.0 - low / 2.0).max_element();
+    if low == high {
+        Err(HullError::Coincident { count })
+    } else if HALF_EXTENTS.contains(&half_extent) {
+        Ok((high / 2.0 + low / 2.0, half_extent))
+    } else {
+        Err(HullError::Extent { extent: 2.0 * half_extent })
+    }
+}
+
+/// The vertices that the loops use, in the order of the points, and the loops of their indices.
+fn compact(points: &[Vector3<f64>], mut loops: Vec<Vec<u32>>) -> (Vec<Vector3<f64>>, Vec<Vec<u32>>) {
+    let mut used: Vec<u32> = loops.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    for corner in loops.iter_mut().flatten() {
+        *corner = used.partition_point(|index| index < corner) as u32;
+    }
+    (used.iter().map(|&index| points[index as usize]).collect(), loops)
+}
+
+/// The rotation from principal axes to the given ones that turns least, and the moments along
+/// these.
+fn principal_axes(inertia: &Matrix3<f64>) -> (DQuat, DVec3) {
+    let given = DVec3::new(inertia.m11, inertia.m22, inertia.m33);
+    let largest_product = inertia.m12.abs().max(inertia.m13.abs()).max(inertia.m23.abs());
+    if largest_product <= PRODUCT_ROUNDING * given.max_element() {
+        return (DQuat::IDENTITY, given);
+    }
+    let SymmetricEigen { eigenvalues, eigenvectors } = inertia.symmetric_eigen();
+    let axis = |index: usize| DVec3::from_array(eigenvectors.column(index).into_owned().into());
+    let equal = |a: usize, b: usize| (eigenvalues[a] - eigenvalues[b]).abs() <= EQUAL_MOMENTS * eigenvalues.max();
+    let rotation = match (0..3).find(|&odd| equal((odd + 1) % 3, (odd + 2) % 3)) {
+        // All three, or two: only the odd one has an axis of its own.
+        Some(odd) if equal(odd, (odd + 1) % 3) => DQuat::IDENTITY,
+        Some(odd) => {
+            let nearest = (0..3).max_by(|&a, &b| axis(odd)[a].abs().total_cmp(&axis(odd)[b].abs())).unwrap_or(0);
+            let unit = DVec3::AXES[nearest];
+            DQuat::from_rotation_arc(unit, axis(odd) * axis(odd)[nearest].signum())
+        }
+        None => nearest_to_identity([axis(0), axis(1), axis(2)]),
+    };
+    let moments = DVec3::AXES.map(|axis| {
+        let axis = vector(rotation * axis);
+        axis.dot(&(inertia * axis))
+    });
+    (rotation, DVec3::from_array(moments))
+}
+
+/// Of the rotations whose columns are those axes in some order and sense, the one by the least
+/// angle.
+fn nearest_to_identity(axes: [DVec3; 3]) -> DQuat {
+    const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
+    let mut nearest = DQuat::IDENTITY;
+    let mut least = f64::INFINITY;
+    for [x, y, _] in ORDERS {
+        for signs in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
+            let (x, y) = (axes[x] * signs[0], axes[y] * signs[1]);
+            let rotation = DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y))).normalize();
+            let angle = 1.0 - rotation.w.abs();
+            if angle < least {
+                (nearest, least) = (rotation, angle);
+            }
+        }
+    }
+    if nearest.w < 0.0 { -nearest } else { nearest }
+}
+
+fn vector(point: DVec3) -> Vector3<f64> {
+    Vector3::new(point.x, point.y, point.z)
+}

@@ -1,0 +1,500 @@
+//! One group of islands taken through a step: gather, substeps, scatter.
+
+use bevy::platform::collections::HashMap;
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+use super::integrator;
+use super::rows::{body_terms, contact_rows, joint_rows};
+use super::warm_start::{ContactCache, KEPT_SHARE};
+use super::{cg_pgs, joint_space, nncg, pgs};
+use crate::physics::body::world_inverse_inertia;
+use crate::physics::body::{Bodies, Body};
+use crate::physics::collision::Contacts;
+use crate::physics::constraint::row::{BodyTerms, Row, Twist};
+use crate::physics::island::Islands;
+use crate::physics::joint::Softness;
+use crate::physics::joint::{Joint, Joints};
+use crate::physics::scalar::Scalar;
+use crate::physics::settings::{FrictionModel, Integrator, Method, Precision, SolverSettings};
+
+/// The settings as the substep loop reads them.
+pub(crate) struct StepTerms {
+    pub method: Method,
+    pub integrator: Integrator,
+    pub precision: Precision,
+    pub substeps: u32,
+    pub iterations: u32,
+    pub warm_starting: bool,
+    /// Length of a substep, s.
+    pub h: f64,
+    /// β: share of an error mended per second of a substep, 1/s.
+    pub error_rate: f64,
+    /// m; unlimited: infinite.
+    pub slop: f64,
+    /// m/s; infinite where there is no limit.
+    pub correction_speed: f64,
+    /// m/s; infinite where nothing bounces.
+    pub restitution_speed: f64,
+    pub friction: FrictionModel,
+    /// |g|, m/s².
+    pub gravity: f64,
+    /// Whether somebody reads contact forces.
+    pub record_forces: bool,
+}
+
+impl StepTerms {
+    pub fn new(settings: &SolverSettings, gravity: f64, record_forces: bool) -> Self {
+        let h = settings.step() / f64::from(settings.substeps);
+        Self {
+            method: settings.method,
+            integrator: settings.integrator,
+            precision: settings.precision,
+            substeps: settings.substeps,
+            iterations: settings.iterations,
+            warm_starting: settings.warm_starting,
+            h,
+            error_rate: settings.baumgarte / h,
+            slop: settings.slop,
+            correction_speed: settings.correction_speed.unwrap_or(f64::INFINITY),
+            restitution_speed: settings.restitution_speed.unwrap_or(f64::INFINITY),
+            friction: settings.friction,
+            gravity,
+            record_forces,
+        }
+    }
+}
+
+impl StepTerms {
+    /// The greatest speed at which a contact of that depth is pushed out, m/s. Where there is a
+    /// limit, no faster than gravity brings to rest on the way: a landing body would be thrown up
+    /// again, whatever its restitution.
+    pub fn greatest_push(&self, depth: f64) -> f64 {
+        if self.gravity == 0.0 || self.correction_speed == f64::INFINITY {
+            return self.correction_speed;
+        }
+        let way = (depth - self.slop).max(0.0);
+        self.correction_speed.min((2.0 * self.gravity * way).sqrt())
+    }
+}
+
+/// A body as its island's substeps see it.
+#[derive(Clone, Debug)]
+pub(crate) struct LocalBody {
+    global: u32,
+    pub position: Vector3<f64>,
+    pub rotation: UnitQuaternion<f64>,
+    pub linear: Vector3<f64>,
+    pub angular: Vector3<f64>,
+    pub force: Vector3<f64>,
+    pub torque: Vector3<f64>,
+    pub mass: f64,
+    pub inverse_mass: Vector3<f64>,
+    pub inverse_inertia_body: Vector3<f64>,
+    pub inverse_inertia: Matrix3<f64>,
+    pub rotation_freedom: Vector3<f64>,
+    pub drag: (f64, f64),
+}
+
+impl LocalBody {
+    pub fn new(global: u32, body: &Body) -> Self {
+        let inverse_inertia = world_inverse_inertia(&body.inverse_inertia_body, &body.rotation, &body.rotation_freedom);
+        Self {
+            global,
+            position: body.position,
+            rotation: body.rotation,
+            linear: body.linear,
+            angular: body.angular,
+            force: body.force,
+            torque: body.torque,
+            mass: body.mass,
+            inverse_mass: body.inverse_mass,
+            inverse_inertia_body: body.inverse_inertia_body,
+            inverse_inertia,
+            rotation_freedom: body.rotation_freedom,
+            drag: body.drag,
+        }
+    }
+
+    pub fn point_velocity(&self, arm: &Vector3<f64>) -> Vector3<f64> {
+        self.linear + self.angular.cross(arm)
+    }
+
+    /// M⁻¹ F_ext. No gyroscopic torque, as in the 2009 engine.
+    pub fn free_acceleration(&self) -> Twist<f64> {
+        Twist { linear: self.inverse_mass.component_mul(&self.force), angular: self.inverse_inertia * self.torque }
+    }
+
+    pub fn update_inverse_inertia(&mut self) {
+        self.inverse_inertia =
+            world_inverse_inertia(&self.inverse_inertia_body, &self.rotation, &self.rotation_freedom);
+    }
+}
+
+/// A manifold between two local bodies, with a run of the island's points.
+#[derive(Clone, Debug)]
+pub(crate) struct LocalManifold {
+    pub a: u32,
+    pub b: u32,
+    pub normal: Vector3<f64>,
+    pub friction: f64,
+    pub restitution: f64,
+    first_point: usize,
+    end_point: usize,
+}
+
+/// A contact point that moves along with its bodies through the substeps.
+#[derive(Clone, Debug)]
+pub(crate) struct LocalPoint {
+    /// From the centres of mass, world axes, where the contact was found.
+    pub arm_a: Vector3<f64>,
+    pub arm_b: Vector3<f64>,
+    /// Overlap at the present poses; negative where a gap opened.
+    pub depth: f64,
+    found_depth: f64,
+    body_arm_a: Vector3<f64>,
+    body_arm_b: Vector3<f64>,
+    /// Distance between the centres when the contact was found, B less A.
+    found_offset: Vector3<f64>,
+    /// Index of its normal row in the present solve; its friction rows follow.
+    pub first_row: usize,
+    /// Force on B in the last solve, N.
+    force: Vector3<f64>,
+    /// Impulse on B in this step so far, N·s.
+    impulse: Vector3<f64>,
+}
+
+/// A joint between two local bodies.
+#[derive(Clone, Debug)]
+pub(crate) struct LocalJoint {
+    global: u32,
+    pub a: u32,
+    pub b: u32,
+    pub anchor_a: Vector3<f64>,
+    pub anchor_b: Vector3<f64>,
+    pub softness: Option<Softness>,
+    /// Impulse on B in this step so far, N·s.
+    impulse: Vector3<f64>,
+}
+
+#[derive(Default)]
+struct Workspace<N> {
+    terms: Vec<BodyTerms<N>>,
+    rows: Vec<Row<N>>,
+    accelerations: Vec<Twist<N>>,
+    primer: cg_pgs::Primer<N>,
+    directions: nncg::Directions<N>,
+    joint_space: joint_space::JointSpace<N>,
+}
+
+impl<N: Scalar> Workspace<N> {
+    /// Solves the rows by the method. Returns the passes over them.
+    fn solve(&mut self, method: Method, iterations: u32) -> u32 {
+        let Self { rows, accelerations, primer, directions, joint_space, .. } = self;
+        match method {
+            Method::PrimedGaussSeidel => cg_pgs::solve(rows, accelerations, iterations, primer),
+            Method::JointSpace => joint_space::solve(rows, accelerations, iterations, joint_space),
+            Method::NonsmoothConjugateGradient => nncg::solve(rows, accelerations, iterations, directions),
+            _ => {
+                pgs::solve(rows, accelerations, iterations);
+                iterations
+            }
+        }
+    }
+}
+
+/// A group of islands and the buffers to solve it, kept from step to step.
+#[derive(Default)]
+pub(crate) struct IslandSolver {
+    group: usize,
+    bodies: Vec<LocalBody>,
+    /// The first so many bodies are the group's own; those after belong to others or to nobody.
+    own: usize,
+    manifolds: Vec<LocalManifold>,
+    points: Vec<LocalPoint>,
+    /// Index of each local manifold among the step's contacts.
+    manifold_source: Vec<u32>,
+    joints: Vec<LocalJoint>,
+    guests: HashMap<u32, u32>,
+    single: Workspace<f32>,
+    double: Workspace<f64>,
+    row_count: u32,
+    row_updates: u64,
+    h_total: f64,
+}
+
+impl IslandSolver {
+    pub fn begin(&mut self, group: usize) {
+        self.group = group;
+    }
+
+    pub fn row_count(&self) -> u32 {
+        self.row_count
+    }
+
+    pub fn row_updates(&self) -> u64 {
+        self.row_updates
+    }
+
+    /// Copies the group's bodies and constraints.
+    pub fn gather(
+        &mut self,
+        islands: &Islands,
+        bodies: &Bodies,
+        joints: &Joints,
+        contacts: &Contacts,
+        cache: &ContactCache,
+    ) {
+        let group = self.group;
+        self.bodies.clear();
+        self.bodies.extend(islands.bodies(group).iter().map(|&body| LocalBody::new(body, &bodies.list[body as usize])));
+        self.own = self.bodies.len();
+        self.guests.clear();
+        self.manifolds.clear();
+        self.points.clear();
+        self.manifold_source.clear();
+        self.joints.clear();
+        for &index in islands.manifolds(group) {
+            let manifold = &contacts.manifolds[index as usize];
+            let a = self.local(manifold.pair.a, islands, bodies);
+            let b = self.local(manifold.pair.b, islands, bodies);
+            let first_point = self.points.len();
+            let (body_a, body_b) = (&self.bodies[a as usize], &self.bodies[b as usize]);
+            for found in contacts.points_of(manifold) {
+                let arm_a = found.point - body_a.position;
+                let arm_b = found.point - body_b.position;
+                self.points.push(LocalPoint {
+                    arm_a,
+                    arm_b,
+                    depth: found.depth,
+                    found_depth: found.depth,
+                    body_arm_a: body_a.rotation.inverse() * arm_a,
+                    body_arm_b: body_b.rotation.inverse() * arm_b,
+                    found_offset: body_b.position - body_a.position + arm_b - arm_a,
+                    first_row: 0,
+                    force: cache.force(manifold.pair, found.feature),
+                    impulse: Vector3::zeros(),
+                });
+            }
+            self.manifold_source.push(index);
+            self.manifolds.push(LocalManifold {
+                a,
+                b,
+                normal: manifold.normal,
+                friction: manifold.friction,
+                restitution: manifold.restitution,
+                first_point,
+                end_point: self.points.len(),
+            });
+        }
+        for &index in islands.joints(group) {
+            let Joint { a, b, anchor_a, anchor_b, softness, .. } = joints.list[index as usize];
+            let a = self.local(a, islands, bodies);
+            let b = self.local(b, islands, bodies);
+            self.joints.push(LocalJoint {
+                global: index,
+                a,
+                b,
+                anchor_a,
+                anchor_b,
+                softness,
+                impulse: Vector3::zeros(),
+            });
+        }
+    }
+
+    /// The local index of a body; one that does not move in this group is copied in as a guest.
+    fn local(&mut self, body: u32, islands: &Islands, bodies: &Bodies) -> u32 {
+        if let Some(local) = islands.local_of(body, self.group) {
+            return local;
+        }
+        *self.guests.entry(body).or_insert_with(|| {
+            self.bodies.push(LocalBody::new(body, &bodies.list[body as usize]));
+            self.bodies.len() as u32 - 1
+        })
+    }
+
+    /// All substeps.
+    pub fn step(&mut self, terms: &StepTerms) {
+        self.row_updates = 0;
+        self.row_count = 0;
+        self.h_total = terms.h * f64::from(terms.substeps);
+        match terms.precision {
+            Precision::F32 => {
+                let mut work = std::mem::take(&mut self.single);
+                self.substeps(terms, &mut work);
+                self.single = work;
+            }
+            Precision::F64 => {
+                let mut work = std::mem::take(&mut self.double);
+                self.substeps(terms, &mut work);
+                self.double = work;
+            }
+        }
+    }
+
+    fn substeps<N: Scalar>(&mut self, terms: &StepTerms, work: &mut Workspace<N>) {
+        for index in 0..terms.substeps {
+            if index > 0 {
+                self.move_points();
+            }
+            let mut island = IslandInStep { solver: self, work, terms };
+            match terms.integrator {
+                Integrator::VelocityVerlet => integrator::verlet::substep(&mut island, terms.h),
+                // Of what touches something where the exact method takes the rest.
+                _ => integrator::euler::substep(&mut island, terms.h),
+            }
+        }
+    }
+
+    /// Brings depths to the present poses. Normal and arms stay those of the step: the point of a
+    /// rolling body that touched is left behind by the place where it touches, and a force on it
+    /// there would drive the body on (a ball at 0.3 m/s had twice its speed after 5 s).
+    fn move_points(&mut self) {
+        for manifold in &self.manifolds {
+            let (a, b) = (&self.bodies[manifold.a as usize], &self.bodies[manifold.b as usize]);
+            for point in &mut self.points[manifold.first_point..manifold.end_point] {
+                let turned = b.rotation * point.body_arm_b - a.rotation * point.body_arm_a;
+                let offset = b.position - a.position + turned;
+                point.depth = point.found_depth - manifold.normal.dot(&(offset - point.found_offset));
+            }
+        }
+    }
+
+    /// Builds rows from the present poses and solves them for forces that act over `h`.
+    fn solve<N: Scalar>(&mut self, terms: &StepTerms, work: &mut Workspace<N>, h: f64) {
+        work.rows.clear();
+        work.accelerations.clear();
+        work.accelerations.resize(self.bodies.len(), Twist::zero());
+        if self.manifolds.is_empty() && self.joints.is_empty() {
+            return;
+        }
+        body_terms(&self.bodies, h, &mut work.terms);
+        for manifold in &self.manifolds {
+            let points = &mut self.points[manifold.first_point..manifold.end_point];
+            contact_rows(&self.bodies, &work.terms, manifold, points, terms, h, &mut work.rows);
+        }
+        let joints_from = work.rows.len();
+        for joint in &self.joints {
+            joint_rows(&self.bodies, &work.terms, joint, terms, h, &mut work.rows);
+        }
+        if terms.warm_starting {
+            self.warm_start(&mut work.rows[..joints_from], &mut work.accelerations);
+        }
+        let passes = work.solve(terms.method, terms.iterations);
+        self.row_count = work.rows.len() as u32;
+        self.row_updates += u64::from(self.row_count) * u64::from(passes);
+        self.keep_forces(&work.rows, joints_from, h, terms);
+    }
+
+    /// Starts each contact row from most of the force that its point carried.
+    fn warm_start<N: Scalar>(&self, rows: &mut [Row<N>], accelerations: &mut [Twist<N>]) {
+        let mut end = rows.len();
+        for point in self.points.iter().rev() {
+            for row in &mut rows[point.first_row..end] {
+                row.lambda = N::of(KEPT_SHARE * point.force.dot(&row.jacobian.linear_b.map(Scalar::to_f64)));
+            }
+            rows[point.first_row].lambda = rows[point.first_row].lambda.simd_max(N::zero());
+            end = point.first_row;
+        }
+        for row in rows {
+            pgs::add_response(row, row.lambda, accelerations);
+        }
+    }
+
+    /// Keeps the forces found, which act over `h`, with their joints and, where somebody wants
+    /// them, with their contact points.
+    fn keep_forces<N: Scalar>(&mut self, rows: &[Row<N>], joints_from: usize, h: f64, terms: &StepTerms) {
+        for (joint, rows) in self.joints.iter_mut().zip(rows[joints_from..].chunks_exact(3)) {
+            joint.impulse += Vector3::from_fn(|axis, _| rows[axis].lambda.to_f64()) * h;
+        }
+        if !terms.warm_starting && !terms.record_forces {
+            return;
+        }
+        let mut end = joints_from;
+        for point in self.points.iter_mut().rev() {
+            point.force = rows[point.first_row..end]
+                .iter()
+                .map(|row| row.jacobian.linear_b.map(Scalar::to_f64) * row.lambda.to_f64())
+                .sum();
+            point.impulse += point.force * h;
+            end = point.first_row;
+        }
+    }
+
+    /// Puts the forces of the last substep where the next step finds them.
+    pub fn store_forces(&self, contacts: &Contacts, cache: &mut ContactCache) {
+        for (manifold, &source) in self.manifolds.iter().zip(&self.manifold_source) {
+            let found = &contacts.manifolds[source as usize];
+            let points = &self.points[manifold.first_point..manifold.end_point];
+            let features = contacts.points_of(found).iter().map(|point| point.feature);
+            cache.insert(found.pair, features.zip(points.iter().map(|point| point.force)));
+        }
+    }
+
+    fn kick<N: Scalar>(&mut self, work: &Workspace<N>, h: f64) {
+        for (body, constraint) in self.bodies.iter_mut().zip(&work.accelerations) {
+            let constraint = Twist {
+                linear: constraint.linear.map(Scalar::to_f64),
+                angular: constraint.angular.map(Scalar::to_f64),
+            };
+            integrator::kick(body, &constraint, h);
+        }
+    }
+
+    fn drift(&mut self, h: f64) {
+        for body in &mut self.bodies {
+            integrator::drift(body, h);
+        }
+    }
+
+    /// Writes the group's own bodies and joint forces back.
+    pub fn scatter(&self, bodies: &mut [Body], joints: &mut [Joint]) {
+        for local in &self.bodies[..self.own] {
+            let body = &mut bodies[local.global as usize];
+            body.position = local.position;
+            body.rotation = local.rotation;
+            body.linear = local.linear;
+            body.angular = local.angular;
+        }
+        for joint in &self.joints {
+            joints[joint.global as usize].force = joint.impulse / self.h_total;
+        }
+    }
+
+    /// The force on B at each contact point, as (manifold, point within it, its mean over the step
+    /// and that of the last solve in N).
+    pub fn contact_forces(&self) -> impl Iterator<Item = (u32, usize, [Vector3<f64>; 2])> + '_ {
+        self.manifolds.iter().zip(&self.manifold_source).flat_map(move |(manifold, &source)| {
+            let points = &self.points[manifold.first_point..manifold.end_point];
+            points
+                .iter()
+                .enumerate()
+                .map(move |(index, point)| (source, index, [point.impulse / self.h_total, point.force]))
+        })
+    }
+}
+
+/// An island within one substep, as an integrator drives it.
+struct IslandInStep<'a, N> {
+    solver: &'a mut IslandSolver,
+    work: &'a mut Workspace<N>,
+    terms: &'a StepTerms,
+}
+
+impl<N: Scalar> integrator::System for IslandInStep<'_, N> {
+    fn solve(&mut self, h: f64) {
+        self.solver.solve(self.terms, self.work, h);
+    }
+
+    fn kick(&mut self, h: f64) {
+        self.solver.kick(self.work, h);
+    }
+
+    fn drift(&mut self, h: f64) {
+        self.solver.drift(h);
+    }
+
+    fn move_contacts(&mut self) {
+        self.solver.move_points();
+    }
+}

@@ -1,0 +1,21 @@
+//! Sweeps over force-level rows, as the 2009 engine solves them.
+//!
+//! A substep, whatever the method: rows from the present poses ([`rows`]) → the method's solve
+//! (one file each: [`pgs`], [`cg_pgs`], [`nncg`], [`joint_space`]) → integration ([`integrator`]).
+
+mod cg_pgs;
+mod conjugate_residuals;
+mod integrator;
+mod island_solver;
+mod joint_space;
+mod nncg;
+mod pgs;
+mod rows;
+mod solve;
+#[cfg(test)]
+mod tests;
+mod warm_start;
+
+pub(crate) use solve::IslandSolvers;
+pub(super) use solve::plugin;
+pub(crate) use warm_start::ContactCache;

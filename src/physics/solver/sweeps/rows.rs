@@ -1,0 +1,171 @@
+//! Rows of one island from its present poses: contacts first (normal row, then friction, point by
+//! point), joints after, as the 2009 engine ordered them.
+
+use crate::physics::scalar::Scalar;
+use nalgebra::{Matrix3, Vector3};
+
+use super::island_solver::{LocalBody, LocalJoint, LocalManifold, LocalPoint, StepTerms};
+use crate::physics::constraint::ball_joint;
+use crate::physics::constraint::contact::{ContactSite, penetration_bias, tangents};
+use crate::physics::constraint::row::{BodyTerms, Bounds, Row, Spring, Twist};
+use crate::physics::settings::FrictionModel;
+
+/// Slip under which no friction direction can be told, m/s.
+const LEAST_SLIP: f64 = 1e-6;
+
+/// Slip under which a body counts as resting and its two tangents hang on the normal alone, m/s:
+/// along what little the solver leaves of a resting body's slip they would turn with the rounding.
+const LEAST_SLIDE: f64 = 1e-3;
+
+fn vector<N: Scalar>(v: &Vector3<f64>) -> Vector3<N> {
+    Vector3::new(N::of(v.x), N::of(v.y), N::of(v.z))
+}
+
+fn matrix<N: Scalar>(m: &Matrix3<f64>) -> Matrix3<N> {
+    m.map(N::of)
+}
+
+/// What rows need of each body; `h` is the time over which the forces of this solve act.
+pub(super) fn body_terms<N: Scalar>(bodies: &[LocalBody], h: f64, terms: &mut Vec<BodyTerms<N>>) {
+    terms.clear();
+    terms.extend(bodies.iter().map(|body| {
+        let free = body.free_acceleration();
+        BodyTerms {
+            inverse_mass: vector(&body.inverse_mass),
+            inverse_inertia: matrix(&body.inverse_inertia),
+            free: Twist {
+                linear: vector(&(body.linear / h + free.linear)),
+                angular: vector(&(body.angular / h + free.angular)),
+            },
+        }
+    }));
+}
+
+/// The rows of one contact manifold.
+pub(super) fn contact_rows<N: Scalar>(
+    bodies: &[LocalBody],
+    terms: &[BodyTerms<N>],
+    manifold: &LocalManifold,
+    points: &mut [LocalPoint],
+    step: &StepTerms,
+    h: f64,
+    rows: &mut Vec<Row<N>>,
+) {
+    let (body_a, body_b) = (&bodies[manifold.a as usize], &bodies[manifold.b as usize]);
+    let h_scalar = N::of(h);
+    let normal = &manifold.normal;
+    for point in points {
+        point.first_row = rows.len();
+        let (arm_a, arm_b) = (&point.arm_a, &point.arm_b);
+        let site = ContactSite {
+            a: (manifold.a, &terms[manifold.a as usize]),
+            b: (manifold.b, &terms[manifold.b as usize]),
+            arm_a: vector(arm_a),
+            arm_b: vector(arm_b),
+            normal: vector(normal),
+        };
+        let velocity = body_b.point_velocity(arm_b) - body_a.point_velocity(arm_a);
+        let mut bias =
+            penetration_bias(point.depth, step.slop, step.error_rate, step.greatest_push(point.depth), step.h);
+        let approach = -normal.dot(&velocity);
+        if manifold.restitution > 0.0 && approach > step.restitution_speed {
+            bias = bias.max(manifold.restitution * approach);
+        }
+        rows.push(site.normal_row(N::of(bias), h_scalar, N::of(f64::MAX)));
+        if manifold.friction == 0.0 {
+            continue;
+        }
+        match step.friction {
+            FrictionModel::Off => {}
+            FrictionModel::OneTangent => {
+                let slip = velocity - normal * normal.dot(&velocity);
+                let speed = slip.norm();
+                if speed >= LEAST_SLIP {
+                    let limit = N::of(manifold.friction * mean_mass(body_a, body_b) * step.gravity);
+                    let tangent = vector(&(slip / speed));
+                    rows.push(site.friction_row(tangent, h_scalar, Bounds::Fixed(-limit, limit)));
+                }
+            }
+            FrictionModel::TwoTangents => {
+                let directions = slip_frame(body_a, body_b, arm_a, arm_b, &velocity, normal, h);
+                for (back, tangent) in (1..).zip(&directions) {
+                    let coefficient = N::of(manifold.friction);
+                    let bounds = Bounds::Friction { coefficient, normal_rows_back: back };
+                    rows.push(site.friction_row(vector(tangent), h_scalar, bounds));
+                }
+            }
+        }
+    }
+}
+
+/// m_c of the 2009 engine's friction bound; a partner that does not move counts as heavy as the
+/// other.
+fn mean_mass(a: &LocalBody, b: &LocalBody) -> f64 {
+    match (a.mass > 0.0, b.mass > 0.0) {
+        (true, true) => 0.5 * (a.mass + b.mass),
+        (true, false) => a.mass,
+        _ => b.mass,
+    }
+}
+
+/// Two tangents, the first along the slip that there would be after `h` without contact: the
+/// bound μ λ_n then holds exactly along a slide, whatever its direction, and a body pushed from
+/// rest starts the way it is pushed.
+fn slip_frame(
+    a: &LocalBody,
+    b: &LocalBody,
+    arm_a: &Vector3<f64>,
+    arm_b: &Vector3<f64>,
+    velocity: &Vector3<f64>,
+    normal: &Vector3<f64>,
+    h: f64,
+) -> [Vector3<f64>; 2] {
+    let (free_a, free_b) = (a.free_acceleration(), b.free_acceleration());
+    let gained = free_b.linear + free_b.angular.cross(arm_b) - free_a.linear - free_a.angular.cross(arm_a);
+    let free = velocity + gained * h;
+    let slip = free - normal * normal.dot(&free);
+    let speed = slip.norm();
+    if speed < LEAST_SLIDE {
+        return tangents(normal);
+    }
+    let along = slip / speed;
+    [along, normal.cross(&along)]
+}
+
+/// The three rows of a ball joint.
+pub(super) fn joint_rows<N: Scalar>(
+    bodies: &[LocalBody],
+    terms: &[BodyTerms<N>],
+    joint: &LocalJoint,
+    step: &StepTerms,
+    h: f64,
+    rows: &mut Vec<Row<N>>,
+) {
+    let (body_a, body_b) = (&bodies[joint.a as usize], &bodies[joint.b as usize]);
+    let arm_a = body_a.rotation * joint.anchor_a;
+    let arm_b = body_b.rotation * joint.anchor_b;
+    // Centres first: their difference is exact however far the scene lies from the origin.
+    let error = (body_b.position - body_a.position) + arm_b - arm_a;
+    let jacobian = ball_joint::jacobian(vector::<N>(&arm_a), vector(&arm_b));
+    let a = (joint.a, &terms[joint.a as usize]);
+    let b = (joint.b, &terms[joint.b as usize]);
+    for (axis, pair) in jacobian.into_iter().enumerate() {
+        rows.push(match joint.softness {
+            None => {
+                let speed = (step.error_rate * error[axis]).clamp(-step.correction_speed, step.correction_speed);
+                let unbounded = N::of(f64::MAX);
+                Row::rigid(a, b, pair, N::of(-speed), N::of(h), Bounds::Fixed(-unbounded, unbounded))
+            }
+            Some(softness) => {
+                let omega = std::f64::consts::TAU * softness.frequency;
+                let spring = Spring {
+                    stiffness: N::of(omega * omega),
+                    damping: N::of(2.0 * softness.damping_ratio * omega),
+                    error: N::of(error[axis]),
+                };
+                let limit = N::of(softness.max_force);
+                Row::soft(a, b, pair, spring, N::of(h), Bounds::Fixed(-limit, limit))
+            }
+        });
+    }
+}

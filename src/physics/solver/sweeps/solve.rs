@@ -1,0 +1,79 @@
+//! The system: every island by its own solver.
+
+use bevy::prelude::*;
+
+use super::island_solver::{IslandSolver, StepTerms};
+use super::warm_start::ContactCache;
+use crate::physics::body::Bodies;
+use crate::physics::collision::{Contacts, LaggedContacts};
+use crate::physics::island::Islands;
+use crate::physics::joint::Joints;
+use crate::physics::readings::ContactForces;
+use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
+use crate::physics::settings::{Gravity, Method, SolverSettings};
+use crate::physics::stats::StepStats;
+use crate::physics::threads;
+
+pub(in crate::physics::solver) fn plugin(app: &mut App) {
+    app.init_resource::<ContactCache>()
+        .init_resource::<IslandSolvers>()
+        .add_systems(PhysicsSchedule, solve_islands.in_set(PhysicsSystems::Solve).run_if(sweeps_force_rows));
+}
+
+fn sweeps_force_rows(settings: Res<SolverSettings>) -> bool {
+    !settings.method.keeps_contacts() && settings.method != Method::Exact
+}
+
+/// One solver per island, kept with its buffers from step to step.
+#[derive(Resource, Default)]
+pub(crate) struct IslandSolvers {
+    pub list: Vec<IslandSolver>,
+    /// How many of them the last step used.
+    pub used: usize,
+}
+
+fn solve_islands(
+    mut bodies: ResMut<Bodies>,
+    mut joints: ResMut<Joints>,
+    contacts: Res<Contacts>,
+    lagged: Res<LaggedContacts>,
+    islands: Res<Islands>,
+    mut cache: ResMut<ContactCache>,
+    mut solvers: ResMut<IslandSolvers>,
+    settings: Res<SolverSettings>,
+    gravity: Res<Gravity>,
+    forces: Option<Res<ContactForces>>,
+    mut stats: ResMut<StepStats>,
+) {
+    let contacts = lagged.active(&settings, &contacts);
+    let terms = StepTerms::new(&settings, gravity.length(), forces.is_some());
+    let count = islands.count();
+    if solvers.list.len() < count {
+        solvers.list.resize_with(count, IslandSolver::default);
+    }
+    solvers.used = count;
+    for (island, solver) in solvers.list[..count].iter_mut().enumerate() {
+        solver.begin(island);
+    }
+    {
+        let (bodies, joints, cache) = (&*bodies, &*joints, &*cache);
+        threads::for_each_block(settings.threads, &mut solvers.list[..count], |solver| {
+            solver.gather(&islands, bodies, joints, contacts, cache);
+            solver.step(&terms);
+        });
+    }
+    stats.resting = 0;
+    stats.rows = 0;
+    stats.row_updates = 0;
+    for solver in &solvers.list[..count] {
+        stats.rows += solver.row_count();
+        stats.row_updates += solver.row_updates();
+        solver.scatter(&mut bodies.list, &mut joints.list);
+    }
+    cache.clear();
+    if settings.warm_starting {
+        for solver in &solvers.list[..count] {
+            solver.store_forces(contacts, &mut cache);
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! A hash of everything that the next step depends on.
+
+use std::hash::Hasher;
+
+use bevy::prelude::*;
+
+use super::body::{Bodies, Position, Rotation, Velocity};
+use super::collision::{ContactGraph, LaggedContacts};
+use super::solver::{ContactCache, ExactGroups};
+
+/// Feeds every bit that the next step depends on to a hasher: poses and velocities of all bodies
+/// in the order in which they became bodies, who sleeps (not how long others have been calm), the
+/// warm-start cache, and contacts that wait for a lagged solve.
+pub fn hash_state<H: Hasher>(world: &World, hasher: &mut H) {
+    let mut feed = |value: f64| hasher.write_u64(value.to_bits());
+    let Some(bodies) = world.get_resource::<Bodies>() else { return };
+    for body in &bodies.list {
+        if let (Some(position), Some(rotation), Some(velocity)) =
+            (world.get::<Position>(body.entity), world.get::<Rotation>(body.entity), world.get::<Velocity>(body.entity))
+        {
+            position.0.to_array().into_iter().for_each(&mut feed);
+            rotation.0.to_array().into_iter().for_each(&mut feed);
+            velocity.linear.to_array().into_iter().for_each(&mut feed);
+            velocity.angular.to_array().into_iter().for_each(&mut feed);
+        }
+    }
+    bodies.asleep.iter().map(f64::from).for_each(&mut feed);
+    if let Some(cache) = world.get_resource::<ContactCache>() {
+        cache.points().iter().flat_map(|(_, force)| force.iter().copied()).for_each(&mut feed);
+    }
+    if let Some(groups) = world.get_resource::<ExactGroups>() {
+        groups.memory().for_each(&mut feed);
+    }
+    if let Some(graph) = world.get_resource::<ContactGraph>() {
+        for (slot, state) in graph.slots.iter().zip(&graph.states).filter(|(slot, _)| slot.touching) {
+            feed(f64::from(slot.pair.a));
+            state.impulses.0.iter().map(|&impulse| f64::from(impulse)).for_each(&mut feed);
+        }
+    }
+    if let Some(lagged) = world.get_resource::<LaggedContacts>() {
+        for manifold in &lagged.pending().manifolds {
+            manifold.normal.iter().copied().for_each(&mut feed);
+            for point in lagged.pending().points_of(manifold) {
+                point.point.iter().copied().for_each(&mut feed);
+                feed(point.depth);
+            }
+        }
+    }
+}
