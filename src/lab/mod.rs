@@ -7,8 +7,10 @@ pub mod fit;
 pub mod map;
 mod metrics;
 mod picture;
+mod plan;
 mod run;
 mod settings_file;
+mod simulation;
 pub mod sweep;
 mod trajectory;
 pub mod truth;
@@ -16,10 +18,12 @@ pub mod verdict;
 mod whole_file;
 
 pub use metrics::{
-    ContactResidual, EnergyMetrics, ExactCounts, Metrics, MomentumMetrics, QuarantinedEntity, Shares, StepCounts,
-    StepMilliseconds, TruthMetrics,
+    ContactResidual, EnergyMetrics, ExactCounts, Metrics, MomentumMetrics, Shares, StepCounts, StepMilliseconds,
+    TruthMetrics,
 };
-pub use run::{BodyState, MOST_STEPS, Plan, PlanError, Sample, Simulation, measure};
+pub use plan::{MOST_STEPS, Plan, PlanError};
+pub use run::measure;
 pub use settings_file::{SettingsFileError, read_settings, settings_text, write_settings};
+pub use simulation::{BodyState, QuarantinedEntity, Sample, Simulation};
 pub use trajectory::TrajectoryWriter;
 pub use whole_file::write_whole;

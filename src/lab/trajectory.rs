@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::run::Sample;
+use super::simulation::Sample;
 
 /// Column names; the row's fields in this order.
 const HEADER: [&str; 15] = ["t", "body", "x", "y", "z", "qx", "qy", "qz", "qw", "vx", "vy", "vz", "wx", "wy", "wz"];

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Metrics, TruthMetrics};
+use super::metrics::{Metrics, TruthMetrics};
 
 /// A run fails where the scene's own condition breaks ([`TruthMetrics::fails_above`]), a joint parts
 /// by over this share of its limb, …

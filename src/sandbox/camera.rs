@@ -9,7 +9,7 @@ use bevy_egui::input::EguiWantsInput;
 use bevy_egui::{EguiContextSettings, EguiPostUpdateSet, PrimaryEguiContext};
 use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraSystemSet};
 
-use super::drag::Drag;
+use super::held::Drag;
 use super::light;
 use super::quality::Quality;
 use super::state::Covered;

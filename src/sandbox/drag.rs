@@ -8,10 +8,11 @@
 use bevy::app::{RunFixedMainLoop, RunFixedMainLoopSystems};
 use bevy::input::mouse::{AccumulatedMouseScroll, MouseScrollUnit};
 use bevy::math::DVec3;
-use bevy::picking::pointer::{PointerId, PointerLocation, PointerMap, PointerPress};
+use bevy::picking::pointer::{PointerLocation, PointerMap, PointerPress};
 use bevy::prelude::*;
 use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
 
+use super::held::{Drag, Held};
 use super::{Picked, Selection};
 use crate::physics::{
     BallJoint, Collider, Damping, Mass, Position, Quarantined, RenderOrigin, RigidBody, Rotation, Shape, Softness,
@@ -57,31 +58,6 @@ pub(super) fn plugin(app: &mut App) {
         )
         .add_systems(FixedUpdate, move_handle)
         .add_systems(PostUpdate, draw.before(TransformSystems::Propagate));
-}
-
-/// The drag that is going on.
-#[derive(Resource, Default)]
-pub(super) struct Drag(Option<Held>);
-
-impl Drag {
-    pub fn is_active(&self) -> bool {
-        self.0.is_some()
-    }
-}
-
-struct Held {
-    body: Entity,
-    /// From its centre of mass to the held point, body axes, m.
-    anchor: DVec3,
-    handle: Entity,
-    joint: Entity,
-    pointer: PointerId,
-    /// Of the plane in which the handle moves: from the camera along its view, m.
-    depth: f64,
-    /// Where the handle is to be, world, m.
-    target: DVec3,
-    /// The body's own, to be given back.
-    damping: Option<Damping>,
 }
 
 /// A press picks the body under it, and drags it if it can move; with Shift held it picks that body

@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
-use super::reload::Watch;
-use super::{CurrentScene, Notice, camera};
+use super::state::report;
+use super::watch::Watch;
+use super::{CurrentScene, camera};
 use crate::lab::{read_settings, settings_text, write_whole};
 use crate::physics::SolverSettings;
 use crate::scene::SceneSpec;
@@ -64,11 +65,4 @@ fn save(path: &Path, overwrite: bool, text: &str) -> Result<PathBuf, String> {
 
 fn absolute(path: &Path) -> String {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned()).display().to_string()
-}
-
-fn report(world: &mut World, outcome: Result<String, String>) {
-    *world.resource_mut::<Notice>() = match outcome {
-        Ok(done) => Notice::Info(done),
-        Err(reason) => Notice::Error(reason),
-    };
 }

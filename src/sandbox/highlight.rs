@@ -25,7 +25,7 @@ const THICKNESS: f32 = 0.004;
 pub(super) fn plugin(app: &mut App) {
     app.init_gizmo_group::<Marks>()
         .add_systems(Startup, set_up_marks)
-        .add_systems(Update, outline_selection.after(super::actions::carry_out_actions))
+        .add_systems(Update, outline_selection.after(super::carry_out::carry_out_actions))
         .add_systems(PostUpdate, draw_marks.before(TransformSystems::Propagate));
 }
 

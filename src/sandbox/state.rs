@@ -85,6 +85,14 @@ pub enum Notice {
     Error(String),
 }
 
+/// Says what was done, or why it was not.
+pub(super) fn report(world: &mut World, outcome: Result<String, String>) {
+    *world.resource_mut::<Notice>() = match outcome {
+        Ok(done) => Notice::Info(done),
+        Err(reason) => Notice::Error(reason),
+    };
+}
+
 /// Width of the window's right side that the panel covers, logical pixels.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Covered(pub f32);

@@ -11,21 +11,18 @@ mod catalog;
 mod error;
 mod format;
 mod hull;
+mod info;
 mod mesh;
 mod number;
 mod spawn;
 mod spec;
 mod validate;
 
-pub use catalog::{Parameter, SceneInfo, catalog, find, is_path, load};
+pub use catalog::{catalog, find, is_path, load};
 pub use error::SceneError;
+pub use format::MAX_FILE_BYTES;
 pub use hull::HullSpec;
+pub use info::{Parameter, SceneInfo};
 pub use mesh::{MAX_MESH_BYTES, MeshError, MeshSpec, PictureMesh, TriangleMesh, builtin_meshes};
 pub use spawn::{BodyColor, SceneEntity, SpawnedScene};
-pub use spec::{BodySpec, JointSpec, MaterialSpec, SceneSpec, ShapeSpec, ViewSpec};
-
-/// Most bodies that a scene may have.
-pub const MAX_BODIES: usize = 100_000;
-
-/// Largest scene file that is read, bytes: several times what [`MAX_BODIES`] take.
-pub const MAX_FILE_BYTES: u64 = 64 << 20;
+pub use spec::{BodySpec, JointSpec, MAX_BODIES, MaterialSpec, SceneSpec, ShapeSpec, ViewSpec};

@@ -4,9 +4,17 @@ use std::f64::consts::PI;
 
 use bevy::math::{DQuat, DVec3};
 
-use super::format::{WORLD, WORLD_PREFIX};
 use super::{HullSpec, MeshSpec};
 use crate::physics::{CollisionLayers, ConvexHull, LockedAxes, RigidBody, Softness};
+
+/// Most bodies that a scene may have.
+pub const MAX_BODIES: usize = 100_000;
+
+/// What joints call the fixed world.
+pub(super) const WORLD: &str = "world";
+
+/// What the names of the bodies start with that joints to the world are made to.
+pub(super) const WORLD_PREFIX: &str = "world:";
 
 /// A whole scene.
 #[derive(Clone, Debug, PartialEq)]

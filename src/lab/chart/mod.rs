@@ -10,6 +10,7 @@ mod pareto;
 mod peers;
 mod picture;
 mod remark;
+mod subject;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -18,25 +19,17 @@ pub(in crate::lab) use grid::differs;
 pub use grid::{Extent, SERIES, Series, points};
 pub use pareto::front;
 pub use peers::{PeerRecord, PeersError, read_peers};
+pub use subject::Subject;
 
 use super::picture::{PictureError, write};
+use super::plan::PlanError;
 use super::sweep::{Record, StoreError};
 use super::verdict::Verdict;
-use super::{Plan, PlanError};
 use page::Entry;
 use picture::{Chart, Curve, Dot};
 
 /// The file of a folder's records.
 pub const POINTS: &str = "points.csv";
-
-/// A scene to draw a chart of.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Subject {
-    /// A built-in scene or the path of a RON file.
-    pub scene: String,
-    /// Its parameters that differ from their defaults.
-    pub parameters: Vec<(String, f64)>,
-}
 
 /// Why there are no charts.
 #[derive(Debug, thiserror::Error)]
@@ -58,31 +51,6 @@ pub enum ChartError {
         /// What the system said.
         reason: io::Error,
     },
-}
-
-impl Subject {
-    /// The points of its chart.
-    ///
-    /// # Errors
-    /// A scene or parameter that does not exist.
-    pub fn points(&self, extent: Extent) -> Result<Vec<super::sweep::Point>, PlanError> {
-        let plan = Plan::new(&self.scene, &self.parameters, (SERIES[0].base)(), None)?;
-        let seconds = plan.steps as f64 / plan.settings.hz;
-        Ok(points(&self.scene, &self.parameters, extent.seconds(seconds), extent))
-    }
-
-    /// What its picture's files are called, without extension.
-    pub fn stem(&self) -> String {
-        let scene = Path::new(&self.scene).file_stem().map_or(self.scene.clone(), |stem| stem.to_string_lossy().into());
-        let parameters = self.parameters.iter().map(|(name, value)| format!("-{name}-{value}"));
-        std::iter::once(scene).chain(parameters).collect()
-    }
-
-    /// `rods n=5`.
-    pub fn title(&self) -> String {
-        let parameters = self.parameters.iter().map(|(name, value)| format!(" {name}={value}"));
-        std::iter::once(self.scene.clone()).chain(parameters).collect()
-    }
 }
 
 /// Draws the chart of each subject from its records into a folder, and the page that shows all.

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::Subject;
 use super::picture::Dot;
+use super::subject::Subject;
 use crate::scene::{Parameter, find};
 
 /// One row of a file of the `peers` crate; other columns are not read.

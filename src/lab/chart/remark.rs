@@ -1,6 +1,7 @@
 //! What to see on a chart, in a sentence or two made from its records.
 
-use super::{Subject, front};
+use super::pareto::front;
+use super::subject::Subject;
 use crate::lab::sweep::Record;
 use crate::lab::verdict::Verdict;
 use crate::scene;

@@ -12,7 +12,7 @@ use crate::lab::sweep::Shard;
 use crate::physics::{Method, Precision, SolverSettings};
 use crate::scene;
 
-use super::{CommandError, Open};
+use super::outcome::CommandError;
 
 /// A rigid-body sandbox that says how true it is and what that cost.
 ///
@@ -50,6 +50,16 @@ pub(super) struct OpenArguments {
     parameters: ParameterArguments,
     #[command(flatten)]
     settings: SettingsArguments,
+}
+
+/// What the sandbox opens with; the scene exists and its parameters are in range.
+pub struct Open {
+    /// A built-in scene or the path of a RON file.
+    pub scene: String,
+    /// Its parameters.
+    pub parameters: Vec<(String, f64)>,
+    /// The solver's settings.
+    pub settings: SolverSettings,
 }
 
 #[derive(Args)]

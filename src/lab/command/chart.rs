@@ -10,7 +10,7 @@ use crate::lab::sweep::{Budget, Point, Progress, Store, run};
 use crate::scene;
 
 use super::arguments::ChartArguments;
-use super::{CommandError, Outcome, print};
+use super::outcome::{CommandError, Outcome, print};
 
 pub(super) fn chart(arguments: &ChartArguments) -> Result<Outcome, CommandError> {
     let extent = if arguments.quick { Extent::Quick } else { Extent::Full };

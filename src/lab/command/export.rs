@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::scene;
 
 use super::arguments::ExportArguments;
-use super::{CommandError, Outcome, print};
+use super::outcome::{CommandError, Outcome, print};
 
 pub(super) fn export(arguments: &ExportArguments) -> Result<Outcome, CommandError> {
     let scene = scene::load(&arguments.scene, &arguments.parameters.list)?;

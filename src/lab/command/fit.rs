@@ -13,7 +13,7 @@ use crate::physics::SolverSettings;
 
 use super::arguments::FitArguments;
 use super::chart::{SweepBar, make_folder, tell_ignored};
-use super::{CommandError, Outcome, print};
+use super::outcome::{CommandError, Outcome, print};
 
 const BUDGET: Budget = Budget { most: Duration::from_secs(10), least: Duration::from_millis(100) };
 

@@ -8,7 +8,7 @@ use crate::lab::sweep::{Budget, Point, Store, run};
 
 use super::arguments::MapArguments;
 use super::chart::{SweepBar, make_folder, tell_ignored};
-use super::{CommandError, Outcome, print};
+use super::outcome::{CommandError, Outcome, print};
 
 /// A point of a map that takes longer is drawn as not finished.
 const BUDGET: Budget = Budget { most: Duration::from_secs(20), least: Duration::ZERO };

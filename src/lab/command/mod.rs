@@ -10,6 +10,7 @@ mod chart;
 mod export;
 mod fit;
 mod map;
+mod outcome;
 mod run;
 mod scenes;
 mod summary;
@@ -21,12 +22,11 @@ use std::process::ExitCode;
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use clap::Parser;
 
-use crate::lab::chart::{ChartError, PeersError};
-use crate::lab::{PlanError, SettingsFileError};
-use crate::physics::{SettingsError, SolverSettings};
-use crate::scene::SceneError;
+pub use arguments::Open;
+pub use outcome::{CommandError, Outcome};
 
 use arguments::{Arguments, Subcommand};
+use outcome::print;
 
 /// What the command line asks for.
 pub enum Command {
@@ -36,61 +36,8 @@ pub enum Command {
     Task(Task),
 }
 
-/// What the sandbox opens with; the scene exists and its parameters are in range.
-pub struct Open {
-    /// A built-in scene or the path of a RON file.
-    pub scene: String,
-    /// Its parameters.
-    pub parameters: Vec<(String, f64)>,
-    /// The solver's settings.
-    pub settings: SolverSettings,
-}
-
 /// A command that needs no window.
 pub struct Task(Subcommand);
-
-/// Bad usage or input, in one line.
-#[derive(Debug, thiserror::Error)]
-pub enum CommandError {
-    /// A command line that makes no sense.
-    #[error("{0}")]
-    Usage(String),
-    /// A scene that cannot be had.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// Settings that cannot be had.
-    #[error(transparent)]
-    SettingsFile(#[from] SettingsFileError),
-    /// Settings that are out of range.
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
-    /// A run that makes no sense.
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    /// Charts that cannot be made.
-    #[error(transparent)]
-    Chart(#[from] ChartError),
-    /// Rows of other engines that cannot be had.
-    #[error(transparent)]
-    Peers(#[from] PeersError),
-    /// An output that cannot be written.
-    #[error("{place}: cannot be written: {reason}")]
-    Output {
-        /// The file.
-        place: String,
-        /// What the system said.
-        reason: io::Error,
-    },
-}
-
-/// How a task ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
-    /// Exit status 0.
-    Done,
-    /// Exit status 1: a body was quarantined, or no settings hold the error asked for.
-    CheckFailed,
-}
 
 impl Command {
     /// Reads the command line of this process. None: help or version was asked for and printed.
@@ -149,29 +96,9 @@ pub fn size_compute_pool() {
     });
 }
 
-impl From<Outcome> for ExitCode {
-    fn from(outcome: Outcome) -> Self {
-        match outcome {
-            Outcome::Done => Self::SUCCESS,
-            Outcome::CheckFailed => Self::FAILURE,
-        }
-    }
-}
-
 /// Clap explains itself in paragraphs; the first says what is wrong.
 fn first_paragraph(message: &str) -> String {
     let lines = message.lines().take_while(|line| !line.trim().is_empty()).map(str::trim);
     let line = lines.collect::<Vec<_>>().join(" ");
     format!("{}; see 'plumb --help'", line.strip_prefix("error: ").unwrap_or(&line))
-}
-
-/// Prints to standard output. A reader that has seen enough (`plumb scenes | head`) is no error.
-fn print(text: &str) -> Result<(), CommandError> {
-    let mut output = io::stdout().lock();
-    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
-        Err(reason) if reason.kind() != io::ErrorKind::BrokenPipe => {
-            Err(CommandError::Output { place: "standard output".into(), reason })
-        }
-        _ => Ok(()),
-    }
 }

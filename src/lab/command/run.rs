@@ -8,7 +8,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::lab::{Metrics, Plan, Sample, TrajectoryWriter, measure};
 
 use super::arguments::RunArguments;
-use super::{CommandError, Outcome, print, summary};
+use super::outcome::{CommandError, Outcome, print};
+use super::summary;
 
 pub(super) fn run(arguments: &RunArguments) -> Result<Outcome, CommandError> {
     let settings = arguments.settings.resolve()?;

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::scene::{Parameter, SceneInfo, catalog};
 
-use super::{CommandError, Outcome, print};
+use super::outcome::{CommandError, Outcome, print};
 
 pub(super) fn list() -> Result<Outcome, CommandError> {
     print(&listing(catalog()))?;

@@ -10,21 +10,12 @@ mod picture;
 use std::path::Path;
 
 pub use atlas::{ATLAS, Axis, MapInfo, Quantity};
+pub use picture::Map;
 
 use super::chart::{SERIES, Series};
 use super::picture::{PictureError, write};
 use super::sweep::{Point, Record};
-use super::verdict::Verdict;
 use crate::physics::{Method, SolverSettings};
-
-/// One map of one method.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Map {
-    /// The method.
-    pub series: &'static str,
-    /// Verdicts by row (y) and column (x), the first row lowest; none where nothing was measured.
-    pub cells: Vec<Vec<Option<Verdict>>>,
-}
 
 impl MapInfo {
     /// What is drawn, in words: the scene, and what is fixed.

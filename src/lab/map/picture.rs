@@ -4,9 +4,18 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::{Map, MapInfo};
+use super::atlas::MapInfo;
 use crate::lab::picture::{PaintResult, Picture, TEXT, text};
 use crate::lab::verdict::Verdict;
+
+/// One map of one method.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Map {
+    /// The method.
+    pub series: &'static str,
+    /// Verdicts by row (y) and column (x), the first row lowest; none where nothing was measured.
+    pub cells: Vec<Vec<Option<Verdict>>>,
+}
 
 /// All methods' maps of one kind.
 pub(super) struct Sheet<'a> {

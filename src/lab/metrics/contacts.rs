@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use super::moving::Moving;
 use super::natural_map::SolvedContact;
-use crate::lab::run::{BodyState, Simulation};
+use crate::lab::simulation::{BodyState, Simulation};
 use crate::physics::{ContactForce, Integrator, Method, RigidBody, SolverSettings, SurfaceMaterial};
 
 /// Largest residual of the natural map over a step's contacts, relative to the larger of g h and

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::extent::height;
 use super::moving::Moving;
-use crate::lab::run::BodyState;
+use crate::lab::simulation::BodyState;
 use crate::lab::truth::EnergyScale;
 use crate::scene::SceneSpec;
 

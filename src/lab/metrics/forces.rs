@@ -3,7 +3,7 @@
 use bevy::ecs::entity::EntityHashMap;
 
 use super::joints::joined;
-use crate::lab::run::Simulation;
+use crate::lab::simulation::Simulation;
 use crate::lab::truth::Statics;
 use crate::physics::{ContactForces, JointForces};
 

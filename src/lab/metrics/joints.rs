@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use bevy::math::DVec3;
 
-use crate::lab::run::BodyState;
+use crate::lab::simulation::BodyState;
 use crate::physics::RigidBody;
 use crate::scene::SceneSpec;
 

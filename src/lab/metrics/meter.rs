@@ -12,9 +12,10 @@ use super::forces::ForceMeter;
 use super::joints::JointMeter;
 use super::momentum::MomentumMeter;
 use super::moving::{Moving, moving};
+use super::report::{Metrics, Shares, TruthMetrics};
 use super::rest::RestMeter;
-use super::{Metrics, Shares, TruthMetrics};
-use crate::lab::run::{BodyState, Plan, Simulation};
+use crate::lab::plan::Plan;
+use crate::lab::simulation::{BodyState, Simulation};
 use crate::lab::truth::{EnergyScale, Truth, Unknown};
 use crate::physics::{ContactForces, Diagnostics, JointForces, Method, StepStats};
 

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::joints::joined;
 use super::moving::Moving;
-use crate::lab::run::BodyState;
+use crate::lab::simulation::BodyState;
 use crate::physics::{LockedAxes, RigidBody, SolverSettings};
 use crate::scene::SceneSpec;
 

@@ -2,7 +2,7 @@
 
 use bevy::math::DVec3;
 
-use crate::lab::run::{BodyState, Simulation};
+use crate::lab::simulation::{BodyState, Simulation};
 use crate::physics::{Inertia, Mass, RigidBody};
 
 /// A dynamic body.

@@ -1,7 +1,7 @@
 //! What bodies do that should stay where they are: sink, drift, tremble.
 
 use super::moving::Moving;
-use crate::lab::run::BodyState;
+use crate::lab::simulation::BodyState;
 
 /// Watches how bodies leave their places.
 #[derive(Default)]

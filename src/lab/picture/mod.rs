@@ -1,28 +1,17 @@
 //! Pictures as files: each is drawn twice, as SVG and as PNG, by one piece of code.
 
+mod paint;
 mod style;
 
 use std::fmt;
 use std::path::Path;
 
-use plotters::coord::Shift;
 use plotters::prelude::*;
 
+pub(super) use paint::{PaintResult, Picture};
 pub(super) use style::{FAINT, TEXT, draw_mark, mark, text};
 
 use style::register_font;
-
-/// What plotters fails with.
-pub(super) type PaintResult<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
-
-/// Something that can be drawn.
-pub(super) trait Picture {
-    /// Width and height, pixels.
-    fn size(&self) -> (u32, u32);
-
-    /// Draws it on a white area of that size.
-    fn paint<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> PaintResult<DB>;
-}
 
 /// Why there is no picture.
 #[derive(Debug, thiserror::Error)]

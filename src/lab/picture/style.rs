@@ -7,7 +7,7 @@ use plotters::prelude::*;
 use plotters::style::register_font as register;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::PaintResult;
+use super::paint::PaintResult;
 
 /// Colours that the colour-blind tell apart (Okabe and Ito 2008), each with a mark of its own, so
 /// that a picture in grey can be read too.

@@ -6,8 +6,9 @@ use bevy::math::DVec3;
 use crate::physics::RigidBody;
 use crate::scene::{SceneSpec, ShapeSpec};
 
-use super::super::run::Sample;
-use super::{EnergyScale, Poses, Truth, dynamic};
+use super::answer::{EnergyScale, Poses, Truth};
+use super::bodies::dynamic;
+use crate::lab::simulation::Sample;
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     let balls = dynamic(scene);

@@ -13,9 +13,10 @@ use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 use bevy::math::DVec3;
 use xxhash_rust::xxh3::xxh3_64;
 
-use super::super::run::{BodyState, Sample, Simulation};
+use super::answer::{ROUNDING, Truth};
+use super::bodies::dynamic;
 use super::instant::{Instant, TIME_TOLERANCE};
-use super::{ROUNDING, Truth, dynamic};
+use crate::lab::simulation::{BodyState, Sample, Simulation};
 use crate::physics::{SolverSettings, StepStats};
 use crate::scene::SceneSpec;
 

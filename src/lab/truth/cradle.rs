@@ -5,9 +5,10 @@ use bevy::math::DVec3;
 
 use crate::scene::{SceneSpec, ShapeSpec};
 
-use super::super::run::Sample;
+use super::answer::{EnergyScale, Truth};
+use super::bodies::{anchor_on, dynamic};
 use super::pendulum::{Swing, UNCERTAINTY};
-use super::{EnergyScale, Truth, anchor_on, dynamic};
+use crate::lab::simulation::Sample;
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     let balls = dynamic(scene);

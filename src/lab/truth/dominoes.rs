@@ -6,8 +6,9 @@ use bevy::math::DVec3;
 
 use crate::scene::SceneSpec;
 
-use super::super::run::Sample;
-use super::{Truth, dynamic};
+use super::answer::Truth;
+use super::bodies::dynamic;
+use crate::lab::simulation::Sample;
 
 /// Sine of the tilt at which a domino counts as fallen: 45°, four times where it would balance on
 /// its edge, and well before 66°, where it comes to rest on the next.

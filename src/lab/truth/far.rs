@@ -4,8 +4,9 @@
 use crate::physics::SolverSettings;
 use crate::scene::{self, SceneSpec};
 
-use super::super::run::{Sample, Simulation};
-use super::{ROUNDING, Truth, dynamic};
+use super::answer::{ROUNDING, Truth};
+use super::bodies::dynamic;
+use crate::lab::simulation::{Sample, Simulation};
 
 /// What a run may differ from the one at the origin, m.
 const FAILS_ABOVE: f64 = 1e-5;

@@ -7,8 +7,9 @@ use bevy::math::{DQuat, DVec3};
 
 use crate::scene::{SceneSpec, ShapeSpec};
 
-use super::super::run::{BodyState, Sample};
-use super::{Poses, Truth, anchor_on, dynamic};
+use super::answer::{Poses, Truth};
+use super::bodies::{anchor_on, dynamic};
+use crate::lab::simulation::{BodyState, Sample};
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     let Steady { index, body_axis, up, precession, lever, .. } = Steady::of(scene)?;

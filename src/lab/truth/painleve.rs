@@ -13,8 +13,9 @@ use bevy::math::{DVec2, DVec3};
 use crate::physics::RigidBody;
 use crate::scene::{BodySpec, SceneSpec, ShapeSpec};
 
-use super::super::run::Sample;
-use super::{Truth, dynamic};
+use super::answer::Truth;
+use super::bodies::dynamic;
+use crate::lab::simulation::Sample;
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     let index = *dynamic(scene).first()?;

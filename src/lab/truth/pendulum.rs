@@ -7,9 +7,10 @@ use bevy::math::{DQuat, DVec3};
 
 use crate::scene::{SceneSpec, ShapeSpec};
 
-use super::super::run::Sample;
+use super::answer::{EnergyScale, Poses, Truth};
+use super::bodies::{anchor_on, dynamic};
 use super::elliptic::{jacobi, quarter_period};
-use super::{EnergyScale, Poses, Truth, anchor_on, dynamic};
+use crate::lab::simulation::Sample;
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     let Rod { index, to_centre, outward, down, swing, start, .. } = Rod::of(scene)?;

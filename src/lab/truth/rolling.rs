@@ -4,8 +4,9 @@
 use crate::physics::RigidBody;
 use crate::scene::{SceneSpec, ShapeSpec};
 
-use super::super::run::Sample;
-use super::{Truth, dynamic};
+use super::answer::Truth;
+use super::bodies::dynamic;
+use crate::lab::simulation::Sample;
 
 /// Share of the slab's acceleration that a solid ball rolling on it gains.
 const BALL_SHARE: f64 = 2.0 / 7.0;

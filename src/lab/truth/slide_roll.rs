@@ -4,8 +4,9 @@
 use crate::physics::RigidBody;
 use crate::scene::{SceneSpec, ShapeSpec};
 
-use super::super::run::Sample;
-use super::{Truth, dynamic};
+use super::answer::Truth;
+use super::bodies::dynamic;
+use crate::lab::simulation::Sample;
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     let index = *dynamic(scene).first()?;

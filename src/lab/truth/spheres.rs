@@ -7,8 +7,9 @@ use bevy::math::DVec3;
 use crate::physics::RigidBody;
 use crate::scene::{SceneSpec, ShapeSpec};
 
-use super::super::run::{BodyState, Sample};
-use super::{Truth, dynamic};
+use super::answer::Truth;
+use super::bodies::dynamic;
+use crate::lab::simulation::{BodyState, Sample};
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     let balls: Vec<Ball> = dynamic(scene).into_iter().map(|index| Ball::of(scene, index)).collect::<Option<_>>()?;

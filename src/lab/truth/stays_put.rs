@@ -2,8 +2,10 @@
 
 use crate::scene::SceneSpec;
 
-use super::super::run::Sample;
-use super::{Poses, Statics, Truth, dynamic};
+use super::Statics;
+use super::answer::{Poses, Truth};
+use super::bodies::dynamic;
+use crate::lab::simulation::Sample;
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     // Gravity turned out of the plane of a joint grid makes it swing.
@@ -19,7 +21,7 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     };
     let truth = Truth::largest("largest move of a body that should stay", "m", distance);
     let truth = truth.that_stays().with_uncertainty(f64::EPSILON * extent);
-    Some(Truth { statics: Statics::of(scene), ..truth })
+    Some(truth.with_statics(Statics::of(scene)))
 }
 
 /// Every body where it starts.

@@ -6,9 +6,10 @@ use bevy::math::DVec3;
 
 use crate::scene::{SceneSpec, ShapeSpec};
 
-use super::super::run::Sample;
+use super::answer::Truth;
+use super::bodies::dynamic;
 use super::elliptic::{jacobi, quarter_period};
-use super::{Truth, dynamic};
+use crate::lab::simulation::Sample;
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     let index = *dynamic(scene).first()?;

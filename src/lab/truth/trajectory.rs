@@ -5,9 +5,10 @@ use bevy::math::DVec3;
 
 use crate::scene::{SceneSpec, ShapeSpec};
 
-use super::super::run::{BodyState, Sample};
+use super::answer::Truth;
+use super::bodies::{anchor_on, dynamic};
 use super::instant::{Instant, TIME_TOLERANCE};
-use super::{Truth, anchor_on, dynamic};
+use crate::lab::simulation::{BodyState, Sample};
 
 const RODS: [(usize, &str); 3] = [
     (1, include_str!("../../../assets/reference/rods-1.csv")),

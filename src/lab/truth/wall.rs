@@ -4,8 +4,9 @@
 use crate::physics::RigidBody;
 use crate::scene::{SceneSpec, ShapeSpec};
 
-use super::super::run::Sample;
-use super::{EnergyScale, Truth, dynamic};
+use super::answer::{EnergyScale, Truth};
+use super::bodies::dynamic;
+use crate::lab::simulation::Sample;
 
 /// Share of the ball's diameter that it may sink into the wall, or fly on beyond its face.
 const FAILS_ABOVE: f64 = 0.1;

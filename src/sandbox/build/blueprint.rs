@@ -5,7 +5,7 @@ use std::path::Path;
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use super::report;
+use crate::sandbox::state::report;
 use crate::scene::{BodySpec, MeshSpec, ShapeSpec, builtin_meshes};
 
 /// What [`SandboxAction::SpawnBody`](crate::sandbox::SandboxAction::SpawnBody) makes.

@@ -3,21 +3,18 @@
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
+use super::joints::{Pin, idle_without, joints};
+use super::names::{name_of, unique_name};
 use super::undo::{Deed, UndoStack, remove};
-use super::{name_of, report, unique_name};
 use crate::physics::{BallJoint, Collider, Position, RigidBody, Rotation};
-use crate::sandbox::camera;
-use crate::sandbox::{Picked, Selection};
+use crate::sandbox::state::report;
+use crate::sandbox::{Picked, Selection, camera};
 use crate::scene::{BodySpec, SceneEntity};
 
 /// Two joints of the same bodies closer than this share of a bounding radius are one and the same.
 const SAME_PLACE: f64 = 0.01;
 /// Where nothing is picked, a joint is meant that lies within this angle of the pointer, rad.
 const POINTING: f64 = 0.03;
-
-/// A body without a shape that stands still, made by [`pin_picked`]: it goes when it holds nothing.
-#[derive(Component)]
-pub struct Pin;
 
 /// Joins the two picked bodies where the second was clicked.
 pub fn join_picked(world: &mut World) {
@@ -130,34 +127,6 @@ fn try_cut(world: &mut World, joint: Entity) -> Result<String, String> {
     let deed = remove(world, pins, &cut);
     world.resource_mut::<UndoStack>().push(format!("cutting {what}"), deed);
     Ok(format!("cut {what}"))
-}
-
-/// The joints of the scene and of the user; not the one that drags.
-pub fn joints(world: &mut World) -> Vec<(Entity, BallJoint)> {
-    let mut joints = world.query_filtered::<(Entity, &BallJoint), With<SceneEntity>>();
-    joints.iter(world).map(|(joint, ball)| (joint, *ball)).collect()
-}
-
-/// A body's own.
-pub fn joints_of(world: &mut World, body: Entity) -> Vec<(Entity, BallJoint)> {
-    let mut joints = joints(world);
-    joints.retain(|(_, ball)| ball.body_a == body || ball.body_b == body);
-    joints
-}
-
-/// The pins that would hold nothing without these joints.
-pub fn idle_without(world: &mut World, cut: &[(Entity, BallJoint)]) -> Vec<Entity> {
-    let all = joints(world);
-    let mut idle: Vec<Entity> = cut.iter().flat_map(|(_, ball)| [ball.body_a, ball.body_b]).collect();
-    idle.sort_unstable();
-    idle.dedup();
-    idle.retain(|&end| {
-        let stays = |(joint, ball): &(Entity, BallJoint)| {
-            (ball.body_a == end || ball.body_b == end) && !cut.iter().any(|(gone, _)| gone == joint)
-        };
-        world.get::<Pin>(end).is_some() && !all.iter().any(stays)
-    });
-    idle
 }
 
 fn links(ball: &BallJoint, a: Entity, b: Entity) -> bool {

@@ -1,16 +1,16 @@
 //! A new body where the user looks: on the surface there, clear of everything else.
 
-use std::collections::HashSet;
-
 use bevy::math::{DQuat, DVec3};
 use bevy::picking::mesh_picking::ray_cast::{MeshRayCast, MeshRayCastSettings, RayCastVisibility};
 use bevy::prelude::*;
 
+use super::blueprint::Blueprint;
+use super::names::unique_name;
 use super::undo::{Deed, UndoStack};
-use super::{Blueprint, report};
 use crate::physics::{Collider, CollisionLayers, Gravity, PlacedCollider, Position, RenderOrigin, RigidBody, Rotation};
 use crate::sandbox::camera::{self, Aim};
 use crate::sandbox::ground::GroundOf;
+use crate::sandbox::state::report;
 use crate::scene::SceneSpec;
 
 /// A surface farther away than this many times the distance to what the camera orbits is scenery:
@@ -44,15 +44,6 @@ fn try_spawn(world: &mut World) -> Result<String, String> {
     let entity = body.spawn(world);
     world.resource_mut::<UndoStack>().push(format!("adding {name}"), Deed::Added(vec![entity]));
     Ok(name)
-}
-
-/// The noun, or with the least number that makes it a name no body has: what is saved is told
-/// apart by names.
-pub fn unique_name(world: &mut World, noun: &str) -> String {
-    let mut names = world.query_filtered::<&Name, With<RigidBody>>();
-    let taken: HashSet<&str> = names.iter(world).map(Name::as_str).collect();
-    let numbered = (2_u64..).map(|number| format!("{noun} {number}"));
-    std::iter::once(noun.to_owned()).chain(numbered).find(|name| !taken.contains(name.as_str())).expect("a free number")
 }
 
 /// Where a body of that shape and orientation rests just above what is aimed at, clear of all that

@@ -4,9 +4,10 @@ use std::collections::HashMap;
 
 use bevy::prelude::*;
 
-use super::joining::{Pin, idle_without, joints_of};
-use super::{name_of, report};
+use super::joints::{Pin, idle_without, joints_of};
+use super::names::name_of;
 use crate::physics::{BallJoint, RigidBody};
+use crate::sandbox::state::report;
 use crate::sandbox::{Selection, drag};
 use crate::scene::{BodySpec, SceneEntity};
 

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy_egui::egui;
 
-use super::super::reload::Watch;
+use super::super::watch::Watch;
 use super::super::{CurrentScene, Notice, SandboxAction};
 use crate::scene::{Parameter, SceneInfo, catalog, find};
 

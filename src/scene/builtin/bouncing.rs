@@ -3,8 +3,10 @@
 use bevy::math::{DQuat, DVec3};
 use rand::RngExt;
 
-use super::{EARTH, palette, seeded};
-use crate::scene::catalog::Parameter;
+use super::gravity::EARTH;
+use super::palette;
+use super::random::seeded;
+use crate::scene::info::Parameter;
 use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
 /// Of every ball in this file, m.

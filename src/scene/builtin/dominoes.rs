@@ -2,7 +2,8 @@
 
 use bevy::math::{DQuat, DVec3};
 
-use super::{EARTH, palette};
+use super::gravity::EARTH;
+use super::palette;
 use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
 const COUNT: usize = 20;

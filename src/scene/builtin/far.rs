@@ -2,8 +2,9 @@
 
 use bevy::math::DVec3;
 
-use super::{TEN, hanging, palette, stacking};
-use crate::scene::catalog::Parameter;
+use super::gravity::TEN;
+use super::{hanging, palette, stacking};
+use crate::scene::info::Parameter;
 use crate::scene::{BodySpec, SceneInfo, SceneSpec, ViewSpec};
 
 pub(super) const FAR: SceneInfo = SceneInfo {

@@ -2,8 +2,9 @@
 
 use bevy::math::DVec3;
 
-use super::{TEN, palette};
-use crate::scene::catalog::Parameter;
+use super::gravity::TEN;
+use super::palette;
+use crate::scene::info::Parameter;
 use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
 pub(super) const JOINT_GRID: SceneInfo = SceneInfo {

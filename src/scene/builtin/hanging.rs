@@ -3,8 +3,9 @@
 
 use bevy::math::DVec3;
 
-use super::{EARTH, TEN, palette};
-use crate::scene::catalog::Parameter;
+use super::gravity::{EARTH, TEN};
+use super::palette;
+use crate::scene::info::Parameter;
 use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
 pub(super) const PENDULUM: SceneInfo = SceneInfo {

@@ -3,7 +3,8 @@
 use bevy::math::{DQuat, DVec3};
 
 use super::figure::{CHEST, Clothes, DAMPING, FIGURE_PARTS, Figure, HAT, Holds, Side, hip_above_seat, soles_to_pelvis};
-use super::{EARTH, palette};
+use super::gravity::EARTH;
+use super::palette;
 use crate::scene::{BodySpec, JointSpec, MeshSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
 pub(super) const LIMBS: SceneInfo = SceneInfo {

@@ -6,8 +6,10 @@ use bevy::math::{DQuat, DVec3};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use super::{EARTH, palette, seeded};
-use crate::scene::catalog::Parameter;
+use super::gravity::EARTH;
+use super::palette;
+use super::random::seeded;
+use crate::scene::info::Parameter;
 use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
 /// Of the grid that things are dropped from, m: they do not touch, however they are turned.

@@ -2,9 +2,10 @@
 
 use bevy::math::{DQuat, DVec3};
 
-use super::{EARTH, EARTH_G, palette};
+use super::gravity::{EARTH, EARTH_G};
+use super::palette;
 use crate::physics::LockedAxes;
-use crate::scene::catalog::Parameter;
+use crate::scene::info::Parameter;
 use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
 pub(super) const INCLINE: SceneInfo = SceneInfo {

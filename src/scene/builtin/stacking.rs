@@ -3,8 +3,10 @@
 use bevy::math::DVec3;
 use rand::RngExt;
 
-use super::{TEN, palette, seeded};
-use crate::scene::catalog::Parameter;
+use super::gravity::TEN;
+use super::palette;
+use super::random::seeded;
+use crate::scene::info::Parameter;
 use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
 const CUBE: ShapeSpec = ShapeSpec::Cuboid { size: DVec3::ONE };

@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use bevy::math::{DQuat, DVec3};
 
-use super::{EARTH, palette};
+use super::gravity::EARTH;
+use super::palette;
 use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
 const VOUSSOIRS: usize = 15;

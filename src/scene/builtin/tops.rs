@@ -2,8 +2,9 @@
 
 use bevy::math::{DQuat, DVec3};
 
-use super::{EARTH, EARTH_G, palette};
-use crate::scene::catalog::Parameter;
+use super::gravity::{EARTH, EARTH_G};
+use super::palette;
+use crate::scene::info::Parameter;
 use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
 pub(super) const TOP: SceneInfo = SceneInfo {

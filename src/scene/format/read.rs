@@ -7,16 +7,19 @@ use std::path::Path;
 
 use bevy::math::{DQuat, DVec3, EulerRot};
 
-use super::{
-    BodyEntry, JointEntry, SceneEntry, ShapeEntry, SoftnessEntry, USUAL_DAMPING_RATIO, USUAL_GRAVITY, WORLD,
-    WORLD_PREFIX,
+use super::entry::{
+    self, BodyEntry, JointEntry, SceneEntry, ShapeEntry, SoftnessEntry, USUAL_DAMPING_RATIO, USUAL_GRAVITY,
 };
 use crate::physics::{RigidBody, Softness};
 use crate::scene::error::Flaw;
 use crate::scene::mesh::Meshes;
+use crate::scene::spec::{WORLD, WORLD_PREFIX};
 use crate::scene::{
-    BodySpec, JointSpec, MAX_BODIES, MAX_FILE_BYTES, MaterialSpec, SceneError, SceneSpec, ShapeSpec, ViewSpec, validate,
+    BodySpec, JointSpec, MAX_BODIES, MaterialSpec, SceneError, SceneSpec, ShapeSpec, ViewSpec, validate,
 };
+
+/// Largest scene file that is read, bytes: several times what [`MAX_BODIES`] take.
+pub const MAX_FILE_BYTES: u64 = 64 << 20;
 
 impl SceneSpec {
     /// A scene from the text of a RON file. `source` is what errors call it, a path or just a name;
@@ -25,7 +28,7 @@ impl SceneSpec {
     /// # Errors
     /// Whatever is wrong with the text or with the scene in it.
     pub fn from_ron(text: &str, source: &str) -> Result<Self, SceneError> {
-        let entry: SceneEntry = super::options().from_str(text).map_err(|error| parse_error(&error, source))?;
+        let entry: SceneEntry = entry::options().from_str(text).map_err(|error| parse_error(&error, source))?;
         let scene = entry.into_scene(source)?;
         scene.validate_as(source)?;
         Ok(scene)

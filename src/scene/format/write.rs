@@ -6,12 +6,13 @@ use std::path::{self, Component, MAIN_SEPARATOR, Path, PathBuf};
 use bevy::math::{DQuat, DVec3};
 use ron::ser::PrettyConfig;
 
-use super::{
-    BodyEntry, JointEntry, SceneEntry, ShapeEntry, SoftnessEntry, USUAL_DAMPING_RATIO, USUAL_GRAVITY, ViewEntry, WORLD,
+use super::entry::{
+    self, BodyEntry, JointEntry, SceneEntry, ShapeEntry, SoftnessEntry, USUAL_DAMPING_RATIO, USUAL_GRAVITY, ViewEntry,
 };
 use crate::physics::Softness;
 use crate::scene::error::Flaw;
 use crate::scene::number::{Finite, Fraction, NonNegative, Positive};
+use crate::scene::spec::WORLD;
 use crate::scene::{BodySpec, JointSpec, MeshSpec, SceneError, SceneSpec, ShapeSpec};
 
 impl SceneSpec {
@@ -30,7 +31,7 @@ impl SceneSpec {
         let entry = SceneEntry::of(self, folder).map_err(|flaw| flaw.of(&self.name))?;
         // Scene, list, element: deeper down, all on one line.
         let layout = PrettyConfig::new().depth_limit(2).new_line("\n");
-        let text = super::options().to_string_pretty(&entry, layout);
+        let text = entry::options().to_string_pretty(&entry, layout);
         Ok(text.expect("a scene's entries are plain structures") + "\n")
     }
 }

@@ -1,0 +1,72 @@
+//! How a command ends, and what it prints.
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use crate::lab::chart::{ChartError, PeersError};
+use crate::lab::{PlanError, SettingsFileError};
+use crate::physics::SettingsError;
+use crate::scene::SceneError;
+
+/// Bad usage or input, in one line.
+#[derive(Debug, thiserror::Error)]
+pub enum CommandError {
+    /// A command line that makes no sense.
+    #[error("{0}")]
+    Usage(String),
+    /// A scene that cannot be had.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// Settings that cannot be had.
+    #[error(transparent)]
+    SettingsFile(#[from] SettingsFileError),
+    /// Settings that are out of range.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// A run that makes no sense.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// Charts that cannot be made.
+    #[error(transparent)]
+    Chart(#[from] ChartError),
+    /// Rows of other engines that cannot be had.
+    #[error(transparent)]
+    Peers(#[from] PeersError),
+    /// An output that cannot be written.
+    #[error("{place}: cannot be written: {reason}")]
+    Output {
+        /// The file.
+        place: String,
+        /// What the system said.
+        reason: io::Error,
+    },
+}
+
+/// How a task ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Exit status 0.
+    Done,
+    /// Exit status 1: a body was quarantined, or no settings hold the error asked for.
+    CheckFailed,
+}
+
+impl From<Outcome> for ExitCode {
+    fn from(outcome: Outcome) -> Self {
+        match outcome {
+            Outcome::Done => Self::SUCCESS,
+            Outcome::CheckFailed => Self::FAILURE,
+        }
+    }
+}
+
+/// Prints to standard output. A reader that has seen enough (`plumb scenes | head`) is no error.
+pub(super) fn print(text: &str) -> Result<(), CommandError> {
+    let mut output = io::stdout().lock();
+    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
+        Err(reason) if reason.kind() != io::ErrorKind::BrokenPipe => {
+            Err(CommandError::Output { place: "standard output".into(), reason })
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,141 @@
+//! A scene in a headless world, its state after each step.
+
+use std::hash::Hasher;
+
+use bevy::ecs::query::QueryState;
+use bevy::math::{DQuat, DVec3};
+use bevy::prelude::*;
+use serde::Serialize;
+use xxhash_rust::xxh3::Xxh3;
+
+use crate::physics::hash_state;
+use crate::physics::{Position, Quarantined, Rotation, SolverSettings, StepStats, Velocity, headless_app, step};
+use crate::scene::{SceneSpec, SpawnedScene};
+
+/// A scene in a world of its own.
+pub struct Simulation {
+    world: World,
+    scene: SceneSpec,
+    entities: SpawnedScene,
+    poses: QueryState<(&'static Position, &'static Rotation, &'static Velocity)>,
+    states: Vec<BodyState>,
+}
+
+/// The state of one body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodyState {
+    /// Centre of mass, m.
+    pub position: DVec3,
+    /// Orientation.
+    pub rotation: DQuat,
+    /// m/s.
+    pub linear: DVec3,
+    /// rad/s, world axes.
+    pub angular: DVec3,
+}
+
+/// A scene's bodies at one time.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample<'a> {
+    /// Steps since the start.
+    pub step: u64,
+    /// steps × h, s.
+    pub time: f64,
+    /// In the order of [`SceneSpec::bodies`].
+    pub bodies: &'a [BodyState],
+}
+
+/// A body or joint that the step has set aside.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct QuarantinedEntity {
+    /// Its name; a joint by its place in the scene.
+    pub body: String,
+    /// What was wrong.
+    pub reason: String,
+}
+
+impl Simulation {
+    /// Spawns a scene into a new headless world. Scene and settings must be valid.
+    pub fn new(scene: SceneSpec, settings: SolverSettings) -> Self {
+        let mut world = std::mem::take(headless_app().world_mut());
+        world.insert_resource(settings);
+        let entities = scene.spawn(&mut world);
+        let mut simulation = Self { poses: world.query(), world, scene, entities, states: Vec::new() };
+        simulation.gather();
+        simulation
+    }
+
+    /// One step.
+    pub fn step(&mut self) {
+        step(&mut self.world);
+        self.gather();
+    }
+
+    fn gather(&mut self) {
+        self.poses.update_archetypes(&self.world);
+        self.states.clear();
+        self.states.extend(self.poses.iter_many_manual(&self.world, &self.entities.bodies).map(
+            |(position, rotation, velocity)| BodyState {
+                position: position.0,
+                rotation: rotation.0,
+                linear: velocity.linear,
+                angular: velocity.angular,
+            },
+        ));
+    }
+
+    /// The bodies now.
+    pub fn sample(&self) -> Sample<'_> {
+        let world = self.world();
+        let step = world.resource::<StepStats>().steps;
+        // steps/hz, not steps × (1/hz): one rounding instead of two.
+        let time = step as f64 / world.resource::<SolverSettings>().hz;
+        Sample { step, time, bodies: &self.states }
+    }
+
+    /// The scene it was made from.
+    pub fn scene(&self) -> &SceneSpec {
+        &self.scene
+    }
+
+    /// The entities of the scene's bodies and joints.
+    pub fn entities(&self) -> &SpawnedScene {
+        &self.entities
+    }
+
+    /// The settings it runs with.
+    pub fn settings(&self) -> &SolverSettings {
+        self.world.resource()
+    }
+
+    /// The world it runs in.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The world it runs in, to change something.
+    pub fn world_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+
+    /// A fingerprint (XXH3) of every bit of the bodies' poses and velocities and of what the
+    /// solver carries from step to step.
+    pub fn state_hash(&self) -> u64 {
+        let mut hasher = Xxh3::new();
+        hash_state(self.world(), &mut hasher);
+        hasher.finish()
+    }
+
+    /// Bodies and joints that the step has set aside, and why.
+    pub fn quarantined(&self) -> Vec<QuarantinedEntity> {
+        let bodies = self.entities.bodies.iter().zip(self.scene.bodies.iter().map(|body| body.name.clone()));
+        let joints = self.entities.joints.iter().zip((0..).map(|index| format!("joints[{index}]")));
+        bodies
+            .chain(joints)
+            .filter_map(|(&entity, body)| {
+                let reason = self.world().get::<Quarantined>(entity)?.reason.to_string();
+                Some(QuarantinedEntity { body, reason })
+            })
+            .collect()
+    }
+}

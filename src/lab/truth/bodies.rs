@@ -1,0 +1,26 @@
+//! What answers ask of a scene's bodies.
+
+use bevy::math::DVec3;
+
+use crate::physics::RigidBody;
+use crate::scene::{BodySpec, SceneSpec};
+
+/// Indices of the bodies that move, in the scene's order.
+pub(super) fn dynamic(scene: &SceneSpec) -> Vec<usize> {
+    let is_dynamic = |body: &BodySpec| body.kind == RigidBody::Dynamic;
+    (0..scene.bodies.len()).filter(|&index| is_dynamic(&scene.bodies[index])).collect()
+}
+
+/// The joint that holds the body `index`, as the anchor on it, from its centre of mass in body axes.
+pub(super) fn anchor_on(scene: &SceneSpec, index: usize) -> Option<DVec3> {
+    let name = &scene.bodies[index].name;
+    scene.joints.iter().find_map(|joint| {
+        if joint.body_b == *name {
+            Some(joint.anchor_b)
+        } else if joint.body_a == *name {
+            Some(joint.anchor_a)
+        } else {
+            None
+        }
+    })
+}

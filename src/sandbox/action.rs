@@ -1,0 +1,83 @@
+//! What a user can ask for. Keys and buttons write the same messages.
+
+use std::path::PathBuf;
+
+use bevy::prelude::*;
+
+/// Something a user asks for; carried out in `Update`, in the order of writing.
+#[derive(Message, Clone, Debug, PartialEq)]
+pub enum SandboxAction {
+    /// Replaces the scene: a built-in name or the path of a RON file, with parameters as on the
+    /// command line. What is wrong with it goes to [`super::Notice`], and the old one stays.
+    LoadScene {
+        /// Name or path.
+        scene: String,
+        /// Parameters that differ from their defaults.
+        parameters: Vec<(String, f64)>,
+    },
+    /// Reads the scene's file again, seen from the same place; done by itself when the file
+    /// changes. What is wrong with it is said, and the old one stays.
+    ReloadScene,
+    /// Puts the scene back to its start.
+    Reset,
+    /// Pauses or plays.
+    TogglePause,
+    /// Pauses and makes one step.
+    StepOnce,
+    /// Slow motion on or off.
+    ToggleSlowMotion,
+    /// Throws a ball from the camera, at what the pointer is on.
+    ThrowBall,
+    /// Adds a body of the [`super::Blueprint`] on the surface that the pointer is on; with the
+    /// pointer off the picture, on the one in its middle.
+    SpawnBody,
+    /// Makes the [`super::Blueprint`] a mesh.
+    ChooseMesh {
+        /// The path of an OBJ file, or the name of a mesh that comes with Plumb: `plumb:gem.obj`.
+        file: String,
+        /// Factor on its coordinates.
+        scale: f64,
+    },
+    /// Joins the two picked bodies where the second was clicked.
+    JoinPicked,
+    /// Holds the picked body to the world where it was clicked.
+    PinPicked,
+    /// Cuts the joint nearest the pointer: of those between two picked bodies, of the picked body,
+    /// or of all where none is picked. With the pointer off the picture, nearest the last click.
+    CutPicked,
+    /// Cuts that joint.
+    Cut(Entity),
+    /// Deletes the picked body and its joints.
+    DeletePicked,
+    /// Takes back what was added, joined, pinned, cut or deleted last.
+    Undo,
+    /// Unpicks; closes the help.
+    Escape,
+    /// Puts the camera back to where the scene is best seen from.
+    FrameScene,
+    /// Saves the scene as it stands now, with the camera's view.
+    SaveScene {
+        /// A RON file.
+        path: PathBuf,
+        /// Whether what is there may be replaced.
+        overwrite: bool,
+    },
+    /// Saves the solver's settings.
+    SaveSettings {
+        /// A RON file.
+        path: PathBuf,
+        /// Whether what is there may be replaced.
+        overwrite: bool,
+    },
+    /// Takes the solver's settings from a file.
+    LoadSettings {
+        /// A RON file.
+        path: PathBuf,
+    },
+    /// Writes the picture to the next free `plumb-N.png` in the working directory.
+    Screenshot,
+    /// Shows or hides the help.
+    ToggleHelp,
+    /// Measures the scene's chart of error against cost in a process of its own.
+    MeasureChart,
+}

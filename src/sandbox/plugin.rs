@@ -1,0 +1,25 @@
+//! The plugin that adds all parts of the sandbox.
+
+use bevy::prelude::*;
+use bevy_egui::EguiPlugin;
+use bevy_panorbit_camera::PanOrbitCameraPlugin;
+
+use super::{
+    build, camera, carry_out, controls, drag, ghost, gizmos, ground, help, highlight, light, meshes, panel, playback,
+    plots, quality, reload, screenshot, sky, state,
+};
+use crate::physics::PhysicsPlugin;
+
+/// Everything of the sandbox but the window, the renderer and the clock: add Bevy's
+/// `DefaultPlugins` before it, then write a [`SandboxAction::LoadScene`](super::SandboxAction::LoadScene).
+pub struct SandboxPlugin;
+
+impl Plugin for SandboxPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_plugins((PhysicsPlugin::default(), MeshPickingPlugin, EguiPlugin::default(), PanOrbitCameraPlugin))
+            .add_plugins((state::plugin, playback::plugin, carry_out::plugin, controls::plugin, screenshot::plugin))
+            .add_plugins((quality::plugin, camera::plugin, light::plugin, sky::plugin, ground::plugin, meshes::plugin))
+            .add_plugins((drag::plugin, highlight::plugin, build::plugin, reload::plugin))
+            .add_plugins((panel::plugin, plots::plugin, ghost::plugin, gizmos::plugin, help::plugin));
+    }
+}

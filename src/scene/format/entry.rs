@@ -1,0 +1,137 @@
+//! What stands in a scene file, as it stands there.
+
+use std::ops::Not;
+
+use bevy::math::DVec3;
+use ron::extensions::Extensions;
+use serde::{Deserialize, Serialize};
+
+use crate::physics::{CollisionLayers, LockedAxes, RigidBody};
+use crate::scene::number::{Color, Finite, Fraction, NonNegative, Positive, PositiveVector, Quaternion, Vector};
+
+/// Gravity of a scene that does not say, m/s².
+pub(super) const USUAL_GRAVITY: DVec3 = DVec3::new(0.0, -9.81, 0.0);
+
+/// Of a soft joint that does not say: critical.
+pub(super) const USUAL_DAMPING_RATIO: f64 = 1.0;
+
+/// `mass: 3.0` for `Some(3.0)`.
+pub(super) fn options() -> ron::Options {
+    ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME)
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "Scene", deny_unknown_fields)]
+pub(super) struct SceneEntry {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<Vector>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<BodyEntry>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joints: Vec<JointEntry>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view: Option<ViewEntry>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "Body", deny_unknown_fields)]
+pub(super) struct BodyEntry {
+    pub name: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kind: Option<RigidBody>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shape: Option<ShapeEntry>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density: Option<Positive>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mass: Option<Positive>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inertia: Option<PositiveVector>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<Vector>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<Quaternion>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation_degrees: Option<Vector>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<Vector>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angular_velocity: Option<Vector>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force: Option<Vector>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torque: Option<Vector>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<NonNegative>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub restitution: Option<Fraction>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layers: Option<CollisionLayers>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub locked: Option<LockedAxes>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gravity_scale: Option<Finite>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub linear_damping: Option<NonNegative>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angular_damping: Option<NonNegative>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color: Option<Color>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "Shape", deny_unknown_fields)]
+pub(super) enum ShapeEntry {
+    HalfSpace,
+    Sphere {
+        radius: Positive,
+    },
+    Cuboid {
+        size: PositiveVector,
+    },
+    Cone {
+        radius: Positive,
+        height: Positive,
+    },
+    Hull {
+        points: Vec<Vector>,
+    },
+    Mesh {
+        file: String,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        scale: Option<Positive>,
+    },
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "Joint", deny_unknown_fields)]
+pub(super) struct JointEntry {
+    pub body_a: String,
+    pub body_b: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<Vector>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub anchor_a: Option<Vector>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub anchor_b: Option<Vector>,
+    #[serde(default, skip_serializing_if = "Not::not")]
+    pub collide: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub softness: Option<SoftnessEntry>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "Softness", deny_unknown_fields)]
+pub(super) struct SoftnessEntry {
+    pub frequency: Positive,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping_ratio: Option<NonNegative>,
+    pub max_force: Positive,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "View", deny_unknown_fields)]
+pub(super) struct ViewEntry {
+    pub eye: Vector,
+    pub target: Vector,
+}
