@@ -171,7 +171,8 @@ fn a_body_by_itself_moves_in_closed_form() {
 /// A ball hung by a spring from its centre: m ẍ = −m ω²(x − x₀) − 2 m ζ ω ẋ − m g.
 #[test]
 fn a_soft_joint_is_a_damped_spring() {
-    for (integrator, tolerance) in [(GAUSS, 1e-9), (Integrator::Rattle, 1e-4)] {
+    // Kicks take the damper's force at the velocity before, an error of first order: ζ ω h of what the ball moves.
+    for (integrator, tolerance) in [(GAUSS, 1e-9), (Integrator::Rattle, 1e-3)] {
         let mut world = world_with(exact(integrator, 240.0));
         let above = pin(&mut world, DVec3::ZERO);
         let ball = body(&mut world, Collider::sphere(0.5), DVec3::ZERO);
