@@ -1,62 +1,39 @@
 //! Collision detection: which bodies may touch, where, along which normal and how deep.
 //!
-//! 1. [`near_pairs`] keeps the pairs whose boxes in a tree overlap ([`persistent_pairs`]). Force-level methods may have
-//!    [`sweep_and_sort`] instead, and the exact method has it, which finds the pairs whose bounding spheres overlap.
+//! 1. [`broad`] keeps the pairs whose boxes in a tree overlap. Force-level methods may have the sweep and sort of
+//!    [`classic`] instead, and the exact method has it, which finds the pairs whose bounding spheres overlap.
 //!    Where contacts do not last, either lists [`CandidatePairs`].
-//! 2. [`narrow_phase`] takes each pair to one of two ways to [`Contacts`]:
-//!    - [`contact_pair`], with a routine for each kind of pair: [`plane`], [`ball`], [`boxes`],
-//!      [`polyhedra`], [`cone_polyhedron`], [`cone_cone`], which share [`feature_sat`],
-//!      [`clipping`], [`edge_contact`] and [`apart`];
-//!    - the 2009 engine's: one separating axis test ([`sat`], whose axes a [`vector_set`] thins) of
-//!      [`placed`] shapes, and [`extreme_vertices`].
+//! 2. A pair's contact points come from [`narrow`], with a routine for each kind of pair, or from [`classic`]: one
+//!    separating axis test over a set of axes, and extreme vertices.
+//! 3. Contacts that last stay in [`slots`]; others are found anew in each step by the [`narrow_phase`].
+//! 4. [`continuous`] finds where fast bodies first touch, and holds back what got through.
 //!
 //! Everything is `f64` and computed relative to body A of each pair, so that it does not depend
 //! on the distance from the origin. What contacts do to bodies is the constraints' business, and
 //! who is told of them that of the events. Outside a step, [`probe`] tells whether two overlap.
 
-mod apart;
-mod ball;
-mod bounding_tree;
-mod boxes;
-mod clipping;
-mod cone;
-mod cone_cone;
-mod cone_polyhedron;
-mod contact_graph;
-mod contact_pair;
-mod edge_contact;
-mod ellipse;
-mod extreme_vertices;
-mod fat_box;
-mod feature_sat;
+mod broad;
+mod classic;
+mod continuous;
 mod gap;
-mod hold_back;
 mod lag;
 mod manifold;
+mod narrow;
 mod narrow_phase;
-mod near_pairs;
-mod pair_slots;
-mod persistent_pairs;
-mod placed;
-mod plane;
-mod polyhedra;
-mod polyhedron;
 mod probe;
-mod sat;
-mod sweep_and_sort;
-mod time_of_impact;
-pub(crate) mod vector_set;
+mod slots;
 
 #[cfg(all(test, feature = "lab"))]
 mod tests;
 
-pub(crate) use contact_graph::{ContactGeometry, ContactGraph, ContactState, GEOMETRY, GONE, POINTS, Slot};
-pub(crate) use contact_pair::{PairSearch, touch};
+pub(crate) use broad::near_pairs::{CandidateTree, NearPairs};
+pub(crate) use classic::vector_set::VectorSet;
 pub(crate) use gap::fastest_approach;
 pub(crate) use lag::LaggedContacts;
 pub(crate) use manifold::{ContactPoint, Contacts, FeatureId, Manifold, Pair};
-pub(crate) use near_pairs::{CandidateTree, NearPairs};
+pub(crate) use narrow::contact_pair::{PairSearch, touch};
 pub use probe::PlacedCollider;
+pub(crate) use slots::{ContactGeometry, ContactGraph, ContactState, GEOMETRY, GONE, POINTS, Slot};
 
 use bevy::prelude::*;
 
@@ -64,6 +41,9 @@ use super::body::ReportCollisions;
 use super::readings::{ContactForces, Diagnostics};
 use super::schedule::PhysicsSystems;
 use super::settings::{BroadPhase, Method, SolverSettings, contacts_last};
+use broad::near_pairs;
+use classic::sweep_and_sort;
+use continuous::hold_back;
 use manifold::CandidatePairs;
 
 pub(super) fn plugin(app: &mut App) {
@@ -83,13 +63,13 @@ pub(super) fn plugin(app: &mut App) {
                     .run_if(not(pairs_are_swept)),
                 near_pairs::update_pairs.in_set(PhysicsSystems::BroadPhase).run_if(contacts_last),
                 narrow_phase::find_contacts.in_set(PhysicsSystems::NarrowPhase).run_if(not(contacts_last)),
-                contact_graph::update_graph.in_set(PhysicsSystems::NarrowPhase).run_if(contacts_last),
+                slots::update_graph.in_set(PhysicsSystems::NarrowPhase).run_if(contacts_last),
                 hold_back::hold_back
                     .after(PhysicsSystems::Solve)
                     .before(PhysicsSystems::WriteBack)
                     .run_if(contacts_last),
                 lag::swap_contacts.after(PhysicsSystems::NarrowPhase).before(PhysicsSystems::Islands),
-                contact_graph::export_contacts
+                slots::export_contacts
                     .after(PhysicsSystems::NarrowPhase)
                     .before(PhysicsSystems::Islands)
                     .run_if(contacts_last)

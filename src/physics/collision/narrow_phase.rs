@@ -11,13 +11,13 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use super::contact_pair::{self, PairSearch};
-use super::extreme_vertices;
-use super::feature_sat::Feature;
+use super::classic::extreme_vertices;
+use super::classic::placed::Placed;
+use super::classic::sat::{self, AxisBuffers, AxisSearch};
 use super::gap::{CONTACT_TOLERANCE, reachable_gap, speculative_gap};
 use super::manifold::{CandidatePairs, ContactPoint, Contacts, Manifold, Overlap, Pair};
-use super::placed::Placed;
-use super::sat::{self, AxisBuffers, AxisSearch};
+use super::narrow::contact_pair::{self, PairSearch};
+use super::narrow::feature_sat::Feature;
 use crate::physics::body::{Bodies, Body};
 use crate::physics::settings::{ContactModel, Method, SolverSettings};
 use crate::physics::shape::Geometry;

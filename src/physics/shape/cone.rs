@@ -6,7 +6,7 @@ use bevy::math::DVec3;
 use nalgebra::Vector3;
 
 use super::hull::{Hull, VERTEX_EPSILON};
-use crate::physics::collision::vector_set::VectorSet;
+use crate::physics::collision::VectorSet;
 
 /// Sides of the polygon inscribed in the base circle: flats lie 0.9 % of the radius inside it.
 const SIDES: u32 = 24;

@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::Vector3;
 
 use super::hull::VERTEX_EPSILON;
-use crate::physics::collision::vector_set::VectorSet;
+use crate::physics::collision::VectorSet;
 
 /// Most vertices of a hull: at most 252 faces.
 pub(super) const MAX_VERTICES: usize = 128;

@@ -1,7 +1,7 @@
 use nalgebra::Vector3;
 
 use super::Xorshift as Random;
-use crate::physics::collision::bounding_tree::{BoundingBox, BoundingTree, Leaf};
+use crate::physics::collision::broad::bounding_tree::{BoundingBox, BoundingTree, Leaf};
 
 /// Sizes from a card's thickness to a slab's length.
 fn random_box(random: &mut Random, centre: Vector3<f64>) -> BoundingBox {

@@ -4,10 +4,10 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use super::super::sweep_and_sort::SweepAndSort;
 use super::{KINDS, body, random, random_rotation, random_vector, upright};
 use crate::physics::body::Body;
 use crate::physics::body::{CollisionLayers, RigidBody};
+use crate::physics::collision::classic::sweep_and_sort::SweepAndSort;
 use crate::physics::collision::manifold::Pair;
 use crate::physics::joint::JoinedPairs;
 use crate::physics::settings::SolverSettings;

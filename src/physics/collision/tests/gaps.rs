@@ -6,14 +6,14 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use super::super::clipping::keep_touching_spread;
-use super::super::contact_pair::{self, PairSearch};
 use super::hulls::{hull_body, hull_of, least_depths, random_hull};
 use super::{
     assert_close, body, cones, random, random_direction, random_rotation, random_size, random_vector, upright,
 };
 use crate::physics::body::Body;
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
+use crate::physics::collision::narrow::clipping::keep_touching_spread;
+use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
 use crate::physics::shape::{Collider, Geometry};
 
 fn touch_within(gap: f64, a: &Body, b: &Body) -> Option<(Overlap, Vec<ContactPoint>)> {

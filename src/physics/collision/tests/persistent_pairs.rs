@@ -4,11 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::Xorshift as Random;
-use crate::physics::collision::bounding_tree::BoundingBox;
-use crate::physics::collision::fat_box::{Extent, Placement};
+use crate::physics::collision::broad::bounding_tree::BoundingBox;
+use crate::physics::collision::broad::fat_box::{Extent, Placement};
+use crate::physics::collision::broad::pair_slots::PairSlot;
+use crate::physics::collision::broad::persistent_pairs::{BoundedBodies, Bounds, PairChanges, PersistentPairs};
 use crate::physics::collision::manifold::Pair;
-use crate::physics::collision::pair_slots::PairSlot;
-use crate::physics::collision::persistent_pairs::{BoundedBodies, Bounds, PairChanges, PersistentPairs};
 
 #[derive(Clone, Copy, PartialEq)]
 enum Shape {

@@ -1,8 +1,8 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::Xorshift as Random;
-use crate::physics::collision::bounding_tree::BoundingBox;
-use crate::physics::collision::fat_box::{Extent, Placement, Room};
+use crate::physics::collision::broad::bounding_tree::BoundingBox;
+use crate::physics::collision::broad::fat_box::{Extent, Placement, Room};
 
 /// Exact box of a cuboid about its placement.
 fn extent(half: &Vector3<f64>, placement: &Placement) -> Extent {

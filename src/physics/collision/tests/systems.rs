@@ -3,14 +3,15 @@ use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::super::near_pairs::{self, InStep};
-use super::super::persistent_pairs::{BoundedBodies, Bounds};
 use super::hulls::{hull_body, random_hull};
 use super::{KINDS, body, random, random_rotation, random_vector, touch, upright};
 use crate::physics::body::{Bodies, Body};
 use crate::physics::body::{CollisionLayers, RigidBody, SurfaceMaterial};
+use crate::physics::collision::broad::near_pairs::{self, InStep};
+use crate::physics::collision::broad::persistent_pairs::{BoundedBodies, Bounds};
+use crate::physics::collision::classic::sweep_and_sort;
 use crate::physics::collision::manifold::{CandidatePairs, Contacts};
-use crate::physics::collision::{CandidateTree, narrow_phase, sweep_and_sort};
+use crate::physics::collision::{CandidateTree, narrow_phase};
 use crate::physics::joint::JoinedPairs;
 use crate::physics::joint::Joints;
 use crate::physics::settings::SolverSettings;

@@ -1,8 +1,8 @@
 use nalgebra::Vector3;
 use rand::RngExt;
 
-use super::super::vector_set::VectorSet;
 use super::{random, random_direction, random_vector};
+use crate::physics::collision::classic::vector_set::VectorSet;
 
 fn l1(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
     (a - b).abs().sum()

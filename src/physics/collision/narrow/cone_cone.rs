@@ -28,9 +28,10 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use super::clipping::{Clip, ClipBuffers};
 use super::cone::{Cone, Facing, unit_across};
 use super::edge_contact::{self, Segment};
-use super::feature_sat::{Feature, Found, Least, Scale};
-use super::manifold::{ContactPoint, FeatureId, Overlap};
+use super::feature_sat::{Feature, Found, Least};
 use super::polyhedron::{Convex, Frame};
+use super::scale::Scale;
+use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
 
 /// Samples of the depth around a flank's circle of normals.
 const CIRCLE_SAMPLES: usize = 24;
@@ -60,7 +61,7 @@ const CENTERS: u32 = 3;
 
 /// Tests two cones, B in A's axes; what was the last step's axis is tried first and replaced.
 /// Contact points are left in the clip buffers, in A's axes.
-pub(super) fn touch(
+pub(crate) fn touch(
     a: &Cone,
     b: &Cone,
     b_in_a: &Frame,
@@ -175,7 +176,7 @@ impl Cones<'_> {
         let mut n = start;
         let (mut depth, mut gradient, mut tangents, mut bends) = measure(&n);
         for _ in 0..NEWTON_STEPS {
-            let frame = super::super::constraint::contact::tangents(&n);
+            let frame = crate::physics::constraint::contact::tangents(&n);
             let flat = |vector: &Vector3<f64>| Vector2::new(vector.dot(&frame[0]), vector.dot(&frame[1]));
             let slope = flat(&gradient);
             let [one, other] = [flat(&tangents[0]), flat(&tangents[1])];

@@ -6,10 +6,11 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::physics::body::Body;
+use crate::physics::collision::narrow::polyhedron::nearest_on_hull;
 use crate::physics::shape::{Geometry, Hull};
 
 /// A body's shape, its centre relative to body A of the pair, in world axes.
-pub(super) struct Placed<'a> {
+pub(crate) struct Placed<'a> {
     pub geometry: &'a Geometry,
     pub center: Vector3<f64>,
     /// Columns are the body's axes.
@@ -149,40 +150,4 @@ impl<'a> Placed<'a> {
             }
         }
     }
-}
-
-/// Index of the greatest value, the first of equals; 0 for none.
-pub(super) fn first_max(values: impl Iterator<Item = f64>) -> usize {
-    let start = (0, f64::NEG_INFINITY);
-    values.enumerate().fold(start, |best, (index, value)| if value > best.1 { (index, value) } else { best }).0
-}
-
-/// The point of a hull nearest to a point in body axes (Ericson 2005, 5.1): it lies on one of the
-/// faces that the point is in front of.
-pub(super) fn nearest_on_hull(hull: &Hull, point: &Vector3<f64>) -> Vector3<f64> {
-    let mut nearest = (f64::INFINITY, *point);
-    for face in &hull.faces {
-        let height = face.normal.dot(point) - face.offset;
-        if height <= 0.0 {
-            continue;
-        }
-        let foot = point - face.normal * height;
-        let corner = |index: usize| hull.vertices[face.vertices[index % face.vertices.len()] as usize];
-        let sides = || (0..face.vertices.len()).map(|index| (corner(index), corner(index + 1)));
-        let beyond = |from: &Vector3<f64>, to: &Vector3<f64>| face.normal.cross(&(to - from)).dot(&(foot - from)) < 0.0;
-        if sides().all(|(from, to)| !beyond(&from, &to)) {
-            // Above a face itself: no other point can be nearer.
-            return foot;
-        }
-        for (from, to) in sides().filter(|(from, to)| beyond(from, to)) {
-            let side = to - from;
-            let share = ((point - from).dot(&side) / side.norm_squared()).clamp(0.0, 1.0);
-            let candidate = from + side * share;
-            let distance = (point - candidate).norm_squared();
-            if distance < nearest.0 {
-                nearest = (distance, candidate);
-            }
-        }
-    }
-    nearest.1
 }

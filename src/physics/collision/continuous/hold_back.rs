@@ -14,64 +14,18 @@ use std::f64::consts::TAU;
 use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::contact_graph::ContactGraph;
-use super::contact_pair::PairSearch;
-use super::manifold::{ContactPoint, Pair};
+use super::fast_pair::FastPair;
 use super::time_of_impact::{self, Course, Impact, advanced, inner_radius};
 use crate::physics::body::world_inverse_inertia;
 use crate::physics::body::{Bodies, Body};
+use crate::physics::collision::manifold::{ContactPoint, Pair};
+use crate::physics::collision::narrow::contact_pair::PairSearch;
+use crate::physics::collision::slots::ContactGraph;
 use crate::physics::settings::SolverSettings;
 use crate::physics::shape::Geometry;
 
 /// Share of the radius of the ball that a body holds that its core has.
 const CORE: f64 = 0.5;
-
-/// How a body moves from the start of the step.
-#[derive(Clone, Copy, Debug)]
-struct Start {
-    position: Vector3<f64>,
-    rotation: UnitQuaternion<f64>,
-    linear: Vector3<f64>,
-    angular: Vector3<f64>,
-}
-
-impl Start {
-    fn of(&Body { position, rotation, linear, angular, .. }: &Body) -> Self {
-        Self { position, rotation, linear, angular }
-    }
-
-    /// The body at a time, with the steady velocity that takes it to where it is now, a time `left` later.
-    fn onwards(&self, body: &Body, time: f64, left: f64) -> Body {
-        let Self { position, rotation, linear, angular } = *self;
-        let (position, rotation) = advanced(&Body { position, rotation, linear, angular, ..body.clone() }, time);
-        let mut turn = (body.rotation * rotation.inverse()).scaled_axis();
-        // Of all turns between the two poses the one nearest to what the angular velocity makes.
-        if let Some(axis) = turn.try_normalize(1e-9) {
-            let missing = body.angular.dot(&axis) * left - turn.norm();
-            turn += axis * ((missing / TAU).round() * TAU);
-        }
-        let linear = (body.position - position) / left;
-        Body { position, rotation, linear, angular: turn / left, ..body.clone() }
-    }
-}
-
-/// A pair in which a body may move farther than it is thick.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FastPair {
-    pair: Pair,
-    starts: [Start; 2],
-    /// Which of them are fast.
-    fast: [bool; 2],
-    /// When they meet if nothing else is met before, s.
-    impact: Option<f64>,
-}
-
-impl FastPair {
-    pub fn new(pair: Pair, a: &Body, b: &Body, h: f64, impact: Option<f64>) -> Self {
-        let fast = [time_of_impact::moves_far(a, b, h), time_of_impact::moves_far(b, a, h)];
-        Self { pair, starts: [Start::of(a), Start::of(b)], fast, impact }
-    }
-}
 
 /// The body with its core for its shape.
 fn core(body: Body) -> Body {
@@ -92,7 +46,7 @@ fn core(body: Body) -> Body {
 }
 
 /// Follows the fast pairs of this step, in the order of their slots. Who is held back once is followed no farther.
-pub(super) fn hold_back(
+pub(crate) fn hold_back(
     graph: Res<ContactGraph>,
     mut bodies: ResMut<Bodies>,
     settings: Res<SolverSettings>,

@@ -27,9 +27,10 @@ use super::clipping::{Clip, ClipBuffers};
 use super::cone::{Cone, Facing, unit_across};
 use super::edge_contact::{self, Segment};
 use super::ellipse;
-use super::feature_sat::{Best, Feature, Found, Least, Scale, face_depth, facing_edges, least_face};
-use super::manifold::{ContactPoint, FeatureId, Overlap};
+use super::feature_sat::{Best, Feature, Found, Least, face_depth, facing_edges, least_face};
 use super::polyhedron::{Convex, Edge, Frame, Polyhedron};
+use super::scale::Scale;
+use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
 
 /// Normals that each edge may have: two across the flank, two across the rim.
 const PER_EDGE: u32 = 4;
@@ -42,7 +43,7 @@ const FLAT: f64 = 1e-12;
 
 /// Tests a cone and a polyhedron given in its axes; what was the last step's axis is tried first
 /// and replaced. Contact points are left in the clip buffers, in the cone's axes.
-pub(super) fn touch(
+pub(crate) fn touch(
     cone: &Cone,
     other: &impl Polyhedron,
     other_in_cone: &Frame,

@@ -12,7 +12,7 @@
 //!
 //! All take a *gap*: shapes apart by no more than that get points as well, and shapes that touch
 //! get those of their facing features that stand off by no more, with negative depths
-//! ([speculative contacts](crate::physics::collision::manifold::ContactPoint::depth)). The separation of the manifold is at most the
+//! ([speculative contacts](ContactPoint::depth)). The separation of the manifold is at most the
 //! distance of the shapes, and equal to it wherever a face, a ball or a crossing of edges is
 //! nearest; where corners and edges pass beside each other see [`apart`](super::apart).
 
@@ -20,11 +20,12 @@ use nalgebra::Vector3;
 
 use super::clipping::{ClipBuffers, keep_touching_spread};
 use super::cone::Cone;
-use super::feature_sat::{EdgeBuffers, Feature, Scale};
-use super::manifold::{ContactPoint, Overlap};
+use super::feature_sat::{EdgeBuffers, Feature};
 use super::polyhedron::{Cuboid, Frame};
+use super::scale::Scale;
 use super::{ball, boxes, cone_cone, cone_polyhedron, plane, polyhedra};
 use crate::physics::body::Body;
+use crate::physics::collision::manifold::{ContactPoint, Overlap};
 use crate::physics::shape::Geometry;
 
 /// What one pair's test needs and leaves: buffers, and the axis that next step's test begins with.
@@ -33,7 +34,7 @@ pub(crate) struct PairSearch {
     edges: EdgeBuffers,
     clip: ClipBuffers,
     /// The axis of the last step, then that of this one.
-    pub(super) last: Option<Feature>,
+    pub(crate) last: Option<Feature>,
     /// Axes measured so far.
     pub axes: u32,
 }

@@ -6,7 +6,7 @@
 //! many the bodies have (a floor has thousands). A *pair end* 2 s + k is the pair of slot s seen
 //! from A (k = 0) or B (k = 1).
 
-use super::manifold::Pair;
+use crate::physics::collision::manifold::Pair;
 
 const NONE: u32 = u32::MAX;
 
@@ -23,7 +23,7 @@ struct Link {
 
 /// One body's view of a pair.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PairEnd {
+pub(crate) struct PairEnd {
     pub slot: PairSlot,
     pub other: u32,
     end: u32,
@@ -92,15 +92,15 @@ impl PairSlots {
         None
     }
 
-    pub(super) fn set_body_count(&mut self, count: usize) {
+    pub(crate) fn set_body_count(&mut self, count: usize) {
         self.heads.resize(count, NONE);
     }
 
-    pub(super) fn first_of(&self, body: u32) -> Option<PairEnd> {
+    pub(crate) fn first_of(&self, body: u32) -> Option<PairEnd> {
         self.at(self.heads[body as usize])
     }
 
-    pub(super) fn after(&self, at: PairEnd) -> Option<PairEnd> {
+    pub(crate) fn after(&self, at: PairEnd) -> Option<PairEnd> {
         self.at(self.links[at.end as usize].next)
     }
 
@@ -114,7 +114,7 @@ impl PairSlots {
     }
 
     /// Adds a pair that is not there yet.
-    pub(super) fn insert(&mut self, pair: Pair) -> PairSlot {
+    pub(crate) fn insert(&mut self, pair: Pair) -> PairSlot {
         let slot = self.free;
         let slot = if slot == NONE {
             self.pairs.push(pair);
@@ -137,7 +137,7 @@ impl PairSlots {
     }
 
     /// Takes a pair out; its slot is the next to be given away.
-    pub(super) fn remove(&mut self, slot: PairSlot) -> Pair {
+    pub(crate) fn remove(&mut self, slot: PairSlot) -> Pair {
         let index = slot.0 as usize;
         let pair = self.pairs[index];
         for (end, body) in [(2 * index, pair.a), (2 * index + 1, pair.b)] {
@@ -159,14 +159,14 @@ impl PairSlots {
     }
 
     /// Takes out all pairs of a body.
-    pub(super) fn drop_all_of(&mut self, body: u32, removed: &mut Vec<(PairSlot, Pair)>) {
+    pub(crate) fn drop_all_of(&mut self, body: u32, removed: &mut Vec<(PairSlot, Pair)>) {
         while let Some(at) = self.first_of(body) {
             removed.push((at.slot, self.remove(at.slot)));
         }
     }
 
     /// Renames the bodies; those without a new name must have no pairs. The order of names stays.
-    pub(super) fn remap(&mut self, new_index: &[Option<u32>]) {
+    pub(crate) fn remap(&mut self, new_index: &[Option<u32>]) {
         let renamed = |body: u32| new_index[body as usize].unwrap_or(NONE);
         for pair in self.pairs.iter_mut().filter(|pair| pair.a != NONE) {
             *pair = Pair { a: renamed(pair.a), b: renamed(pair.b) };

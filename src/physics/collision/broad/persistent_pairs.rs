@@ -24,8 +24,8 @@ use nalgebra::Vector3;
 
 use super::bounding_tree::{BoundingBox, BoundingTree, Leaf};
 use super::fat_box::{Extent, Placement, Room};
-use super::manifold::Pair;
 use super::pair_slots::{PairSlot, PairSlots};
+use crate::physics::collision::manifold::Pair;
 
 /// What the broad phase asks about the bodies, which are numbered from 0.
 pub(crate) trait BoundedBodies {

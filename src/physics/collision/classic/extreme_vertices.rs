@@ -7,15 +7,15 @@
 
 use nalgebra::Vector3;
 
-use super::manifold::{ContactPoint, FeatureId, Overlap};
 use super::placed::Placed;
+use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
 use crate::physics::shape::Geometry;
 
 /// Vertices within this share of the bounding radius of the farthest are extreme too.
 const EXTREME_SHARE: f64 = 1e-3;
 
 /// Adds the contact points of an overlap, relative to body A: A's first, then B's.
-pub(super) fn contact_points(a: &Placed, b: &Placed, overlap: &Overlap, points: &mut Vec<ContactPoint>) {
+pub(crate) fn contact_points(a: &Placed, b: &Placed, overlap: &Overlap, points: &mut Vec<ContactPoint>) {
     let Overlap { normal, depth } = *overlap;
     let mut add = |point: Vector3<f64>, feature| points.push(ContactPoint { point, depth, feature });
     // Two balls have no vertices and touch in one point, not in one of each.

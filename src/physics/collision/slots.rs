@@ -10,12 +10,12 @@ use super::gap::{MARGIN, fastest_approach};
 use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::contact_pair::{self, PairSearch};
-use super::hold_back::FastPair;
+use super::broad::near_pairs::NearPairs;
+use super::broad::pair_slots::PairSlot;
+use super::continuous::fast_pair::FastPair;
+use super::continuous::time_of_impact::{self, Course, Impact};
 use super::manifold::{ContactPoint, Contacts, FeatureId, Manifold, Overlap, Pair};
-use super::near_pairs::NearPairs;
-use super::pair_slots::PairSlot;
-use super::time_of_impact::{self, Course, Impact};
+use super::narrow::contact_pair::{self, PairSearch};
 use crate::physics::bit_set::{BitSet, ones};
 use crate::physics::body::RigidBody;
 use crate::physics::body::{Bodies, Body};
@@ -147,7 +147,7 @@ pub(crate) struct Slot {
     pub pair: Pair,
     /// Whether there are contact points.
     pub touching: bool,
-    /// Whether [`super::super::ContactStarted`] was said, and not yet that it ended.
+    /// Whether [`crate::physics::ContactStarted`] was said, and not yet that it ended.
     pub is_pressed: bool,
     pub entities: (Entity, Entity),
     pub restitution: f32,

@@ -57,7 +57,7 @@ pub(crate) struct Extent {
 
 /// Where a body's centre may be with its swept box still in its fat box.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Room {
+pub(crate) struct Room {
     centre: Vector3<f64>,
     half: [f32; 4],
     /// The rotation that `half` holds for, and twice the radius that turns.

@@ -8,12 +8,12 @@ use nalgebra::Vector3;
 
 use super::bounding_tree::BoundingBox;
 use super::fat_box::{Extent, Placement};
-use super::gap::CONTACT_TOLERANCE;
-use super::manifold::{CandidatePairs, Pair};
 use super::pair_slots::PairSlot;
 use super::persistent_pairs::{BoundedBodies, Bounds, PairChanges, PersistentPairs};
 use crate::physics::body::RigidBody;
 use crate::physics::body::{Bodies, Body};
+use crate::physics::collision::gap::CONTACT_TOLERANCE;
+use crate::physics::collision::manifold::{CandidatePairs, Pair};
 use crate::physics::joint::JoinedPairs;
 use crate::physics::joint::Joints;
 use crate::physics::settings::SolverSettings;
@@ -53,7 +53,7 @@ impl CandidateTree {
 }
 
 /// The bodies as the broad phase asks for them.
-pub(super) struct InStep<'a> {
+pub(crate) struct InStep<'a> {
     pub bodies: &'a [Body],
     pub joined: &'a JoinedPairs,
     /// s.
@@ -113,7 +113,7 @@ impl BoundedBodies for InStep<'_> {
 }
 
 /// Brings the pairs of contacts that last up to date with the bodies.
-pub(super) fn update_pairs(
+pub(crate) fn update_pairs(
     bodies: Res<Bodies>,
     joints: Res<Joints>,
     joined: Res<JoinedPairs>,
@@ -126,7 +126,7 @@ pub(super) fn update_pairs(
 
 /// Brings the pairs of contacts that do not last up to date with the bodies, and lists them: half-spaces first, then by
 /// index, so that contacts do not depend on the slots, which depend on the past.
-pub(super) fn find_candidate_pairs(
+pub(crate) fn find_candidate_pairs(
     bodies: Res<Bodies>,
     joints: Res<Joints>,
     joined: Res<JoinedPairs>,

@@ -15,13 +15,13 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::contact_pair::{self, PairSearch};
-use super::gap::{fastest_approach, turning_speed};
-use super::manifold::ContactPoint;
-use super::manifold::Overlap;
 use crate::physics::body::Body;
 use crate::physics::body::RigidBody;
 use crate::physics::body::rotation_by;
+use crate::physics::collision::gap::{fastest_approach, turning_speed};
+use crate::physics::collision::manifold::ContactPoint;
+use crate::physics::collision::manifold::Overlap;
+use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
 use crate::physics::shape::Geometry;
 
 /// Looks at the pair before it is taken to touch where it is then: at corners that pass each other the bound
@@ -33,7 +33,7 @@ const TOLERANCE: f64 = 0.01;
 
 /// Where a pair is when it first touches.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Impact {
+pub(crate) struct Impact {
     /// Since the start of the step, s.
     pub time: f64,
     /// Where both bodies are then.
@@ -43,7 +43,7 @@ pub(super) struct Impact {
 
 /// What becomes of a pair within a step.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Course {
+pub(crate) enum Course {
     /// It touches where it is.
     Touching,
     /// It touches nowhere.
@@ -52,7 +52,7 @@ pub(super) enum Course {
 }
 
 /// The radius of a ball that the shape holds, about its centre of mass, m.
-pub(super) fn inner_radius(body: &Body) -> f64 {
+pub(crate) fn inner_radius(body: &Body) -> f64 {
     match &body.geometry {
         None | Some(Geometry::HalfSpace) => f64::INFINITY,
         Some(Geometry::Sphere { radius }) => *radius,
@@ -63,19 +63,19 @@ pub(super) fn inner_radius(body: &Body) -> f64 {
 
 /// Whether a point of a body moves farther against another within a time h, s, than the body is thick: then
 /// contacts sought ahead are not enough.
-pub(super) fn moves_far(body: &Body, other: &Body, h: f64) -> bool {
+pub(crate) fn moves_far(body: &Body, other: &Body, h: f64) -> bool {
     let speed = (body.linear - other.linear).norm() + turning_speed(body);
     body.kind != RigidBody::Static && speed * h > inner_radius(body)
 }
 
 /// Where a body's velocity takes it.
-pub(super) fn advanced(body: &Body, time: f64) -> (Vector3<f64>, UnitQuaternion<f64>) {
+pub(crate) fn advanced(body: &Body, time: f64) -> (Vector3<f64>, UnitQuaternion<f64>) {
     (body.position + body.linear * time, rotation_by(&(body.angular * time)) * body.rotation)
 }
 
 /// Follows a pair through a time h, s. On impact the contact points, up to the gap that may yet close, are those of
 /// the poses at the impact, world axes; otherwise there are none.
-pub(super) fn course(a: &Body, b: &Body, h: f64, search: &mut PairSearch, points: &mut Vec<ContactPoint>) -> Course {
+pub(crate) fn course(a: &Body, b: &Body, h: f64, search: &mut PairSearch, points: &mut Vec<ContactPoint>) -> Course {
     let tolerance = TOLERANCE * inner_radius(a).min(inner_radius(b));
     let fastest = fastest_approach(a, b);
     let (mut at_a, mut at_b, mut time) = (a.clone(), b.clone(), 0.0);

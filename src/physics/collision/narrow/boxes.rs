@@ -10,9 +10,9 @@ use nalgebra::{Matrix3, Vector3};
 use super::apart;
 use super::clipping::{Clip, ClipBuffers};
 use super::edge_contact::{Segment, closest, middle};
-use super::feature_sat::Scale;
-use super::manifold::{ContactPoint, FeatureId, Overlap};
 use super::polyhedron::{Cuboid, Frame, Polyhedron};
+use super::scale::Scale;
+use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
 
 /// Squared sine of the angle under which two edges count as parallel.
 const PARALLEL: f64 = 1e-12;
@@ -37,7 +37,7 @@ struct Boxes<'t> {
 }
 
 /// Tests two boxes of those half extents and adds their contact points, in A's axes.
-pub(super) fn touch(
+pub(crate) fn touch(
     half_a: &Vector3<f64>,
     half_b: &Vector3<f64>,
     b_in_a: &Frame,

@@ -6,17 +6,17 @@
 use nalgebra::Vector3;
 
 use super::cone::{Cone, unit_across};
-use super::feature_sat::Scale;
-use super::manifold::{ContactPoint, FeatureId, Overlap};
-use super::placed::{first_max, nearest_on_hull};
 use super::polyhedron::Frame;
+use super::polyhedron::{first_max, nearest_on_hull};
+use super::scale::Scale;
+use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
 use crate::physics::shape::{Geometry, Hull};
 
 /// Centre to nearest point closer than this share of the radius: the direction would be noise.
 const ON_SURFACE: f64 = 1e-12;
 
 /// Where a point is with respect to a shape.
-pub(super) struct Place {
+pub(crate) struct Place {
     /// Unit, out of the shape, along the shortest way between the point and the surface.
     pub normal: Vector3<f64>,
     /// Distance from the surface, negative inside.
@@ -35,7 +35,7 @@ impl Place {
 /// Tests a shape and a ball whose centre is given in the shape's axes, and adds the point where
 /// they touch, or are nearest if they are apart by no more than the gap, in these axes. Normal and
 /// distance are the true ones.
-pub(super) fn touch(
+pub(crate) fn touch(
     shape: &Geometry,
     shape_radius: f64,
     radius: f64,

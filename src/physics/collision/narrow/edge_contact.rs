@@ -2,15 +2,15 @@
 
 use nalgebra::Vector3;
 
-use super::feature_sat::Scale;
-use super::manifold::{ContactPoint, FeatureId};
+use super::scale::Scale;
+use crate::physics::collision::manifold::{ContactPoint, FeatureId};
 
 /// Squared sine of the angle under which two edges touch along a stretch, not in a point.
 const NEARLY_PARALLEL: f64 = 1e-5;
 
 /// The ends of an edge.
 #[derive(Clone, Copy)]
-pub(super) struct Segment(pub [Vector3<f64>; 2]);
+pub(crate) struct Segment(pub [Vector3<f64>; 2]);
 
 impl Segment {
     fn along(&self) -> Vector3<f64> {
@@ -35,7 +35,7 @@ impl Segment {
 }
 
 /// The closest points of two edges (Ericson 2005, 5.1.9); of parallel ones any two of them.
-pub(super) fn closest(one: &Segment, other: &Segment) -> [Vector3<f64>; 2] {
+pub(crate) fn closest(one: &Segment, other: &Segment) -> [Vector3<f64>; 2] {
     let (u, v, w) = (one.along(), other.along(), one.0[0] - other.0[0]);
     let (uu, uv, vv, uw, vw) = (u.dot(&u), u.dot(&v), v.dot(&v), u.dot(&w), v.dot(&w));
     let along = ((uv * vw - uw * vv) / (uu * vv - uv * uv)).clamp(0.0, 1.0);
@@ -47,14 +47,14 @@ pub(super) fn closest(one: &Segment, other: &Segment) -> [Vector3<f64>; 2] {
 }
 
 /// Half-way between two points.
-pub(super) fn middle([one, other]: [Vector3<f64>; 2]) -> Vector3<f64> {
+pub(crate) fn middle([one, other]: [Vector3<f64>; 2]) -> Vector3<f64> {
     (one + other) / 2.0
 }
 
 /// Adds the point where an edge of A crosses one of B, whose overlap along `normal` is `depth`; or
 /// the ends of the stretch that they share, if they are nearly parallel, each with its own depth,
 /// and of these what is within the gap.
-pub(super) fn touch(
+pub(crate) fn touch(
     one: &Segment,
     other: &Segment,
     normal: &Vector3<f64>,

@@ -16,7 +16,7 @@ const STEPS: u32 = 60;
 /// 2013). In the fourth there are two if the point lies inside the evolute,
 /// (a x)^⅔ + (b y)^⅔ < (a² − b²)^⅔, a minimum and a maximum, on either side of
 /// tan³ t = −b y/(a x). Elsewhere there are only maxima.
-pub(super) fn feet([a, b]: [f64; 2], [x, y]: [f64; 2]) -> [Option<[f64; 2]>; 2] {
+pub(crate) fn feet([a, b]: [f64; 2], [x, y]: [f64; 2]) -> [Option<[f64; 2]>; 2] {
     let (ax, by) = (a * x.abs(), b * y.abs());
     let focal = a * a - b * b;
     let foot = |low: f64, start: f64, by: f64| {

@@ -3,12 +3,11 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::placed::first_max;
 use crate::physics::shape::Hull;
 
 /// A body's axes and centre in those of another.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(crate) struct Frame {
     /// Columns are the axes.
     pub rotation: Matrix3<f64>,
     pub center: Vector3<f64>,
@@ -34,7 +33,7 @@ impl Frame {
 
 /// The plane of a face.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Plane {
+pub(crate) struct Plane {
     /// Unit, outward.
     pub normal: Vector3<f64>,
     /// Distance from the centre along the normal.
@@ -44,7 +43,7 @@ pub(super) struct Plane {
 /// An edge, and the normals of the faces beside it. On the unit sphere (the Gauss map) the arc
 /// between these are the directions in which the edge is foremost.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Edge {
+pub(crate) struct Edge {
     pub index: u32,
     pub start: Vector3<f64>,
     /// Unit, along the edge.
@@ -113,7 +112,7 @@ impl Edge {
 }
 
 /// A convex shape about the origin of its axes.
-pub(super) trait Convex {
+pub(crate) trait Convex {
     /// The support function: how far it reaches along a direction from the origin.
     fn reach(&self, direction: &Vector3<f64>) -> f64;
     /// Radius of the largest ball about the origin that it holds.
@@ -121,7 +120,7 @@ pub(super) trait Convex {
 }
 
 /// A convex polyhedron.
-pub(super) trait Polyhedron: Convex {
+pub(crate) trait Polyhedron: Convex {
     fn face_count(&self) -> usize;
     fn face(&self, index: usize) -> Plane;
     /// The face whose normal is nearest to a direction.
@@ -137,7 +136,7 @@ pub(super) trait Polyhedron: Convex {
 /// A box by its half extents. Faces are numbered +x, −x, +y, …; an edge by its axis and the signs
 /// of its place along the next two; a vertex by its signs along x, y, z. A set bit is a minus.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cuboid {
+pub(crate) struct Cuboid {
     pub half: Vector3<f64>,
 }
 
@@ -266,4 +265,40 @@ impl Convex for Hull {
     fn inner_radius(&self) -> f64 {
         self.inner_radius
     }
+}
+
+/// Index of the greatest value, the first of equals; 0 for none.
+pub(crate) fn first_max(values: impl Iterator<Item = f64>) -> usize {
+    let start = (0, f64::NEG_INFINITY);
+    values.enumerate().fold(start, |best, (index, value)| if value > best.1 { (index, value) } else { best }).0
+}
+
+/// The point of a hull nearest to a point in body axes (Ericson 2005, 5.1): it lies on one of the
+/// faces that the point is in front of.
+pub(crate) fn nearest_on_hull(hull: &Hull, point: &Vector3<f64>) -> Vector3<f64> {
+    let mut nearest = (f64::INFINITY, *point);
+    for face in &hull.faces {
+        let height = face.normal.dot(point) - face.offset;
+        if height <= 0.0 {
+            continue;
+        }
+        let foot = point - face.normal * height;
+        let corner = |index: usize| hull.vertices[face.vertices[index % face.vertices.len()] as usize];
+        let sides = || (0..face.vertices.len()).map(|index| (corner(index), corner(index + 1)));
+        let beyond = |from: &Vector3<f64>, to: &Vector3<f64>| face.normal.cross(&(to - from)).dot(&(foot - from)) < 0.0;
+        if sides().all(|(from, to)| !beyond(&from, &to)) {
+            // Above a face itself: no other point can be nearer.
+            return foot;
+        }
+        for (from, to) in sides().filter(|(from, to)| beyond(from, to)) {
+            let side = to - from;
+            let share = ((point - from).dot(&side) / side.norm_squared()).clamp(0.0, 1.0);
+            let candidate = from + side * share;
+            let distance = (point - candidate).norm_squared();
+            if distance < nearest.0 {
+                nearest = (distance, candidate);
+            }
+        }
+    }
+    nearest.1
 }

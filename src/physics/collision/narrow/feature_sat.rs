@@ -33,28 +33,18 @@ use nalgebra::Vector3;
 
 use super::apart;
 use super::clipping::ClipBuffers;
-use super::gap::CONTACT_TOLERANCE;
-use super::manifold::Overlap;
-use super::polyhedron::{Convex, Edge, Frame, Polyhedron};
-
-/// An edge–edge axis (or a face of B) is taken only where its depth is below this share of the
-/// depth along the best face (of A) …
-const RIVAL_SHARE: f64 = 0.95;
-
-/// … (apart: where it is farther apart than the face by the inverse of that share) and below it by
-/// this share of the smaller bounding radius as well, for depths near zero.
-const RIVAL_MARGIN: f64 = 1e-4;
+use super::polyhedron::{Convex, Edge, Frame, Polyhedron, first_max};
+use super::scale::Scale;
+use crate::physics::collision::gap::CONTACT_TOLERANCE;
+use crate::physics::collision::manifold::Overlap;
 
 /// Sine of the angle under which two edges count as parallel: their cross product would be off by
 /// more than 1e-10. Between parallel edges the least depth is along a face.
 const PARALLEL: f64 = 1e-6;
 
-/// Bounds leave out what is worse by this share of the bounding radii: far more than rounding.
-const BOUND_SLACK: f64 = 1e-9;
-
 /// What an axis was made of, by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Feature {
+pub(crate) enum Feature {
     FaceOfA(u32),
     FaceOfB(u32),
     /// An edge of A and one of B.
@@ -65,7 +55,7 @@ pub(super) enum Feature {
 
 /// Along which axis two shapes overlap least.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Least {
+pub(crate) struct Least {
     /// Unit, from A to B, in A's axes.
     pub normal: Vector3<f64>,
     /// m; negative where they are apart, by no more than the gap.
@@ -82,7 +72,7 @@ impl Least {
 
 /// Along which axes a cone overlaps another shape.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Found {
+pub(crate) struct Found {
     pub least: Least,
     /// A face or base, or the least if that is less deep by enough.
     pub preferred: Least,
@@ -120,73 +110,23 @@ impl Found {
 
 /// How a test went.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Verdict {
+pub(crate) enum Verdict {
     /// Apart by more than the gap along that feature's axis.
     Apart(Feature),
     /// Overlapping, or within the gap.
     Near(Least),
 }
 
-/// Lengths that a pair's sizes and its gap set.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Scale {
-    /// Distance up to which two shapes count as touching.
-    pub tolerance: f64,
-    /// Distance up to which two shapes, and single points of them, get contact points: the gap
-    /// asked for, but at least the tolerance.
-    pub gap: f64,
-    /// The smaller bounding radius.
-    pub size: f64,
-    slack: f64,
-}
-
-impl Scale {
-    /// Of the bounding radii of two shapes, and the gap asked for.
-    pub fn new(radius_a: f64, radius_b: f64, gap: f64) -> Self {
-        let sum = radius_a + radius_b;
-        let tolerance = CONTACT_TOLERANCE * sum;
-        Self { tolerance, gap: gap.max(tolerance), size: radius_a.min(radius_b), slack: BOUND_SLACK * sum }
-    }
-
-    /// Whether points that only may touch are asked for.
-    pub fn is_speculative(&self) -> bool {
-        self.gap > self.tolerance
-    }
-
-    /// Whether a depth along some axis tells that two shapes are farther apart than the gap.
-    pub fn separates(&self, depth: f64) -> bool {
-        depth < -self.gap
-    }
-
-    /// The depth; zero if rounding could have made it of that.
-    pub fn rounded(&self, depth: f64) -> f64 {
-        if depth >= -self.tolerance { depth.max(0.0) } else { depth }
-    }
-
-    /// The depth under which a rival axis is preferred to one of that depth.
-    pub fn limit(&self, depth: f64) -> f64 {
-        let depth = self.rounded(depth);
-        let share = if depth < 0.0 { depth / RIVAL_SHARE } else { RIVAL_SHARE * depth };
-        share - RIVAL_MARGIN * self.size
-    }
-
-    /// What is certain to be deeper than this can be left out: it neither is below `limit` nor
-    /// separates.
-    pub fn bound(&self, limit: f64) -> f64 {
-        limit.max(-self.gap) + self.slack
-    }
-}
-
 /// Buffers of the edges that may count, kept from pair to pair.
 #[derive(Default)]
-pub(super) struct EdgeBuffers {
+pub(crate) struct EdgeBuffers {
     pub a: Vec<Edge>,
     b: Vec<Edge>,
 }
 
 /// The feature of least depth so far, by number.
 #[derive(Clone, Copy)]
-pub(super) struct Best<I> {
+pub(crate) struct Best<I> {
     pub depth: f64,
     pub index: I,
 }
@@ -211,7 +151,7 @@ impl<I: PartialOrd + Copy> Best<I> {
 }
 
 /// Tests two polyhedra, B's frame in A's. Adds the number of axes measured to `axes`.
-pub(super) fn test(
+pub(crate) fn test(
     a: &impl Polyhedron,
     b: &impl Polyhedron,
     b_in_a: &Frame,
@@ -340,7 +280,7 @@ impl<A: Polyhedron, B: Polyhedron> Test<'_, A, B> {
 }
 
 /// The overlap along a face's normal.
-pub(super) fn face_depth(one: &impl Polyhedron, other: &impl Convex, other_in_one: &Frame, face: usize) -> f64 {
+pub(crate) fn face_depth(one: &impl Polyhedron, other: &impl Convex, other_in_one: &Frame, face: usize) -> f64 {
     let plane = one.face(face);
     plane.offset - plane.normal.dot(&other_in_one.center) + other.reach(&-other_in_one.enter(&plane.normal))
 }
@@ -348,7 +288,7 @@ pub(super) fn face_depth(one: &impl Polyhedron, other: &impl Convex, other_in_on
 /// The face of `one` with the least depth, if it is below `limit`; the error is one that
 /// separates. Begins with the face given, or else the one that the other's centre is highest
 /// above.
-pub(super) fn least_face(
+pub(crate) fn least_face(
     one: &impl Polyhedron,
     other: &impl Convex,
     other_in_one: &Frame,
@@ -375,7 +315,7 @@ pub(super) fn least_face(
         }
         Ok(())
     };
-    let first = last.unwrap_or_else(|| super::placed::first_max((0..count).map(height)));
+    let first = last.unwrap_or_else(|| first_max((0..count).map(height)));
     if inner - height(first) <= scale.bound(limit) {
         measure(first, &mut best)?;
     }
@@ -405,7 +345,7 @@ fn edge_depth(a: &Edge, b: &Edge) -> Option<(f64, Vector3<f64>)> {
 
 /// The edges of `one` whose arcs hold a direction along which the depth may be within `bound`,
 /// given the centre and inner radius of the other.
-pub(super) fn facing_edges(
+pub(crate) fn facing_edges(
     one: &impl Polyhedron,
     other_inner: f64,
     other_center: &Vector3<f64>,

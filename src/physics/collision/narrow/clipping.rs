@@ -12,16 +12,16 @@
 
 use nalgebra::Vector3;
 
-use super::feature_sat::Scale;
-use super::manifold::{ContactPoint, FeatureId};
-use super::placed::first_max;
+use super::polyhedron::first_max;
+use super::scale::Scale;
+use crate::physics::collision::manifold::{ContactPoint, FeatureId};
 
 /// Most points of a clipped manifold.
-pub(super) const MAX_POINTS: usize = 4;
+pub(crate) const MAX_POINTS: usize = 4;
 
 /// Sides of the reference face are moved outward by this share of the smaller bounding radius, so
 /// that corners of aligned boxes stay corners when rounding moves them across a side.
-pub(super) const SIDE_MARGIN: f64 = 1e-5;
+pub(crate) const SIDE_MARGIN: f64 = 1e-5;
 
 /// Depths that are less than the greatest by up to this share of the smaller bounding radius
 /// count as deepest: the first of them is taken, so that the choice does not flicker.
@@ -32,7 +32,7 @@ const NEARLY_WIDEST: f64 = 0.99;
 
 /// Buffers of the clipping, kept from pair to pair.
 #[derive(Default)]
-pub(super) struct ClipBuffers {
+pub(crate) struct ClipBuffers {
     /// Corners of the reference face, counter-clockwise seen from outside.
     pub reference: Vec<Vector3<f64>>,
     /// Corners of the incident face; two are a segment, one a point.
@@ -58,10 +58,10 @@ const SOUND_SHARE: f64 = 0.9;
 const SOUND_MARGIN: f64 = 1e-4;
 
 /// Names the side of a reference face; sides of the incident face have names below this.
-pub(super) const REFERENCE_SIDE: u16 = 0x8000;
+pub(crate) const REFERENCE_SIDE: u16 = 0x8000;
 
 /// Which faces are clipped, and how deep they overlap.
-pub(super) struct Clip<'t> {
+pub(crate) struct Clip<'t> {
     pub reference_is_b: bool,
     pub reference_face: u32,
     pub incident_face: u32,
@@ -186,7 +186,7 @@ fn incident_corner(point: Vector3<f64>, index: usize, corners: usize) -> Corner 
 }
 
 /// Moves at most [`MAX_POINTS`] of the points found to `points`, in the order they were found.
-pub(super) fn keep_spread(found: &[ContactPoint], normal: &Vector3<f64>, size: f64, points: &mut Vec<ContactPoint>) {
+pub(crate) fn keep_spread(found: &[ContactPoint], normal: &Vector3<f64>, size: f64, points: &mut Vec<ContactPoint>) {
     if found.len() > MAX_POINTS {
         let kept = spread(found, normal, size);
         points.extend(found.iter().enumerate().filter(|(index, _)| kept.contains(index)).map(|(_, point)| point));
@@ -199,7 +199,7 @@ pub(super) fn keep_spread(found: &[ContactPoint], normal: &Vector3<f64>, size: f
 /// there are enough of them the others are left out, else these fill up. What hovers by less than
 /// [`NEARLY_DEEPEST`] counts as touching. Where no point is above the other's surface the points
 /// are those of [`keep_spread`].
-pub(super) fn keep_touching_spread(
+pub(crate) fn keep_touching_spread(
     found: &mut Vec<ContactPoint>,
     normal: &Vector3<f64>,
     size: f64,

@@ -29,7 +29,7 @@ const SQUARE_TILT: f64 = 1e-3;
 
 /// A solid circular cone.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cone {
+pub(crate) struct Cone {
     pub radius: f64,
     /// Height of the apex over the centre of mass.
     pub apex: f64,
@@ -43,7 +43,7 @@ pub(super) struct Cone {
 
 /// Which part of a cone faces a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Facing {
+pub(crate) enum Facing {
     Base = 0,
     Flank = 1,
 }
@@ -120,7 +120,7 @@ impl Cone {
 }
 
 /// The part of a direction across the axis, as a unit vector (x, z); any if there is none.
-pub(super) fn unit_across(direction: &Vector3<f64>) -> [f64; 2] {
+pub(crate) fn unit_across(direction: &Vector3<f64>) -> [f64; 2] {
     let across = direction.x.hypot(direction.z);
     if across > 0.0 { [direction.x / across, direction.z / across] } else { [1.0, 0.0] }
 }

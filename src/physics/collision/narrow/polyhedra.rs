@@ -4,13 +4,14 @@
 use super::apart;
 use super::clipping::{Clip, ClipBuffers};
 use super::edge_contact::{Segment, closest, middle};
-use super::feature_sat::{self, EdgeBuffers, Feature, Least, Scale, Verdict};
-use super::manifold::{ContactPoint, FeatureId, Overlap};
+use super::feature_sat::{self, EdgeBuffers, Feature, Least, Verdict};
 use super::polyhedron::{Frame, Polyhedron};
+use super::scale::Scale;
+use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
 
 /// Tests two polyhedra; what was the last step's axis is tried first and replaced. Contact points
 /// are left in the clip buffers, in A's axes.
-pub(super) fn touch(
+pub(crate) fn touch(
     a: &impl Polyhedron,
     b: &impl Polyhedron,
     b_in_a: &Frame,

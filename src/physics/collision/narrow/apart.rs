@@ -21,9 +21,9 @@ use nalgebra::Vector3;
 
 use super::clipping::{ClipBuffers, REFERENCE_SIDE, SIDE_MARGIN};
 use super::edge_contact::{self, Segment, closest};
-use super::feature_sat::Scale;
-use super::manifold::Overlap;
 use super::polyhedron::{Convex, Frame};
+use super::scale::Scale;
+use crate::physics::collision::manifold::Overlap;
 
 /// Distances that differ by less than this share are the same to rounding.
 const SAME: f64 = 1e-9;
@@ -34,7 +34,7 @@ const CROSSING: f64 = 1e-4;
 
 /// The separation along two near points of the shapes if that is greater than the one found; none
 /// if it is beyond the gap. Overlaps stay as they are.
-pub(super) fn along(
+pub(crate) fn along(
     a: &impl Convex,
     b: &impl Convex,
     b_in_a: &Frame,
@@ -58,7 +58,7 @@ pub(super) fn along(
 /// Shapes apart, of which nothing is over the reference face within the gap. Its outline, in the
 /// axes of its own shape, the incident one's, and the corner that stands for that, in A's axes, come
 /// and what touches beside the faces goes in the buffers; all of it is A's axes then.
-pub(super) fn beside(
+pub(crate) fn beside(
     a: &impl Convex,
     b: &impl Convex,
     b_in_a: &Frame,

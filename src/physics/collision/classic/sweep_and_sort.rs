@@ -21,10 +21,10 @@ use std::ops::Range;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use super::gap::{CONTACT_TOLERANCE, own_reach, speculative_gap};
-use super::manifold::{CandidatePairs, Pair};
 use crate::physics::body::CollisionLayers;
 use crate::physics::body::{Bodies, Body};
+use crate::physics::collision::gap::{CONTACT_TOLERANCE, own_reach, speculative_gap};
+use crate::physics::collision::manifold::{CandidatePairs, Pair};
 use crate::physics::joint::JoinedPairs;
 use crate::physics::settings::{Method, SolverSettings};
 use crate::physics::shape::Geometry;
@@ -39,7 +39,7 @@ const MOVES_PER_BODY: usize = 16;
 
 /// What the sweep keeps from step to step: the order of the bodies, and buffers.
 #[derive(Default)]
-pub(super) struct SweepAndSort {
+pub(crate) struct SweepAndSort {
     half_spaces: Vec<u32>,
     order: Vec<Begin>,
     spheres: Vec<Projection>,
@@ -72,7 +72,7 @@ struct Block {
 }
 
 /// Finds the candidate pairs of this step.
-pub(super) fn find_candidate_pairs(
+pub(crate) fn find_candidate_pairs(
     bodies: Res<Bodies>,
     joined: Res<JoinedPairs>,
     settings: Res<SolverSettings>,

@@ -16,10 +16,10 @@
 
 use nalgebra::Vector3;
 
-use super::gap::CONTACT_TOLERANCE;
-use super::manifold::Overlap;
 use super::placed::Placed;
 use super::vector_set::VectorSet;
+use crate::physics::collision::gap::CONTACT_TOLERANCE;
+use crate::physics::collision::manifold::Overlap;
 use crate::physics::shape::Geometry;
 
 /// Centre to nearest point closer than this share of the radius: the centre lies in the other
@@ -28,7 +28,7 @@ const ON_SURFACE: f64 = 1e-12;
 
 /// How axes are chosen.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct AxisSearch {
+pub(crate) struct AxisSearch {
     /// L1 distance within which two axes count as one.
     pub epsilon: f64,
     /// Whether n and −n count as one.
@@ -37,7 +37,7 @@ pub(super) struct AxisSearch {
 
 /// Buffers of the test, kept from pair to pair.
 #[derive(Default)]
-pub(super) struct AxisBuffers {
+pub(crate) struct AxisBuffers {
     set: VectorSet,
     a: Vec<Vector3<f64>>,
     b: Vec<Vector3<f64>>,
@@ -46,7 +46,7 @@ pub(super) struct AxisBuffers {
 }
 
 /// Tests two shapes; none if they are apart. Not for two half-spaces.
-pub(super) fn overlap(a: &Placed, b: &Placed, search: &AxisSearch, buffers: &mut AxisBuffers) -> Option<Overlap> {
+pub(crate) fn overlap(a: &Placed, b: &Placed, search: &AxisSearch, buffers: &mut AxisBuffers) -> Option<Overlap> {
     match (a.geometry, b.geometry) {
         (Geometry::HalfSpace, _) => plane_overlap(a, b),
         (_, Geometry::HalfSpace) => plane_overlap(b, a).map(|overlap| Overlap { normal: -overlap.normal, ..overlap }),

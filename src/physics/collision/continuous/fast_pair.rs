@@ -1,0 +1,56 @@
+//! Pairs in which a body may move farther in a step than it is thick.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::time_of_impact::{self, advanced};
+use crate::physics::body::Body;
+use crate::physics::collision::manifold::Pair;
+
+/// How a body moves from the start of the step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Start {
+    position: Vector3<f64>,
+    rotation: UnitQuaternion<f64>,
+    linear: Vector3<f64>,
+    angular: Vector3<f64>,
+}
+
+impl Start {
+    pub fn of(&Body { position, rotation, linear, angular, .. }: &Body) -> Self {
+        Self { position, rotation, linear, angular }
+    }
+
+    /// The body at a time, with the steady velocity that takes it to where it is now, a time `left` later.
+    pub fn onwards(&self, body: &Body, time: f64, left: f64) -> Body {
+        let Self { position, rotation, linear, angular } = *self;
+        let (position, rotation) = advanced(&Body { position, rotation, linear, angular, ..body.clone() }, time);
+        let mut turn = (body.rotation * rotation.inverse()).scaled_axis();
+        // Of all turns between the two poses the one nearest to what the angular velocity makes.
+        if let Some(axis) = turn.try_normalize(1e-9) {
+            let missing = body.angular.dot(&axis) * left - turn.norm();
+            turn += axis * ((missing / TAU).round() * TAU);
+        }
+        let linear = (body.position - position) / left;
+        Body { position, rotation, linear, angular: turn / left, ..body.clone() }
+    }
+}
+
+/// A pair in which a body may move farther than it is thick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FastPair {
+    pub pair: Pair,
+    pub starts: [Start; 2],
+    /// Which of them are fast.
+    pub fast: [bool; 2],
+    /// When they meet if nothing else is met before, s.
+    pub impact: Option<f64>,
+}
+
+impl FastPair {
+    pub fn new(pair: Pair, a: &Body, b: &Body, h: f64, impact: Option<f64>) -> Self {
+        let fast = [time_of_impact::moves_far(a, b, h), time_of_impact::moves_far(b, a, h)];
+        Self { pair, starts: [Start::of(a), Start::of(b)], fast, impact }
+    }
+}
