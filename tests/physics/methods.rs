@@ -262,3 +262,22 @@ fn soft_joints_stretch_by_their_compliance() {
         assert_eq!(world.get::<Rotation>(bob).unwrap().0, DQuat::IDENTITY);
     }
 }
+
+/// Contacts that last and the exact method have manifolds; only force-level sweeps can have the 2009 engine's points.
+#[test]
+fn extreme_vertices_are_of_force_level_methods_alone() {
+    for settings in every_method() {
+        let asked = SolverSettings { contacts: ContactModel::ExtremeVertices, ..settings };
+        let is_force_level =
+            !matches!(settings.method, Method::SoftStep | Method::SequentialImpulses | Method::Xpbd | Method::Exact);
+        if is_force_level {
+            assert_eq!(asked.validate(), Ok(()), "{:?}", settings.method);
+            assert_eq!(SolverSettings::classic().with_method(settings.method).contacts, ContactModel::ExtremeVertices);
+        } else {
+            let said = asked.validate().expect_err("it would be ignored").to_string();
+            assert!(said.starts_with("contacts: ExtremeVertices is out of range") && !said.contains('\n'), "{said}");
+            assert_eq!(asked.with_method(settings.method), settings);
+        }
+        assert_eq!(SolverSettings::classic().with_method(settings.method).validate(), Ok(()));
+    }
+}

@@ -40,7 +40,7 @@ use super::bodies::{Bodies, Joints};
 use super::collision::Contacts;
 use super::diagnostics::{ContactForces, StepStats};
 use super::island::Islands;
-use super::settings::{Gravity, Method, SolverSettings};
+use super::settings::{Gravity, SolverSettings};
 use super::{PhysicsSchedule, PhysicsSystems, threads};
 
 pub(super) fn plugin(app: &mut App) {
@@ -56,7 +56,7 @@ pub(super) fn plugin(app: &mut App) {
 }
 
 fn sweeps_force_rows(settings: Res<SolverSettings>) -> bool {
-    !settings.method.keeps_contacts() && settings.method != Method::Exact
+    settings.method.is_force_level()
 }
 
 /// One solver per island, kept with its buffers from step to step.
