@@ -54,17 +54,18 @@ pub enum Method {
 }
 
 impl Method {
+    /// Whether it sweeps over rows of forces, as the 2009 engine does.
+    pub(crate) fn is_force_level(self) -> bool {
+        matches!(
+            self,
+            Self::ProjectedGaussSeidel | Self::PrimedGaussSeidel | Self::NonsmoothConjugateGradient | Self::JointSpace
+        )
+    }
+
     /// Whether contacts last from step to step, with their impulses, instead of being found and
     /// forgotten.
     pub(crate) fn keeps_contacts(self) -> bool {
-        !matches!(
-            self,
-            Self::ProjectedGaussSeidel
-                | Self::PrimedGaussSeidel
-                | Self::NonsmoothConjugateGradient
-                | Self::JointSpace
-                | Self::Exact
-        )
+        !self.is_force_level() && self != Self::Exact
     }
 }
 
@@ -116,12 +117,19 @@ impl Integrator {
 #[serde(rename_all = "snake_case")]
 pub enum ContactModel {
     /// The extreme vertices of each shape toward the other, moved onto the contact plane, all
-    /// with the same depth: the 2009 engine's.
+    /// with the same depth: the 2009 engine's. Of force-level methods only.
     ExtremeVertices,
     /// The incident face clipped to the reference face, each point with its own depth; at most
     /// 4 points, chosen to keep the deepest one and the area.
     #[default]
     Clipping,
+}
+
+impl ContactModel {
+    /// Whether it is one of those that a method has.
+    fn is_of(self, method: Method) -> bool {
+        self == Self::Clipping || method.is_force_level()
+    }
 }
 
 /// How friction is solved.
@@ -189,7 +197,7 @@ pub struct SolverSettings {
     pub drag: f64,
     /// Approach speed above which contacts bounce, m/s, ≥ 0; none: no contact bounces.
     pub restitution_speed: Option<f64>,
-    /// How contact points are found.
+    /// How contact points are found. A choice of force-level methods only: the others have `Clipping`.
     pub contacts: ContactModel,
     /// L1 distance within which two candidate axes of the separating axis test count as one, ≥ 0.
     /// Of extreme-vertex contacts only.
@@ -317,11 +325,13 @@ impl SolverSettings {
         Self::PRESETS.iter().find(|(known, _)| *known == name).map(|(_, preset)| preset())
     }
 
-    /// The same with another method, and an integrator of that method where the present one is not.
+    /// The same with another method, and an integrator and contact points of that method where the present ones are
+    /// not.
     pub fn with_method(self, method: Method) -> Self {
-        let fits = self.integrator.is_of(method);
         let own = if method == Method::Exact { Integrator::Gauss } else { Integrator::Euler };
-        Self { method, integrator: if fits { self.integrator } else { own }, ..self }
+        let integrator = if self.integrator.is_of(method) { self.integrator } else { own };
+        let contacts = if self.contacts.is_of(method) { self.contacts } else { ContactModel::Clipping };
+        Self { method, integrator, contacts, ..self }
     }
 
     /// The step h, s.
@@ -365,6 +375,11 @@ impl SolverSettings {
         if let Some(speed) = self.sleep_speed {
             check("sleep_speed", speed, "at least 0", speed >= 0.0)?;
         }
+        if !self.contacts.is_of(self.method) {
+            let value = SettingValue::Contacts(self.contacts);
+            let range = "Clipping with other methods than pgs, cg_pgs, nncg and joint_space";
+            return Err(SettingsError { field: "contacts", value, range });
+        }
         check("axis_epsilon", self.axis_epsilon, "0 to 0.5", (0.0..=0.5).contains(&self.axis_epsilon))?;
         check("contact_lag", f64::from(self.contact_lag), "0 or 1", self.contact_lag <= 1)?;
         check("threads", f64::from(self.threads), "at least 1", self.threads >= 1)
@@ -378,6 +393,8 @@ pub enum SettingValue {
     Number(f64),
     /// A choice.
     Integrator(Integrator),
+    /// A choice.
+    Contacts(ContactModel),
 }
 
 impl std::fmt::Display for SettingValue {
@@ -385,6 +402,7 @@ impl std::fmt::Display for SettingValue {
         match self {
             Self::Number(value) => value.fmt(formatter),
             Self::Integrator(integrator) => write!(formatter, "{integrator:?}"),
+            Self::Contacts(contacts) => write!(formatter, "{contacts:?}"),
         }
     }
 }

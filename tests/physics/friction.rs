@@ -83,6 +83,23 @@ fn two_tangent_friction_is_the_same_in_every_direction() {
     }
 }
 
+/// A box thrown along the ground goes on as it was thrown, whatever the method.
+#[test]
+fn without_friction_nothing_slows_down() {
+    for settings in every_method() {
+        let mut world = world_with(SolverSettings { friction: FrictionModel::Off, ..settings });
+        ground(&mut world);
+        let slider = body(&mut world, Collider::cuboid(1.0, 0.5, 1.0), DVec3::Y * 0.25);
+        let thrown = DVec3::new(3.0, 0.0, 0.5);
+        world.entity_mut(slider).insert(Velocity { linear: thrown, ..default() });
+        run(&mut world, 1.0);
+        // Normals are level to rounding in `f32`, 1e-7 of what carries the weight in each of up to 480 solves.
+        let left = velocity(&world, slider).with_y(0.0);
+        assert!((left - thrown).length() < 1e-4, "{:?}: {left} m/s", settings.method);
+        assert_near(spin(&world, slider), DVec3::ZERO, 1e-3);
+    }
+}
+
 #[test]
 fn without_friction_nothing_holds() {
     let (mut world, slider) = incline(20.0);

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use super::narrow_phase::{Buffers, touch};
 use crate::physics::body::Body;
 use crate::physics::settings::SolverSettings;
-use crate::physics::shape::{Collider, Geometry};
+use crate::physics::shape::{Collider, Geometry, Shape};
 use crate::physics::{Position, Rotation};
 
 /// A collider at a pose, to ask what it overlaps without a step.
@@ -21,16 +21,21 @@ pub struct PlacedCollider<'a> {
 
 impl PlacedCollider<'_> {
     /// How deep two overlap, m, along the direction in which that is least (over a half-space: its
-    /// normal); 0 where they only touch. None: they are apart, or one has a size that makes no sense.
+    /// normal); 0 where they only touch. None: they are apart, or both are half-spaces, which no depth measures, or one
+    /// has a size or a pose that makes no sense.
     pub fn overlap(&self, other: &Self) -> Option<f64> {
         if !self.collider.is_valid() || !other.collider.is_valid() {
             return None;
         }
+        if [self, other].iter().all(|placed| matches!(placed.collider.shape(), Shape::HalfSpace)) {
+            return None;
+        }
         let reach = self.collider.bounding_radius() + other.collider.bounding_radius();
-        if self.position.distance(other.position.0) > reach {
+        let distance = self.position.distance(other.position.0);
+        if !distance.is_finite() || distance > reach {
             return None; // before a hull is built for nothing
         }
-        let (mut a, mut b) = (self.body(), other.body());
+        let (mut a, mut b) = (self.body()?, other.body()?);
         if matches!(b.geometry, Some(Geometry::HalfSpace)) {
             std::mem::swap(&mut a, &mut b); // as in every pair of the broad phase
         }
@@ -38,12 +43,75 @@ impl PlacedCollider<'_> {
         (overlap.depth >= 0.0).then_some(overlap.depth)
     }
 
-    fn body(&self) -> Body {
+    /// None: its rotation is none.
+    fn body(&self) -> Option<Body> {
         let mut body = Body::new(Entity::PLACEHOLDER);
         body.position = self.position.0.into();
         body.rotation = nalgebra::UnitQuaternion::new_normalize(self.rotation.0.into());
+        if !self.rotation.0.normalize().is_normalized() {
+            return None;
+        }
         body.geometry = Some(self.collider.geometry());
         body.radius = self.collider.bounding_radius();
-        body
+        Some(body)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::{DQuat, DVec3};
+
+    use super::PlacedCollider;
+    use crate::physics::{Collider, Position, Rotation};
+
+    fn placed(collider: &Collider, position: DVec3) -> PlacedCollider<'_> {
+        PlacedCollider { collider, position: Position(position), rotation: Rotation(DQuat::IDENTITY) }
+    }
+
+    fn shapes() -> [Collider; 5] {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        [
+            Collider::half_space(),
+            Collider::sphere(0.5),
+            Collider::cuboid(1.0, 2.0, 3.0),
+            Collider::cone(0.5, 1.0),
+            Collider::convex_hull(&corners).expect("four corners that span a volume"),
+        ]
+    }
+
+    #[test]
+    fn two_half_spaces_overlap_by_no_depth() {
+        let plane = Collider::half_space();
+        for height in [-1.0, 0.0, 1.0] {
+            assert_eq!(placed(&plane, DVec3::ZERO).overlap(&placed(&plane, DVec3::Y * height)), None);
+        }
+    }
+
+    #[test]
+    fn what_is_nowhere_overlaps_nothing() {
+        let numbers = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX];
+        for (one, other) in shapes().iter().flat_map(|one| shapes().map(|other| (one.clone(), other))) {
+            let here = placed(&other, DVec3::ZERO);
+            for number in numbers {
+                let nowhere = placed(&one, DVec3::new(0.0, number, 0.0));
+                for found in [nowhere.overlap(&here), here.overlap(&nowhere)] {
+                    assert_eq!(found, None, "{one:?}, {other:?} at {number}");
+                }
+                for rotation in [DQuat::from_xyzw(number, 0.0, 0.0, 1.0), DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0)] {
+                    let twisted = PlacedCollider { rotation: Rotation(rotation), ..placed(&one, DVec3::ZERO) };
+                    assert_eq!(twisted.overlap(&here), None, "{one:?} {rotation} {other:?}");
+                    assert_eq!(here.overlap(&twisted), None, "{one:?} {rotation} {other:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_ball_in_the_ground_overlaps_by_its_depth() {
+        let (plane, ball) = (Collider::half_space(), Collider::sphere(0.5));
+        let (plane, ball) = (placed(&plane, DVec3::ZERO), placed(&ball, DVec3::Y * 0.3));
+        for found in [plane.overlap(&ball), ball.overlap(&plane)] {
+            assert!((found.expect("it is in it") - 0.2).abs() < 1e-15);
+        }
     }
 }

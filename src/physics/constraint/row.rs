@@ -48,6 +48,19 @@ pub(crate) enum Bounds<N> {
     Fixed(N, N),
     /// |λ| ≤ μ λ_n with λ_n the present multiplier of the row that many rows before.
     Friction { coefficient: N, normal_rows_back: u32 },
+    /// √(Σλ²) ≤ `most` over three rows that stand together, of which this is number `place`, from 0.
+    Norm { most: N, place: u32 },
+}
+
+/// The force, or where it is larger than `most`, ≥ 0, the one of that Euclidean norm along it.
+pub(crate) fn bounded<N: SimdRealField + Copy>(force: Vector3<N>, most: N) -> Vector3<N> {
+    // As multiples of the largest component, whose square could be too much for `f32`.
+    let largest = force.x.simd_abs().simd_max(force.y.simd_abs()).simd_max(force.z.simd_abs());
+    let unit = largest.select(largest.simd_gt(N::zero()), N::one());
+    let scaled = force.map(|along| along / unit);
+    let size = unit * scaled.dot(&scaled).simd_sqrt();
+    let share = (most / size).select(size.simd_gt(most), N::one());
+    force * share
 }
 
 /// One scalar constraint between two bodies.

@@ -47,7 +47,7 @@ pub struct Softness {
     pub frequency: f64,
     /// Damping ratio ζ ≥ 0; 1 is critical.
     pub damping_ratio: f64,
-    /// Largest force along each world axis, N.
+    /// Largest force, N: of its Euclidean norm, whatever its direction.
     pub max_force: f64,
 }
 

@@ -6,12 +6,39 @@ mod stages;
 pub(crate) use shared::Shared;
 pub(crate) use stages::Stages;
 
-use std::sync::Mutex;
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::{Mutex, PoisonError};
 
-use bevy::tasks::ComputeTaskPool;
+use bevy::tasks::{ComputeTaskPool, TaskPool};
 
-/// Calls `work` once on every block. Up to `threads` threads, the calling one included, claim
-/// blocks in order; what a block holds must not depend on who works on it, and then the result
+/// What a panic carries.
+type Payload = Box<dyn Any + Send>;
+
+/// Calls `work` with 0 on this thread and with each number up to `workers` on threads of the pool, and comes back when
+/// all are done. The first panic of any of them goes on from here: one that left the pool's scope by itself would drop
+/// what the other workers still use.
+fn on_workers(pool: &TaskPool, workers: usize, work: impl Fn(usize) + Sync) {
+    let panicked: Mutex<Option<Payload>> = Mutex::new(None);
+    let work = |worker| {
+        if let Err(payload) = catch_unwind(AssertUnwindSafe(|| work(worker))) {
+            panicked.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(payload);
+        }
+    };
+    let work = &work;
+    pool.scope(|scope| {
+        for worker in 1..workers {
+            scope.spawn(async move { work(worker) });
+        }
+        work(0);
+    });
+    if let Some(payload) = panicked.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        resume_unwind(payload);
+    }
+}
+
+/// Calls `work` once on every block; a panic of it goes on from here. Up to `threads` threads, the calling one
+/// included, claim blocks in order; what a block holds must not depend on who works on it, and then the result
 /// does not depend on the number of threads.
 ///
 /// The calling thread works too and can finish alone: a worker that starts late finds nothing
@@ -33,25 +60,22 @@ pub(crate) fn for_each_of<T: Send>(
         return;
     };
     let unclaimed = Mutex::new(blocks);
-    let claim = || unclaimed.lock().expect("a worker panicked").next();
-    let work_through = || {
+    // Nothing is left to claim once making a block has panicked.
+    let claim = || unclaimed.lock().ok()?.next();
+    on_workers(pool, workers, |_| {
         while let Some(block) = claim() {
             work(block);
         }
-    };
-    pool.scope(|scope| {
-        for _ in 1..workers {
-            scope.spawn(async { work_through() });
-        }
-        work_through();
     });
 }
 
 #[cfg(test)]
 mod tests {
-    use super::for_each_block;
+    use super::{for_each_block, for_each_of};
     use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
     use std::collections::HashSet;
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+    use std::sync::atomic::{AtomicBool, Ordering};
     use std::sync::{Condvar, Mutex};
 
     #[test]
@@ -79,5 +103,40 @@ mod tests {
             }
         });
         assert_eq!(seen.lock().unwrap().len(), 2);
+    }
+
+    /// Whoever panics, over a block or where the next is made, its message comes to the caller, and the pool works on.
+    #[test]
+    fn a_panic_arrives_as_it_was() {
+        ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(4).build());
+        let caller = std::thread::current().id();
+        let said = |run: &dyn Fn()| {
+            let payload = catch_unwind(AssertUnwindSafe(run)).expect_err("it must not get lost");
+            payload.downcast_ref::<String>().expect("a formatted message").clone()
+        };
+        for (threads, by_caller) in [(2, true), (2, false), (4, true), (4, false)] {
+            let is_here = AtomicBool::new(false);
+            let message = said(&|| {
+                for_each_of(threads, 0..8, |block| {
+                    if (std::thread::current().id() == caller) == by_caller {
+                        is_here.store(true, Ordering::SeqCst);
+                        panic!("block {block} is broken");
+                    }
+                    // Others leave a block to the one that panics.
+                    while !is_here.load(Ordering::SeqCst) {
+                        std::thread::yield_now();
+                    }
+                });
+            });
+            assert!(message.ends_with(" is broken"), "{threads}, {by_caller}: {message}");
+            let message = said(&|| {
+                let blocks = (0..8).inspect(|block| assert!(*block < 3, "block {block} cannot be made"));
+                for_each_of(threads, blocks, |_| std::thread::yield_now());
+            });
+            assert_eq!(message, "block 3 cannot be made", "{threads}");
+            let mut blocks = [0; 20];
+            for_each_block(threads, &mut blocks, |block| *block += 1);
+            assert_eq!(blocks, [1; 20]);
+        }
     }
 }

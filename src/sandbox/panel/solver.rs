@@ -173,7 +173,7 @@ const FIELDS: &[(&str, &[Field])] = &[
                 "contacts",
                 "contact points",
                 "How contact points are found.\n\nExtreme Vertices: those of each shape toward the other, all with \
-                 the same depth (the 2009 engine's).\nClipping: the incident face clipped to the reference face, each \
+                 the same depth (the 2009 engine's), for force-level methods only.\nClipping: the incident face clipped to the reference face, each \
                  point with its own depth; at most 4.",
             ),
             Field::number("slop", "slop", " m", 0.0..=0.05, 0.0..=10.0, "Depth that contacts leave alone."),

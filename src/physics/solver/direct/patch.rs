@@ -13,6 +13,7 @@ use nalgebra::{ArrayStorage, Matrix3, Vector3};
 use super::Closing;
 use super::cholesky::{Block, Columns, Part};
 use crate::physics::collision::{ContactState, POINTS};
+use crate::physics::constraint::row::bounded;
 use crate::physics::lanes::Record;
 
 /// Depth or gap, over the arm, at which surfaces count as just touching: single precision cannot tell.
@@ -433,14 +434,14 @@ impl Patch {
     }
 }
 
-/// A ball joint that is a spring: λ = −W (u + b), each axis within a limit.
+/// A ball joint that is a spring: λ = −W (u + b), its norm within a limit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Spring {
     /// W, N·s over m/s.
     pub weight: Matrix3<f64>,
     /// b, m/s.
     pub bias: Vector3<f64>,
-    /// Most along each axis, N·s.
+    /// Largest norm, N·s.
     pub limit: f64,
     /// Whether it pushes all it may, and what.
     is_spent: bool,
@@ -467,15 +468,14 @@ impl Spring {
 
     /// Within the limit, whatever was assumed.
     fn bounded(&self, motion: &Motion) -> Vector3<f64> {
-        let trial = self.trial(motion);
-        trial / (trial.amax() / self.limit).max(1.0)
+        bounded(self.trial(motion), self.limit)
     }
 
     /// Takes in the motion that was solved for. False if it turned out to push other than was assumed, by more than
     /// a `slight` impulse.
     fn take(&mut self, motion: &Motion, slight: f64) -> bool {
         let (was_spent, before) = (self.is_spent, self.push);
-        self.is_spent = self.trial(motion).amax() > self.limit;
+        self.is_spent = self.trial(motion).norm() > self.limit;
         self.push = self.bounded(motion);
         self.is_spent == was_spent && (!was_spent || (self.push - before).amax() <= slight)
     }

@@ -303,8 +303,8 @@ fn a_spring_pulls_along_its_error_within_its_limit() {
     let mut link = Link { spring: Some(spring), ..Link::default() };
     let still = Motion::default();
     assert!(link.take(&still, 0.0) || link.take(&still, 0.0), "it finds out whether it is spent");
-    // −W b = (−0.2, 0.6, −1.2), of which the last is over the limit.
-    let expected = Vector3::new(-0.2, 0.6, -1.2) / 1.2;
+    // −W b = (−0.2, 0.6, −1.2), whose norm is over the limit.
+    let expected = Vector3::new(-0.2, 0.6, -1.2).normalize();
     assert!((link.impulse - expected).norm() < 1e-12, "{}", link.impulse);
     name(&mut link.sides);
     assert_eq!(link.blocks().own[0], Block::zeros(), "it gives");

@@ -57,7 +57,7 @@ impl Evaluation {
             self.rows.weights.push(weight);
         }
         let turn = h * motion.iter().fold(0.0, |most: f64, motion| most.max(motion.angular.norm_squared())).sqrt();
-        self.rows.assemble(mechanism, turn, |_, _| Vector3::repeat(super::projection::LOOSE));
+        self.rows.assemble(mechanism, turn, |_, _| Matrix3::from_diagonal_element(super::projection::LOOSE));
     }
 
     /// F less the gyroscopic torque and drag.

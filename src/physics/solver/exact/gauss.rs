@@ -19,7 +19,8 @@
 //! ωh.
 //!
 //! A joint that gives is a row of its own, λ + m(ω²C + 2ζωĊ) = 0 in place of the second line; its softness
-//! 1/(m(ω² h² L_ii + 2ζω h a_ii)) goes on the diagonal of J M̃⁻¹ Jᵀ. At its greatest force it is only a force.
+//! 1/(m(ω² h² L_ii + 2ζω h a_ii)) goes on the diagonal of J M̃⁻¹ Jᵀ. At its greatest force its size is given, and it is
+//! softer across by as much as more was asked for.
 
 use nalgebra::{Matrix3, SVector, UnitQuaternion, Vector3, Vector4};
 
@@ -45,7 +46,7 @@ const LOST: f64 = 1e-9;
 /// How far from 1 a rotation's square may be.
 const NORMAL: f64 = 1e-14;
 
-/// Factor on the softness of a spring at its greatest force.
+/// Factor on the softness of a spring at its greatest force, along it.
 const SLACK: f64 = 1e9;
 
 /// Change, in m or rad, that no step is short enough for.
@@ -365,7 +366,7 @@ impl<const S: usize> Gauss<S> {
         }
         rows.assemble(mechanism, turn, |link, diagonal| {
             let spring = mechanism.links[link].spring.as_ref();
-            spring.map_or(Vector3::zeros(), |spring| softness(spring, diagonal, &self.asked[link], own, swing))
+            spring.map_or(Matrix3::zeros(), |spring| softness(spring, diagonal, &self.asked[link], own, swing))
         });
     }
 
@@ -430,7 +431,7 @@ impl<const S: usize> Gauss<S> {
                 Some(spring) => {
                     let asked = self.ask(mechanism, h, stage, index);
                     let pull = spring.give(&asked, &rows.mobility[index]);
-                    let given = rows.softness[index].component_mul(&(pull - forces[index]));
+                    let given = rows.softness[index] * (pull - forces[index]);
                     let left = |member: u32, arm: &Vector3<f64>| {
                         let left = rows.weights[member as usize].of(&self.wrenches[member as usize]);
                         left.linear + left.angular.cross(arm)
@@ -521,12 +522,20 @@ fn combine<const S: usize>(screws: &[Screw; S], shares: &[f64; S]) -> Screw {
     })
 }
 
-/// 1/(m(ω² h² L_ii + 2ζω h a_ii)) along each axis, 1/m given; where more than its greatest force is asked for, so much
-/// that it stays.
-fn softness(spring: &Spring, mobility: &Vector3<f64>, asked: &Vector3<f64>, own: f64, swing: f64) -> Vector3<f64> {
-    let softness = mobility / (spring.frequency * (spring.frequency * swing + 2.0 * spring.damping_ratio * own));
-    let is_greatest = asked.zip_map(mobility, |asked, mobility| asked.abs() >= spring.most * mobility);
-    softness.zip_map(&is_greatest, |softness, is_greatest| if is_greatest { SLACK * softness } else { softness })
+/// 1/(m(ω² h² L_ii + 2ζω h a_ii)) along each axis, 1/m given: of S⁻¹, how the force follows what is asked for. Where
+/// that is f, of a norm over the greatest force F, F f/|f| follows with F/|f| (1 − f fᵀ/f²) S⁻¹, not at all along f.
+fn softness(spring: &Spring, mobility: &Vector3<f64>, asked: &Vector3<f64>, own: f64, swing: f64) -> Matrix3<f64> {
+    let along = mobility / (spring.frequency * (spring.frequency * swing + 2.0 * spring.damping_ratio * own));
+    let softness = Matrix3::from_diagonal(&along);
+    let elastic = spring.elastic(asked, mobility);
+    let size = elastic.norm();
+    if size <= spring.most {
+        return softness;
+    }
+    let unit = elastic / size;
+    let direction = unit * unit.transpose();
+    let across = Matrix3::identity() - direction;
+    across * softness * across * (size / spring.most).min(SLACK) + direction * (SLACK * along.mean())
 }
 
 /// Adds max(0, r·f) (1 − r̂ r̂ᵀ).

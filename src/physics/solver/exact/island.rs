@@ -13,7 +13,7 @@ use crate::physics::disjoint_sets::DisjointSets;
 use crate::physics::island::Islands;
 use crate::physics::joint::Softness;
 use crate::physics::joint::{Joint, Joints};
-use crate::physics::settings::Integrator;
+use crate::physics::settings::{FrictionModel, Integrator};
 use crate::physics::solver::ContactCache;
 
 /// A mechanism and the bodies and joints that it stands for.
@@ -58,7 +58,14 @@ impl ExactGroup {
     }
 
     /// Takes the group's state in; plans it anew if it is another one.
-    pub fn gather(&mut self, islands: &Islands, bodies: &Bodies, joints: &Joints, contacts: &Contacts) {
+    pub fn gather(
+        &mut self,
+        islands: &Islands,
+        bodies: &Bodies,
+        joints: &Joints,
+        contacts: &Contacts,
+        friction: FrictionModel,
+    ) {
         let next = &mut self.next;
         next.bodies.clear();
         next.bodies.extend_from_slice(islands.bodies(self.group));
@@ -76,7 +83,7 @@ impl ExactGroup {
             piece.gather(bodies, joints);
         }
         for touching in &mut self.touching {
-            touching.gather(bodies, joints);
+            touching.gather(bodies, joints, friction);
         }
     }
 
@@ -112,7 +119,7 @@ impl ExactGroup {
             let of_joint = |joint: &&u32| is_own([joints.list[**joint as usize].a, joints.list[**joint as usize].b]);
             let links = links.iter().filter(of_joint).copied().collect();
             let pairs: Vec<Pair> = pairs.iter().filter(|pair| is_own([pair.a, pair.b])).copied().collect();
-            self.touching.push(Touching::new(members_of(root), links, &pairs, bodies, joints));
+            self.touching.push(Touching::new(members_of(root), links, &pairs, joints));
         }
         self.free.clear();
         let mut kept = std::mem::take(&mut self.pieces).into_iter();

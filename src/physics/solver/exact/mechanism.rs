@@ -7,6 +7,7 @@
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 use super::group::{exponential, in_world};
+use crate::physics::constraint::row::bounded;
 use crate::physics::solver::direct::pattern::Pattern;
 
 /// What of a body does not change in a step. SI; world axes unless stated.
@@ -124,14 +125,15 @@ pub(crate) struct Link {
     pub spring: Option<Spring>,
 }
 
-/// A joint that gives: λ = −m (ω² C + 2ζω Ċ) along each axis, m the mass that the joint feels there.
+/// A joint that gives: λ = −m (ω² C + 2ζω Ċ) along each axis, m the mass that the joint feels there; where the norm of
+/// that is over the largest force, the force of that size along it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spring {
     /// ω, rad/s.
     pub frequency: f64,
     /// ζ.
     pub damping_ratio: f64,
-    /// N, along each axis.
+    /// Largest norm of the force, N.
     pub most: f64,
 }
 
@@ -154,12 +156,12 @@ impl Spring {
 
     /// The force on B that is given for it along axes of that mobility, 1/kg, in N.
     pub fn give(&self, asked: &Vector3<f64>, mobility: &Vector3<f64>) -> Vector3<f64> {
-        asked.zip_map(
-            mobility,
-            |asked, mobility| {
-                if mobility > 0.0 { (asked / mobility).clamp(-self.most, self.most) } else { 0.0 }
-            },
-        )
+        bounded(self.elastic(asked, mobility), self.most)
+    }
+
+    /// The same, were it not bounded.
+    pub fn elastic(&self, asked: &Vector3<f64>, mobility: &Vector3<f64>) -> Vector3<f64> {
+        asked.zip_map(mobility, |asked, mobility| if mobility > 0.0 { asked / mobility } else { 0.0 })
     }
 }
 

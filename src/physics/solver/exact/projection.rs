@@ -70,7 +70,7 @@ impl Projection {
             let weight = Weight { linear: member.inverse_mass, angular: member.inverse_inertia(rotation, None) };
             self.rows.weights.push(weight);
         }
-        self.rows.assemble(mechanism, PROJECTED, |_, _| Vector3::repeat(LOOSE));
+        self.rows.assemble(mechanism, PROJECTED, |_, _| Matrix3::from_diagonal_element(LOOSE));
     }
 
     fn set_arms(&mut self, mechanism: &Mechanism) {

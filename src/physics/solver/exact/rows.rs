@@ -49,7 +49,7 @@ pub(crate) struct Rows {
     /// W of each member.
     pub weights: Vec<Weight>,
     /// Of each link, added to its diagonal: what a spring gives. Empty where there is none.
-    pub softness: Vec<Vector3<f64>>,
+    pub softness: Vec<Matrix3<f64>>,
     /// I⁻¹ [r]×ᵀ of each link's ends.
     levers: Vec<[Matrix3<f64>; 2]>,
     /// The mean diagonal of each link's block, 1/kg.
@@ -67,7 +67,7 @@ impl Rows {
         &mut self,
         mechanism: &Mechanism,
         turn: f64,
-        mut soften: impl FnMut(usize, &Vector3<f64>) -> Vector3<f64>,
+        mut soften: impl FnMut(usize, &Vector3<f64>) -> Matrix3<f64>,
     ) {
         let factor = &mut self.factor;
         factor.clear(&mechanism.pattern);
@@ -87,9 +87,9 @@ impl Rows {
             }
             let own = diagonal.diagonal();
             if mechanism.gives {
-                let softness = if link.spring.is_some() { soften(index, &own) } else { Vector3::zeros() };
+                let softness = if link.spring.is_some() { soften(index, &own) } else { Matrix3::zeros() };
                 self.softness.push(softness);
-                diagonal += Matrix3::from_diagonal(&softness);
+                diagonal += softness;
             }
             self.mobility.push(own);
             self.levers.push(levers);
@@ -144,7 +144,7 @@ impl Rows {
         for (index, link) in mechanism.links.iter().enumerate() {
             let mut left = b[index] - self.relative(index, link.a, link.b, &motion);
             if let Some(softness) = self.softness.get(index) {
-                left -= softness.component_mul(&lambda[index]);
+                left -= softness * lambda[index];
             }
             residual.push(left);
         }

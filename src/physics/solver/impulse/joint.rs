@@ -9,6 +9,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::bodies::Frames;
+use crate::physics::constraint::row::bounded;
 use crate::physics::joint::Softness;
 use crate::physics::lanes::{Lanes, READ_ONLY, Record, WIDTH, add_scaled, dot, inverse, vector};
 use crate::physics::scalar::Scalar;
@@ -36,7 +37,7 @@ pub(crate) struct JointSite {
 #[derive(Clone, Debug)]
 struct Springs<L: Lanes> {
     terms: SoftTerms<L>,
-    /// Most a spring pushes along each axis in a substep, N·s.
+    /// Most a spring pushes in a substep, N·s.
     limit: L,
 }
 
@@ -183,8 +184,7 @@ impl<L: Lanes> JointBlock<L> {
             change = add_scaled(&change, &self.impulse, -soft.impulse);
         }
         if let Some(Springs { limit, .. }) = self.springs {
-            let wanted = (self.impulse + change).map(|along| along.simd_clamp(-limit, limit));
-            change = wanted - self.impulse;
+            change = bounded(self.impulse + change, limit) - self.impulse;
         }
         self.impulse += change;
         self.apply(&mut pair, &change);

@@ -105,7 +105,7 @@ fn side<N: Scalar>(rows: &[Row<N>], index: usize) -> Side {
     let lambda = rows[index].lambda;
     if lambda <= lower {
         Side::Lower
-    } else if lambda >= upper {
+    } else if lambda >= upper || pgs::is_at_norm(rows, index) {
         Side::Upper
     } else {
         Side::Within
@@ -115,12 +115,12 @@ fn side<N: Scalar>(rows: &[Row<N>], index: usize) -> Side {
 impl<N: Scalar> Primer<N> {
     fn sweep(&mut self, rows: &mut [Row<N>], accelerations: &mut [Twist<N>]) -> Sweep {
         let mut sweep = Sweep { square: 0.0, settled: true };
-        for index in 0..rows.len() {
-            sweep.square += pgs::update(rows, index, accelerations).to_f64().powi(2);
+        pgs::sweep(rows, accelerations, |rows, index, change| {
+            sweep.square += change.to_f64().powi(2);
             let side = side(rows, index);
             sweep.settled &= side == self.sides[index];
             self.sides[index] = side;
-        }
+        });
         sweep
     }
 

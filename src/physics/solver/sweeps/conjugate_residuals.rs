@@ -86,6 +86,7 @@ impl<N: Scalar> Face<N> {
             let (lower, upper) = pgs::limits(rows, index as usize);
             let residual = pgs::residual(row, accelerations);
             let held = row.lambda <= lower && residual <= zero || row.lambda >= upper && residual >= zero;
+            let held = held || pgs::is_at_norm(rows, index as usize);
             if !held && lower < upper && row.inverse_diagonal > zero {
                 let [scaled, direction, product, image] = [zero; 4];
                 self.free.push(FreeRow { index, lower, upper, residual, scaled, direction, product, image });

@@ -20,7 +20,7 @@ use std::ops::Range;
 use nalgebra::{Matrix3, Vector3};
 
 use super::pgs;
-use crate::physics::constraint::row::{Bounds, Row, Twist};
+use crate::physics::constraint::row::{Bounds, Row, Twist, bounded};
 use crate::physics::disjoint_sets::DisjointSets;
 use crate::physics::scalar::Scalar;
 use crate::physics::solver::direct::pattern::Pattern;
@@ -260,8 +260,11 @@ impl<N: Scalar> JointSpace<N> {
     /// One sweep over the rows with bounds.
     fn sweep(&self, rows: &mut [Row<N>], accelerations: &mut [Twist<N>]) {
         let mut first = 0;
-        for swept in &self.swept {
-            let (lower, upper) = pgs::limits(rows, swept.row);
+        for (at, swept) in self.swept.iter().enumerate() {
+            let (lower, upper) = match rows[swept.row].bounds {
+                Bounds::Norm { .. } => (N::of(f64::MIN), N::of(f64::MAX)),
+                _ => pgs::limits(rows, swept.row),
+            };
             let row = &mut rows[swept.row];
             let residual = pgs::residual(row, accelerations);
             let lambda = (row.lambda + residual * swept.inverse_diagonal).simd_clamp(lower, upper);
@@ -271,6 +274,19 @@ impl<N: Scalar> JointSpace<N> {
                 add(&mut accelerations[*body as usize], response, change);
             }
             first = swept.end;
+            if let Bounds::Norm { most, place: 2 } = rows[swept.row].bounds {
+                let lambda = Vector3::from_fn(|place, _| rows[swept.row - 2 + place].lambda);
+                let within = bounded(lambda, most);
+                let change = within - lambda;
+                for place in 0..3 {
+                    let at = at - 2 + place;
+                    let start = if at == 0 { 0 } else { self.swept[at - 1].end };
+                    rows[swept.row - 2 + place].lambda = within[place];
+                    for (body, response) in &self.responses[start..self.swept[at].end] {
+                        add(&mut accelerations[*body as usize], response, change[place]);
+                    }
+                }
+            }
         }
     }
 

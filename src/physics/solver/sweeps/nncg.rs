@@ -76,11 +76,10 @@ impl<N: Scalar> Directions<N> {
         self.before.extend_from_slice(accelerations);
         self.steps.clear();
         let mut square = 0.0;
-        for index in 0..rows.len() {
-            let step = pgs::update(rows, index, accelerations);
+        pgs::sweep(rows, accelerations, |_, _, step| {
             square += step.to_f64().powi(2);
             self.steps.push(step);
-        }
+        });
         square
     }
 

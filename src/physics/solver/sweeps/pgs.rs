@@ -6,22 +6,69 @@
 //!
 //! with η the row's target and d_i = J_i M⁻¹ J_iᵀ + γ_i. Rows are taken in their order, λ starts
 //! from zero or, warm started, from what the rows carried before.
+//!
+//! Three rows whose norm is bounded (a spring's) are updated together. If the three updates in turn come beyond the
+//! bound, what they started from is taken half-way to where each alone would go, and scaled to the bound: in the end
+//! the force is along what the spring asks for, whatever the order of its axes. Whole ways could overshoot for ever,
+//! as three rows may be one and the same.
 
-use nalgebra::SimdRealField;
+use nalgebra::{SimdRealField, Vector3};
 
-use crate::physics::constraint::row::{Bounds, Row, RowPair, Twist};
+use crate::physics::constraint::row::{Bounds, Row, RowPair, Twist, bounded};
+use crate::physics::scalar::Scalar;
 
 /// Sweeps `iterations` times over the rows, from the λ that they hold. `accelerations` must hold
 /// a = M⁻¹Jᵀλ of each body ([`add_response`]), and does afterwards.
 pub(crate) fn solve<N: SimdRealField + Copy>(rows: &mut [Row<N>], accelerations: &mut [Twist<N>], iterations: u32) {
     for _ in 0..iterations {
-        for index in 0..rows.len() {
-            update(rows, index, accelerations);
+        sweep(rows, accelerations, |_, _, _| {});
+    }
+}
+
+/// Sweeps once; `note` is told the rows, which of them was updated last, and by how much.
+#[inline]
+pub(super) fn sweep<N: SimdRealField + Copy>(
+    rows: &mut [Row<N>],
+    accelerations: &mut [Twist<N>],
+    mut note: impl FnMut(&[Row<N>], usize, N),
+) {
+    let mut index = 0;
+    while index < rows.len() {
+        if let Bounds::Norm { most, .. } = rows[index].bounds {
+            let changes = update_three(rows, index, most, accelerations);
+            (0..3).for_each(|place| note(rows, index + place, changes[place]));
+            index += 3;
+        } else {
+            let change = update(rows, index, accelerations);
+            note(rows, index, change);
+            index += 1;
         }
     }
 }
 
-/// Updates row `index`. Returns Δλ.
+/// Updates the three rows from `first` on, whose norm is at most so much. Returns their Δλ.
+fn update_three<N: SimdRealField + Copy>(
+    rows: &mut [Row<N>],
+    first: usize,
+    most: N,
+    accelerations: &mut [Twist<N>],
+) -> Vector3<N> {
+    let old = Vector3::from_fn(|place, _| rows[first + place].lambda);
+    let alone = Vector3::from_fn(|place, _| {
+        residual(&rows[first + place], accelerations) * rows[first + place].inverse_diagonal
+    });
+    let free = old + Vector3::from_fn(|place, _| update(rows, first + place, accelerations));
+    let half_way = bounded(old + alone * (N::one() + N::one()).simd_recip(), most);
+    let is_beyond = free.dot(&free).simd_gt(most * most);
+    for (row, half_way) in rows[first..first + 3].iter_mut().zip(&half_way) {
+        let change = (*half_way - row.lambda).select(is_beyond, N::zero());
+        row.lambda += change;
+        add_response(row, change, accelerations);
+    }
+    Vector3::from_fn(|place, _| rows[first + place].lambda) - old
+}
+
+/// Updates row `index` within bounds of its own. Returns Δλ.
 #[inline]
 pub(super) fn update<N: SimdRealField + Copy>(rows: &mut [Row<N>], index: usize, accelerations: &mut [Twist<N>]) -> N {
     let (lower, upper) = limits(rows, index);
@@ -34,7 +81,8 @@ pub(super) fn update<N: SimdRealField + Copy>(rows: &mut [Row<N>], index: usize,
     change
 }
 
-/// The least and greatest λ of row `index`, those of friction at the present λ of its normal row.
+/// The least and greatest λ of row `index`, those of friction at the present λ of its normal row. Of three rows with a
+/// bounded norm, what each could be alone.
 #[inline]
 pub(super) fn limits<N: SimdRealField + Copy>(rows: &[Row<N>], index: usize) -> (N, N) {
     match rows[index].bounds {
@@ -43,7 +91,19 @@ pub(super) fn limits<N: SimdRealField + Copy>(rows: &[Row<N>], index: usize) -> 
             let limit = coefficient * rows[index - normal_rows_back as usize].lambda;
             (-limit, limit)
         }
+        Bounds::Norm { most, .. } => (-most, most),
     }
+}
+
+/// Share of a norm's square from which on it counts as at its bound: but for rounding in `f32`.
+const AT_NORM: f64 = 1.0 - 1e-5;
+
+/// Whether row `index` is one of three that are at the bound of their norm.
+pub(super) fn is_at_norm<N: Scalar>(rows: &[Row<N>], index: usize) -> bool {
+    let Bounds::Norm { most, place } = rows[index].bounds else { return false };
+    let first = index - place as usize;
+    let lambda = Vector3::from_fn(|place, _| rows[first + place].lambda);
+    lambda.dot(&lambda) >= most * most * N::of(AT_NORM)
 }
 
 /// η − γλ − J a.

@@ -149,7 +149,8 @@ pub(super) fn joint_rows<N: Scalar>(
     let jacobian = ball_joint::jacobian(vector::<N>(&arm_a), vector(&arm_b));
     let a = (joint.a, &terms[joint.a as usize]);
     let b = (joint.b, &terms[joint.b as usize]);
-    for (axis, pair) in jacobian.into_iter().enumerate() {
+    for (place, pair) in (0..).zip(jacobian) {
+        let axis = place as usize;
         rows.push(match joint.softness {
             None => {
                 let speed = (step.error_rate * error[axis]).clamp(-step.correction_speed, step.correction_speed);
@@ -163,8 +164,8 @@ pub(super) fn joint_rows<N: Scalar>(
                     damping: N::of(2.0 * softness.damping_ratio * omega),
                     error: N::of(error[axis]),
                 };
-                let limit = N::of(softness.max_force);
-                Row::soft(a, b, pair, spring, N::of(h), Bounds::Fixed(-limit, limit))
+                let bounds = Bounds::Norm { most: N::of(softness.max_force), place };
+                Row::soft(a, b, pair, spring, N::of(h), bounds)
             }
         });
     }

@@ -10,7 +10,7 @@ use crate::physics::island::Islands;
 use crate::physics::joint::Joints;
 use crate::physics::readings::ContactForces;
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
-use crate::physics::settings::{Gravity, Method, SolverSettings};
+use crate::physics::settings::{Gravity, SolverSettings};
 use crate::physics::stats::StepStats;
 use crate::physics::threads;
 
@@ -21,7 +21,7 @@ pub(in crate::physics::solver) fn plugin(app: &mut App) {
 }
 
 fn sweeps_force_rows(settings: Res<SolverSettings>) -> bool {
-    !settings.method.keeps_contacts() && settings.method != Method::Exact
+    settings.method.is_force_level()
 }
 
 /// One solver per island, kept with its buffers from step to step.

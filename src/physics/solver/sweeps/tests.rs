@@ -188,7 +188,7 @@ fn contacts_with_fixed_friction_solve_the_boxed_complementarity_problem() {
             .iter()
             .map(|row| match row.bounds {
                 Bounds::Fixed(lower, upper) => (lower, upper),
-                Bounds::Friction { .. } => unreachable!("all bounds here are fixed"),
+                Bounds::Friction { .. } | Bounds::Norm { .. } => unreachable!("all bounds here are fixed"),
             })
             .collect();
         let exact = solve_by_enumeration(&system.matrix(), &system.targets(), &bounds);
@@ -265,6 +265,62 @@ fn soft_row_is_the_implicit_euler_step_of_a_damped_spring() {
     // 200 steps of damping time 1/3 s: at rest where the spring carries the weight.
     assert!((position - gravity / stiffness).abs() < 1e-4, "{position}");
     assert_eq!(row_of(5.0, 0.0, 7.0).0, -7.0, "a bounded spring pulls no harder than its bound");
+}
+
+/// A spring between points beside the centres of two bodies, whose axes feel each other: in the end its force is
+/// (η − J a)/γ, what it asks for, or that scaled to the bound. Near the bound as far beyond it.
+#[test]
+fn a_spring_at_the_bound_of_its_norm_pulls_along_what_it_asks_for() {
+    let random = &mut Random(31);
+    let mut at_bound = 0;
+    for _ in 0..200 {
+        let mut system = Rows::random(2, random);
+        let error = random.vector();
+        let far = 10.0_f64.powf(random.within(-3.0, 2.0));
+        for (place, pair) in (0..).zip(ball_joint::jacobian(random.vector(), random.vector())) {
+            let spring = Spring { stiffness: 900.0, damping: 20.0, error: error[place as usize] * far };
+            let bounds = Bounds::Norm { most: 5.0, place };
+            system.rows.push(Row::soft(system.with(1), system.with(2), pair, spring, H, bounds));
+        }
+        let (lambda, accelerations) = system.solve_by_sweeping();
+        let lambda = Vector3::new(lambda[0], lambda[1], lambda[2]);
+        let pulled = system.dense().0 * accelerations;
+        let asked = Vector3::from_fn(|place, _| {
+            let row = &system.rows[place];
+            (row.target - pulled[place]) / row.softness
+        });
+        let expected = asked * (5.0 / asked.norm()).min(1.0);
+        assert!((lambda - expected).norm() < 1e-9, "{lambda} instead of {expected}");
+        at_bound += usize::from(asked.norm() > 5.0);
+    }
+    assert!((40..160).contains(&at_bound), "{at_bound} of 200 at their bounds");
+}
+
+/// With conjugate directions it ends where sweeps do.
+#[test]
+fn conjugate_directions_bound_the_norm_as_sweeps_do() {
+    let random = &mut Random(32);
+    for _ in 0..50 {
+        let mut system = Rows::random(3, random);
+        for (a, b) in [(0, 1), (1, 2), (2, 3), (3, 0)] {
+            let error = random.vector() * 10.0_f64.powf(random.within(-2.0, 2.0));
+            for (place, pair) in (0..).zip(ball_joint::jacobian(random.vector(), random.vector())) {
+                let spring = Spring { stiffness: 900.0, damping: 20.0, error: error[place as usize] };
+                let bounds = Bounds::Norm { most: 5.0, place };
+                system.rows.push(Row::soft(system.with(a), system.with(b), pair, spring, H, bounds));
+            }
+        }
+        let start = system.rows.clone();
+        let (expected, _) = system.solve_by_sweeping();
+        for (name, solve) in gradients::methods::<f64>() {
+            let mut rows = start.clone();
+            let mut accelerations = vec![Twist::zero(); system.bodies.len()];
+            solve(&mut rows, &mut accelerations, 20_000);
+            for (row, expected) in rows.iter().zip(&expected) {
+                assert!((row.lambda - expected).abs() < 1e-8, "{name}: {} instead of {expected}", row.lambda);
+            }
+        }
+    }
 }
 
 #[test]

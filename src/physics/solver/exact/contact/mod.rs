@@ -29,6 +29,7 @@ use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::fastest_approach;
 use crate::physics::collision::{FeatureId, Pair};
 use crate::physics::joint::{Joint, Joints};
+use crate::physics::settings::FrictionModel;
 use crate::physics::solver::ContactCache;
 
 /// Overlap within which a landing is found, m.
@@ -139,14 +140,13 @@ impl Stride {
 
 impl Touching {
     /// Of those bodies that move, joints and pairs, by their indices in the world.
-    pub fn new(moving: Vec<u32>, joints: Vec<u32>, pairs: &[Pair], world: &Bodies, all_joints: &Joints) -> Self {
+    pub fn new(moving: Vec<u32>, joints: Vec<u32>, pairs: &[Pair], all_joints: &Joints) -> Self {
         let mut bodies = moving;
         let moving = bodies.len();
         let mut place = |body: u32| place_in(&mut bodies, moving, body);
         let pairing = |&pair: &Pair| {
-            let material = world.list[pair.a as usize].material.pair(world.list[pair.b as usize].material);
-            let ends = [place(pair.a), place(pair.b)];
-            Pairing { pair, ends, friction: material.friction, restitution: material.restitution }
+            // What their surfaces are like is taken in with the state.
+            Pairing { pair, ends: [place(pair.a), place(pair.b)], friction: 0.0, restitution: 0.0 }
         };
         let pairings = pairs.iter().map(pairing).collect();
         let (rigid, soft): (Vec<u32>, Vec<u32>) =
@@ -160,8 +160,8 @@ impl Touching {
         Self { bodies, moving, joints: [rigid, soft].concat(), links, springs, pairings, ..Self::default() }
     }
 
-    /// Takes the state in.
-    pub fn gather(&mut self, bodies: &Bodies, joints: &Joints) {
+    /// Takes the state in; of either model of friction this method has the cone.
+    pub fn gather(&mut self, bodies: &Bodies, joints: &Joints, friction: FrictionModel) {
         let list = || self.bodies.iter().map(|&body| &bodies.list[body as usize]);
         self.members.clear();
         self.members.extend(list().map(member));
@@ -174,7 +174,8 @@ impl Touching {
         for pairing in &mut self.pairings {
             let [a, b] = pairing.ends.map(|end| self.shapes[end as usize].material);
             let material = a.pair(b);
-            (pairing.friction, pairing.restitution) = (material.friction, material.restitution);
+            pairing.friction = if friction == FrictionModel::Off { 0.0 } else { material.friction };
+            pairing.restitution = material.restitution;
         }
     }
 

@@ -33,7 +33,7 @@ fn in_joint_space<N: Scalar>(rows: &mut [Row<N>], accelerations: &mut [Twist<N>]
     joint_space::solve(rows, accelerations, sweeps, &mut JointSpace::default())
 }
 
-fn methods<N: Scalar>() -> [(&'static str, Solve<N>); 2] {
+pub(super) fn methods<N: Scalar>() -> [(&'static str, Solve<N>); 2] {
     [("cg_pgs", primed), ("nncg", nonsmooth)]
 }
 
@@ -124,6 +124,7 @@ impl Rows {
                 let limit = coefficient * lambda[index - normal_rows_back as usize];
                 (-limit, limit)
             }
+            Bounds::Norm { .. } => unreachable!("no springs here"),
         }
     }
 
@@ -328,6 +329,7 @@ fn in_single(row: &Row<f64>) -> Row<f32> {
             Bounds::Friction { coefficient, normal_rows_back } => {
                 Bounds::Friction { coefficient: coefficient as f32, normal_rows_back }
             }
+            Bounds::Norm { most, place } => Bounds::Norm { most: most as f32, place },
         },
         lambda: row.lambda as f32,
     }
