@@ -9,17 +9,17 @@ use std::ops::Range;
 
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
-use nalgebra::Vector3;
 
 use super::classic::extreme_vertices;
 use super::classic::placed::Placed;
 use super::classic::sat::{self, AxisBuffers, AxisSearch};
-use super::gap::{CONTACT_TOLERANCE, reachable_gap, speculative_gap};
+use super::gap::{CONTACT_TOLERANCE, contact_gap};
 use super::manifold::{CandidatePairs, ContactPoint, Contacts, Manifold, Overlap, Pair};
 use super::narrow::contact_pair::{self, PairSearch};
 use super::narrow::feature_sat::Feature;
 use crate::physics::body::{Bodies, Body};
-use crate::physics::settings::{ContactModel, Method, SolverSettings};
+use crate::physics::contact::surface;
+use crate::physics::settings::{ContactModel, SolverSettings};
 use crate::physics::shape::Geometry;
 use crate::physics::stats::StepStats;
 use crate::physics::threads::for_each_block;
@@ -97,7 +97,7 @@ impl Block {
         self.buffers.search.axes = 0;
         for &pair in &pairs[self.pairs.clone()] {
             let (a, b) = (&bodies[pair.a as usize], &bodies[pair.b as usize]);
-            if are_spheres_apart(a, b, gap_of(a, b, settings)) {
+            if are_spheres_apart(a, b, contact_gap(a, b, settings)) {
                 continue;
             }
             let first = self.points.len();
@@ -108,27 +108,16 @@ impl Block {
                 self.last_axes.extend(self.buffers.search.last.map(|axis| (pair, axis)));
             }
             let Some(overlap) = touching else { continue };
-            let material = a.material.pair(b.material);
+            let surface = surface(a, b, settings.friction);
             self.manifolds.push(Manifold {
                 pair,
                 normal: overlap.normal,
                 first_point: first as u32,
                 point_count: (self.points.len() - first) as u32,
-                friction: material.friction,
-                restitution: material.restitution,
+                friction: surface.friction,
+                restitution: surface.restitution,
             });
         }
-    }
-}
-
-/// The gap up to which a pair gets contact points, m.
-fn gap_of(a: &Body, b: &Body, settings: &SolverSettings) -> f64 {
-    if settings.method == Method::Exact {
-        return reachable_gap(a, b, settings);
-    }
-    match a.geometry {
-        Some(Geometry::HalfSpace) => speculative_gap(a, b, &(a.rotation * Vector3::y()), settings),
-        _ => 0.0,
     }
 }
 
@@ -160,7 +149,7 @@ pub(super) fn touch(
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
     match settings.contacts {
-        ContactModel::Clipping => contact_pair::touch(a, b, gap_of(a, b, settings), &mut buffers.search, points),
+        ContactModel::Clipping => contact_pair::touch(a, b, contact_gap(a, b, settings), &mut buffers.search, points),
         ContactModel::ExtremeVertices => touch_at_extremes(a, b, settings, &mut buffers.axes, points),
     }
 }

@@ -23,7 +23,7 @@ use nalgebra::Vector3;
 
 use crate::physics::body::CollisionLayers;
 use crate::physics::body::{Bodies, Body};
-use crate::physics::collision::gap::{CONTACT_TOLERANCE, own_reach, speculative_gap};
+use crate::physics::collision::gap::{CONTACT_TOLERANCE, contact_gap, own_reach};
 use crate::physics::collision::manifold::{CandidatePairs, Pair};
 use crate::physics::joint::JoinedPairs;
 use crate::physics::settings::{Method, SolverSettings};
@@ -92,23 +92,15 @@ fn is_swept(body: &Body) -> bool {
         && !body.layers.touch_nothing()
 }
 
-/// The bounding radius, and what rounding may take from a gap of zero; for the exact method also the body's part of the
-/// gap up to which pairs get contact points.
-fn reach(body: &Body, settings: &SolverSettings) -> f64 {
-    let touching = body.radius * (1.0 + CONTACT_TOLERANCE);
-    match settings.method {
-        Method::Exact => touching + own_reach(body, settings),
-        _ => touching,
-    }
+/// The bounding radius, and what rounding may take from a gap of zero.
+fn touching_reach(body: &Body) -> f64 {
+    body.radius * (1.0 + CONTACT_TOLERANCE)
 }
 
-/// What a half-space adds to the reach of a body.
-fn plane_gap(plane: &Body, body: &Body, normal: &Vector3<f64>, settings: &SolverSettings) -> f64 {
-    if settings.method == Method::Exact {
-        own_reach(plane, settings)
-    } else {
-        speculative_gap(plane, body, normal, settings)
-    }
+/// The same, for the exact method with the body's part of the gap up to which pairs get contact points.
+fn reach(body: &Body, settings: &SolverSettings) -> f64 {
+    let touching = touching_reach(body);
+    if settings.method == Method::Exact { touching + own_reach(body, settings) } else { touching }
 }
 
 impl SweepAndSort {
@@ -171,7 +163,7 @@ impl SweepAndSort {
                 if is_swept(body)
                     && body.is_dynamic()
                     && normal.dot(&(body.position - plane.position))
-                        <= reach(body, settings) + plane_gap(plane, body, &normal, settings)
+                        <= touching_reach(body) + contact_gap(plane, body, settings)
                     && plane.layers.interact(body.layers)
                     && !joined.contains(a, b as u32)
                 {

@@ -9,10 +9,7 @@
 //! what takes it there goes out of its velocity, and the next step finds a contact. Bodies on joints are no
 //! fast pairs: held back by itself, one would tear its joints open, and what closes them again would throw it.
 
-use std::f64::consts::TAU;
-
 use bevy::prelude::*;
-use nalgebra::{UnitQuaternion, Vector3};
 
 use super::fast_pair::FastPair;
 use super::time_of_impact::{self, Course, Impact, advanced, inner_radius};

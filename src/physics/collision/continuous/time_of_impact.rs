@@ -18,7 +18,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use crate::physics::body::Body;
 use crate::physics::body::RigidBody;
 use crate::physics::body::rotation_by;
-use crate::physics::collision::gap::{fastest_approach, turning_speed};
+use crate::physics::collision::gap::{LONGEST_ARM, fastest_approach, turning_speed};
 use crate::physics::collision::manifold::ContactPoint;
 use crate::physics::collision::manifold::Overlap;
 use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
@@ -92,7 +92,7 @@ pub(crate) fn course(a: &Body, b: &Body, h: f64, search: &mut PairSearch, points
             return Course::Impact(Impact { time, at: [at_a.position, at_b.position], overlap });
         }
         let n = overlap.normal;
-        let turning = |body: &Body| body.angular.cross(&n).norm() * body.radius.min(1e6);
+        let turning = |body: &Body| body.angular.cross(&n).norm() * body.radius.min(LONGEST_ARM);
         let approach = n.dot(&(a.linear - b.linear)) + turning(a) + turning(b);
         // Half the tolerance is left, so that the end is reached.
         time += (separation - 0.5 * tolerance) / approach;

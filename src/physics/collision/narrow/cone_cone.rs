@@ -32,6 +32,7 @@ use super::feature_sat::{Feature, Found, Least};
 use super::polyhedron::{Convex, Frame};
 use super::scale::Scale;
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
+use crate::physics::contact;
 
 /// Samples of the depth around a flank's circle of normals.
 const CIRCLE_SAMPLES: usize = 24;
@@ -176,7 +177,7 @@ impl Cones<'_> {
         let mut n = start;
         let (mut depth, mut gradient, mut tangents, mut bends) = measure(&n);
         for _ in 0..NEWTON_STEPS {
-            let frame = crate::physics::constraint::contact::tangents(&n);
+            let frame = contact::tangents(&n);
             let flat = |vector: &Vector3<f64>| Vector2::new(vector.dot(&frame[0]), vector.dot(&frame[1]));
             let slope = flat(&gradient);
             let [one, other] = [flat(&tangents[0]), flat(&tangents[1])];

@@ -35,7 +35,6 @@ use super::apart;
 use super::clipping::ClipBuffers;
 use super::polyhedron::{Convex, Edge, Frame, Polyhedron, first_max};
 use super::scale::Scale;
-use crate::physics::collision::gap::CONTACT_TOLERANCE;
 use crate::physics::collision::manifold::Overlap;
 
 /// Sine of the angle under which two edges count as parallel: their cross product would be off by
