@@ -14,18 +14,9 @@
 use nalgebra::Vector3;
 
 use crate::physics::body::Body;
+use crate::physics::collision::constants::{LONGEST_ARM, SPECULATIVE_MARGIN};
 use crate::physics::settings::{ContactModel, Method, SolverSettings};
 use crate::physics::shape::Geometry;
-
-/// Gaps up to this share of the bounding radii count as touching: rounding could have made them
-/// of a gap of zero.
-pub(super) const CONTACT_TOLERANCE: f64 = 1e-9;
-
-/// Share of a bounding radius within which surfaces that do not touch get contact points.
-const SPECULATIVE_MARGIN: f64 = 0.01;
-
-/// Points of a half-space farther from its centre than this do not count where it turns, m.
-pub(super) const LONGEST_ARM: f64 = 1e6;
 
 /// The gap up to which a pair gets contact points, m. A half-space comes first.
 pub(super) fn contact_gap(a: &Body, b: &Body, settings: &SolverSettings) -> f64 {

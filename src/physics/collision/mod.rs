@@ -14,6 +14,7 @@
 
 mod broad;
 mod classic;
+mod constants;
 mod continuous;
 mod gap;
 mod lag;

@@ -13,19 +13,17 @@ use bevy::prelude::*;
 use super::classic::extreme_vertices;
 use super::classic::placed::Placed;
 use super::classic::sat::{self, AxisBuffers, AxisSearch};
-use super::gap::{CONTACT_TOLERANCE, contact_gap};
+use super::gap::contact_gap;
 use super::manifold::{CandidatePairs, ContactPoint, Contacts, Manifold, Overlap, Pair};
 use super::narrow::contact_pair::{self, PairSearch};
 use super::narrow::feature_sat::Feature;
 use crate::physics::body::{Bodies, Body};
+use crate::physics::collision::constants::{CONTACT_TOLERANCE, PAIRS_A_BLOCK};
 use crate::physics::contact::surface;
 use crate::physics::settings::{ContactModel, SolverSettings};
 use crate::physics::shape::Geometry;
 use crate::physics::stats::StepStats;
 use crate::physics::threads::for_each_block;
-
-/// Pairs that one thread works through at a time.
-const BLOCK: usize = 128;
 
 /// A run of pairs, and the contacts found in them.
 #[derive(Default)]
@@ -64,13 +62,13 @@ pub(super) fn find_contacts(
     contacts.manifolds.clear();
     contacts.points.clear();
     let pairs = &candidates.pairs;
-    let block_count = pairs.len().div_ceil(BLOCK);
+    let block_count = pairs.len().div_ceil(PAIRS_A_BLOCK);
     if blocks.len() < block_count {
         blocks.resize_with(block_count, Block::default);
     }
     let blocks = &mut blocks[..block_count];
     for (index, block) in blocks.iter_mut().enumerate() {
-        block.pairs = index * BLOCK..((index + 1) * BLOCK).min(pairs.len());
+        block.pairs = index * PAIRS_A_BLOCK..((index + 1) * PAIRS_A_BLOCK).min(pairs.len());
     }
     for_each_block(settings.threads, blocks, |block| block.find(&bodies.list, pairs, &settings, &last_axes));
     last_axes.0.clear();

@@ -2,7 +2,7 @@
 //! as they are.
 //!
 //! A slot's manifold is found again only when the two bodies have moved against each other by more
-//! than [`RECYCLED`] of the smaller one's size since it was found; until then its points, fixed to
+//! than [`RECYCLING_LIMIT`] of the smaller one's size since it was found; until then its points, fixed to
 //! either body, move along with them, which is exact to first order. Impulses stay with the slot
 //! and are matched by feature when the manifold is found again.
 
@@ -19,6 +19,7 @@ use super::narrow::contact_pair::{self, PairSearch};
 use crate::physics::bit_set::{BitSet, ones};
 use crate::physics::body::RigidBody;
 use crate::physics::body::{Bodies, Body};
+use crate::physics::collision::constants::{RECYCLING_LIMIT, SLOTS_A_CHUNK, SUCCESSION_REACH};
 use crate::physics::contact::{predecessors, surface, tangents};
 use crate::physics::joint::Joints;
 use crate::physics::lanes::{Record, WIDTH};
@@ -26,12 +27,6 @@ use crate::physics::readings::ContactForces;
 use crate::physics::settings::SolverSettings;
 use crate::physics::stats::StepStats;
 use crate::physics::threads::for_each_of;
-
-/// Share of the smaller bounding radius by which a pair may move before its manifold is found anew.
-const RECYCLED: f64 = 1e-3;
-
-/// Share of the smaller bounding radius within which a point without a namesake takes over from an old one.
-const SUCCESSION_REACH: f64 = 0.1;
 
 /// Stands for a body that is gone, until its pairs are dropped.
 pub(crate) const GONE: u32 = u32::MAX;
@@ -41,9 +36,6 @@ pub(crate) const POINTS: usize = 4;
 
 /// Records that hold the geometry of one pair's contact.
 pub(crate) const GEOMETRY: usize = 4;
-
-/// Slots that one thread works through at a time: whole words of a bit set.
-const CHUNK: usize = 128;
 
 /// What the rows of one pair's contact are made from, in the body axes of A (normal, tangent,
 /// points on A) and B (points on B): normal, tangent, μ, number of points, then each point on A and
@@ -256,13 +248,18 @@ pub(super) fn update_graph(
     if settings.is_changed() {
         graph.slots.iter_mut().for_each(|slot| slot.found_at = None);
     }
-    let chunks = graph.slots.len().div_ceil(CHUNK);
+    let chunks = graph.slots.len().div_ceil(SLOTS_A_CHUNK);
     finders.resize_with(chunks, Finder::default);
     graph.updates += 1;
     let (active, update) = (&graph.active, graph.updates);
-    let slots = graph.slots.chunks_mut(CHUNK).zip(graph.states.chunks_mut(CHUNK)).zip(finders.iter_mut()).enumerate();
+    let slots = graph
+        .slots
+        .chunks_mut(SLOTS_A_CHUNK)
+        .zip(graph.states.chunks_mut(SLOTS_A_CHUNK))
+        .zip(finders.iter_mut())
+        .enumerate();
     let work = slots.map(|(chunk, ((slots, states), finder))| {
-        let active = active.words(chunk * CHUNK, CHUNK);
+        let active = active.words(chunk * SLOTS_A_CHUNK, SLOTS_A_CHUNK);
         Chunk { slots, states, active, update, joined: &joints.joined, finder }
     });
     for_each_of(settings.threads, work, |mut chunk| chunk.update(&bodies.list, &settings));
@@ -394,9 +391,9 @@ impl Chunk<'_> {
             let (slot, state) = (&mut self.slots[index as usize], &mut self.states[index as usize]);
             let (a, b) = (&bodies[slot.pair.a as usize], &bodies[slot.pair.b as usize]);
             let pose = RelativePose::of(a, b);
-            if slot.found_at.is_some_and(|found| found.moved(&pose, slot.reach) <= RECYCLED * slot.size)
+            if slot.found_at.is_some_and(|found| found.moved(&pose, slot.reach) <= RECYCLING_LIMIT * slot.size)
                 && (slot.touching
-                    || fastest_approach(a, b) * settings.step() <= slot.found_within - RECYCLED * slot.size)
+                    || fastest_approach(a, b) * settings.step() <= slot.found_within - RECYCLING_LIMIT * slot.size)
             {
                 continue;
             }
