@@ -18,6 +18,7 @@ mod body;
 mod collision;
 mod columns;
 mod constraint;
+mod contact;
 mod diagnostics;
 mod disjoint_sets;
 mod events;

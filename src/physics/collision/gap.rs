@@ -1,54 +1,65 @@
-//! How far apart two bodies may be that already get contact points.
+//! The rule of the gap: how far apart two bodies may be that already get contact points, m ([`contact_gap`]).
+//!
+//! Contacts are found once a step, at the poses of its start. One that is found only when it overlaps is found up to a
+//! step's way too late; one across a gap has a negative depth, and its row lets the gap close and no more.
+//!
+//! | whose contacts | gap | why |
+//! | --- | --- | --- |
+//! | extreme vertices | 0 | the 2009 engine's: what overlaps touches |
+//! | force-level rows, over a half-space, without restitution | how far the body falls to the plane in the step | a plane has one normal; what bounces needs the approach that a row across the gap would take away |
+//! | force-level rows, all others | 0 | the normal across a gap between bodies that pass beside each other would stop them |
+//! | contacts that last | [`SPECULATIVE_MARGIN`] of the smaller radius, and what both can close in the step | the manifold is used until the pair has moved against each other |
+//! | `exact` | the same margin of each radius, and what each can move in the step, forces included | what is in reach goes by another step than what is not, and that must be known before |
 
 use nalgebra::Vector3;
 
 use crate::physics::body::Body;
-use crate::physics::settings::{ContactModel, SolverSettings};
+use crate::physics::collision::constants::{LONGEST_ARM, SPECULATIVE_MARGIN};
+use crate::physics::settings::{ContactModel, Method, SolverSettings};
+use crate::physics::shape::Geometry;
 
-/// Gaps up to this share of the bounding radii count as touching: rounding could have made them
-/// of a gap of zero.
-pub(super) const CONTACT_TOLERANCE: f64 = 1e-9;
-
-/// The gap over a half-space up to which a body already gets contact points, m: as far as it can
-/// fall in one step at its present velocity. The points' negative depth lets the solver stop it at
-/// the plane instead of finding it a step's way below. Not where the 2009 contacts are asked for,
-/// and not where the pair bounces: a speculative contact takes the approach away that a bounce needs.
-pub(super) fn speculative_gap(plane: &Body, body: &Body, normal: &Vector3<f64>, settings: &SolverSettings) -> f64 {
-    let bounces = plane.material.pair(body.material).restitution > 0.0;
-    if settings.contacts != ContactModel::Clipping || bounces {
+/// The gap up to which a pair gets contact points, m. A half-space comes first.
+pub(super) fn contact_gap(a: &Body, b: &Body, settings: &SolverSettings) -> f64 {
+    let h = settings.step();
+    if settings.method == Method::Exact {
+        return own_reach(a, settings) + own_reach(b, settings);
+    }
+    if settings.method.keeps_contacts() {
+        return SPECULATIVE_MARGIN * a.radius.min(b.radius) + fastest_approach(a, b) * h;
+    }
+    let is_over_plane = matches!(a.geometry, Some(Geometry::HalfSpace));
+    let bounces = a.material.pair(b.material).restitution > 0.0;
+    if !is_over_plane || bounces || settings.contacts != ContactModel::Clipping {
         return 0.0;
     }
-    let approach = (plane.linear - body.linear).dot(normal).max(0.0) + body.angular.norm() * body.radius;
-    approach * settings.step()
+    let normal = a.rotation * Vector3::y();
+    ((a.linear - b.linear).dot(&normal).max(0.0) + b.angular.norm() * b.radius) * h
 }
 
-/// How far apart two bodies of the exact method may be that get contact points, m: as far as they can come together in
-/// a step at their velocities and under the forces on them.
-pub(super) fn reachable_gap(a: &Body, b: &Body, settings: &SolverSettings) -> f64 {
-    own_reach(a, settings) + own_reach(b, settings)
-}
-
-/// A body's own part of that.
+/// A body's own part of the gap of the exact method, m: those of two bodies together are no less than what they can
+/// come together in a step, at their velocities and under the forces on them.
 pub(super) fn own_reach(body: &Body, settings: &SolverSettings) -> f64 {
     let h = settings.step();
-    own_reachable_gap(body, settings) + body.inverse_mass.component_mul(&body.force).norm() * h * h
+    let margin = if body.radius.is_finite() { SPECULATIVE_MARGIN * body.radius } else { 0.0 };
+    margin + (body.linear.norm() + turning_speed(body)) * h + pull(body) * h * h
 }
 
-/// Share of the smaller bounding radius within which surfaces that do not touch get contact points.
-pub(super) const MARGIN: f64 = 0.01;
+/// The most that two bodies can come together in a time h, s, at their velocities and under the forces on them, m.
+pub(crate) fn closing_distance(a: &Body, b: &Body, h: f64) -> f64 {
+    (fastest_approach(a, b) + (pull(a) + pull(b)) * h) * h
+}
 
 /// The most that two bodies can come together, m/s.
 pub(crate) fn fastest_approach(a: &Body, b: &Body) -> f64 {
     (a.linear - b.linear).norm() + turning_speed(a) + turning_speed(b)
 }
 
-/// A body's own part of that: those of two bodies together are no less than their gap.
-pub(super) fn own_reachable_gap(body: &Body, settings: &SolverSettings) -> f64 {
-    let margin = if body.radius.is_finite() { MARGIN * body.radius } else { 0.0 };
-    margin + (body.linear.norm() + turning_speed(body)) * settings.step()
+/// Greatest speed that turning gives a point of the body, m/s.
+pub(super) fn turning_speed(body: &Body) -> f64 {
+    body.angular.norm() * body.radius.min(LONGEST_ARM)
 }
 
-/// Greatest speed that turning gives a point of the body, m/s; on a half-space, one that reaches far.
-pub(super) fn turning_speed(body: &Body) -> f64 {
-    body.angular.norm() * body.radius.min(1e6)
+/// Acceleration under the forces on a body, m/s².
+fn pull(body: &Body) -> f64 {
+    body.inverse_mass.component_mul(&body.force).norm()
 }

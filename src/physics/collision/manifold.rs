@@ -63,7 +63,7 @@ pub(crate) struct ContactPoint {
     /// World position. Clipped points lie half-way between the two surfaces.
     pub point: Vector3<f64>,
     /// Overlap along the manifold's normal, m; negative for a speculative point, that only may touch
-    /// within the step: down to the gap that was asked for (see [`speculative_gap`]).
+    /// within the step: down to the gap that was asked for (see [`contact_gap`](super::gap::contact_gap)).
     pub depth: f64,
     pub feature: FeatureId,
 }

@@ -14,6 +14,7 @@
 
 mod broad;
 mod classic;
+mod constants;
 mod continuous;
 mod gap;
 mod lag;
@@ -28,7 +29,7 @@ mod tests;
 
 pub(crate) use broad::near_pairs::{CandidateTree, NearPairs};
 pub(crate) use classic::vector_set::VectorSet;
-pub(crate) use gap::fastest_approach;
+pub(crate) use gap::{closing_distance, fastest_approach};
 pub(crate) use lag::LaggedContacts;
 pub(crate) use manifold::{ContactPoint, Contacts, FeatureId, Manifold, Pair};
 pub(crate) use narrow::contact_pair::{PairSearch, touch};

@@ -9,23 +9,21 @@ use std::ops::Range;
 
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
-use nalgebra::Vector3;
 
 use super::classic::extreme_vertices;
 use super::classic::placed::Placed;
 use super::classic::sat::{self, AxisBuffers, AxisSearch};
-use super::gap::{CONTACT_TOLERANCE, reachable_gap, speculative_gap};
+use super::gap::contact_gap;
 use super::manifold::{CandidatePairs, ContactPoint, Contacts, Manifold, Overlap, Pair};
 use super::narrow::contact_pair::{self, PairSearch};
 use super::narrow::feature_sat::Feature;
 use crate::physics::body::{Bodies, Body};
-use crate::physics::settings::{ContactModel, Method, SolverSettings};
+use crate::physics::collision::constants::{CONTACT_TOLERANCE, PAIRS_A_BLOCK};
+use crate::physics::contact::surface;
+use crate::physics::settings::{ContactModel, SolverSettings};
 use crate::physics::shape::Geometry;
 use crate::physics::stats::StepStats;
 use crate::physics::threads::for_each_block;
-
-/// Pairs that one thread works through at a time.
-const BLOCK: usize = 128;
 
 /// A run of pairs, and the contacts found in them.
 #[derive(Default)]
@@ -64,13 +62,13 @@ pub(super) fn find_contacts(
     contacts.manifolds.clear();
     contacts.points.clear();
     let pairs = &candidates.pairs;
-    let block_count = pairs.len().div_ceil(BLOCK);
+    let block_count = pairs.len().div_ceil(PAIRS_A_BLOCK);
     if blocks.len() < block_count {
         blocks.resize_with(block_count, Block::default);
     }
     let blocks = &mut blocks[..block_count];
     for (index, block) in blocks.iter_mut().enumerate() {
-        block.pairs = index * BLOCK..((index + 1) * BLOCK).min(pairs.len());
+        block.pairs = index * PAIRS_A_BLOCK..((index + 1) * PAIRS_A_BLOCK).min(pairs.len());
     }
     for_each_block(settings.threads, blocks, |block| block.find(&bodies.list, pairs, &settings, &last_axes));
     last_axes.0.clear();
@@ -97,7 +95,7 @@ impl Block {
         self.buffers.search.axes = 0;
         for &pair in &pairs[self.pairs.clone()] {
             let (a, b) = (&bodies[pair.a as usize], &bodies[pair.b as usize]);
-            if are_spheres_apart(a, b, gap_of(a, b, settings)) {
+            if are_spheres_apart(a, b, contact_gap(a, b, settings)) {
                 continue;
             }
             let first = self.points.len();
@@ -108,27 +106,16 @@ impl Block {
                 self.last_axes.extend(self.buffers.search.last.map(|axis| (pair, axis)));
             }
             let Some(overlap) = touching else { continue };
-            let material = a.material.pair(b.material);
+            let surface = surface(a, b, settings.friction);
             self.manifolds.push(Manifold {
                 pair,
                 normal: overlap.normal,
                 first_point: first as u32,
                 point_count: (self.points.len() - first) as u32,
-                friction: material.friction,
-                restitution: material.restitution,
+                friction: surface.friction,
+                restitution: surface.restitution,
             });
         }
-    }
-}
-
-/// The gap up to which a pair gets contact points, m.
-fn gap_of(a: &Body, b: &Body, settings: &SolverSettings) -> f64 {
-    if settings.method == Method::Exact {
-        return reachable_gap(a, b, settings);
-    }
-    match a.geometry {
-        Some(Geometry::HalfSpace) => speculative_gap(a, b, &(a.rotation * Vector3::y()), settings),
-        _ => 0.0,
     }
 }
 
@@ -160,7 +147,7 @@ pub(super) fn touch(
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
     match settings.contacts {
-        ContactModel::Clipping => contact_pair::touch(a, b, gap_of(a, b, settings), &mut buffers.search, points),
+        ContactModel::Clipping => contact_pair::touch(a, b, contact_gap(a, b, settings), &mut buffers.search, points),
         ContactModel::ExtremeVertices => touch_at_extremes(a, b, settings, &mut buffers.axes, points),
     }
 }

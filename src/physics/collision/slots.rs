@@ -2,11 +2,10 @@
 //! as they are.
 //!
 //! A slot's manifold is found again only when the two bodies have moved against each other by more
-//! than [`RECYCLED`] of the smaller one's size since it was found; until then its points, fixed to
+//! than [`RECYCLING_LIMIT`] of the smaller one's size since it was found; until then its points, fixed to
 //! either body, move along with them, which is exact to first order. Impulses stay with the slot
 //! and are matched by feature when the manifold is found again.
 
-use super::gap::{MARGIN, fastest_approach};
 use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -14,24 +13,20 @@ use super::broad::near_pairs::NearPairs;
 use super::broad::pair_slots::PairSlot;
 use super::continuous::fast_pair::FastPair;
 use super::continuous::time_of_impact::{self, Course, Impact};
+use super::gap::{contact_gap, fastest_approach};
 use super::manifold::{ContactPoint, Contacts, FeatureId, Manifold, Overlap, Pair};
 use super::narrow::contact_pair::{self, PairSearch};
 use crate::physics::bit_set::{BitSet, ones};
 use crate::physics::body::RigidBody;
 use crate::physics::body::{Bodies, Body};
-use crate::physics::constraint::contact::tangents;
+use crate::physics::collision::constants::{RECYCLING_LIMIT, SLOTS_A_CHUNK, SUCCESSION_REACH};
+use crate::physics::contact::{predecessors, surface, tangents};
 use crate::physics::joint::Joints;
 use crate::physics::lanes::{Record, WIDTH};
 use crate::physics::readings::ContactForces;
-use crate::physics::settings::{FrictionModel, SolverSettings};
+use crate::physics::settings::SolverSettings;
 use crate::physics::stats::StepStats;
 use crate::physics::threads::for_each_of;
-
-/// Share of the smaller bounding radius by which a pair may move before its manifold is found anew.
-const RECYCLED: f64 = 1e-3;
-
-/// Share of the smaller bounding radius within which a point without a namesake takes over from an old one.
-const NEAR: f64 = 0.1;
 
 /// Stands for a body that is gone, until its pairs are dropped.
 pub(crate) const GONE: u32 = u32::MAX;
@@ -41,9 +36,6 @@ pub(crate) const POINTS: usize = 4;
 
 /// Records that hold the geometry of one pair's contact.
 pub(crate) const GEOMETRY: usize = 4;
-
-/// Slots that one thread works through at a time: whole words of a bit set.
-const CHUNK: usize = 128;
 
 /// What the rows of one pair's contact are made from, in the body axes of A (normal, tangent,
 /// points on A) and B (points on B): normal, tangent, μ, number of points, then each point on A and
@@ -256,13 +248,18 @@ pub(super) fn update_graph(
     if settings.is_changed() {
         graph.slots.iter_mut().for_each(|slot| slot.found_at = None);
     }
-    let chunks = graph.slots.len().div_ceil(CHUNK);
+    let chunks = graph.slots.len().div_ceil(SLOTS_A_CHUNK);
     finders.resize_with(chunks, Finder::default);
     graph.updates += 1;
     let (active, update) = (&graph.active, graph.updates);
-    let slots = graph.slots.chunks_mut(CHUNK).zip(graph.states.chunks_mut(CHUNK)).zip(finders.iter_mut()).enumerate();
+    let slots = graph
+        .slots
+        .chunks_mut(SLOTS_A_CHUNK)
+        .zip(graph.states.chunks_mut(SLOTS_A_CHUNK))
+        .zip(finders.iter_mut())
+        .enumerate();
     let work = slots.map(|(chunk, ((slots, states), finder))| {
-        let active = active.words(chunk * CHUNK, CHUNK);
+        let active = active.words(chunk * SLOTS_A_CHUNK, SLOTS_A_CHUNK);
         Chunk { slots, states, active, update, joined: &joints.joined, finder }
     });
     for_each_of(settings.threads, work, |mut chunk| chunk.update(&bodies.list, &settings));
@@ -394,8 +391,9 @@ impl Chunk<'_> {
             let (slot, state) = (&mut self.slots[index as usize], &mut self.states[index as usize]);
             let (a, b) = (&bodies[slot.pair.a as usize], &bodies[slot.pair.b as usize]);
             let pose = RelativePose::of(a, b);
-            if slot.found_at.is_some_and(|found| found.moved(&pose, slot.reach) <= RECYCLED * slot.size)
-                && (slot.touching || reachable_gap(a, b, 0.0, settings) <= slot.found_within - RECYCLED * slot.size)
+            if slot.found_at.is_some_and(|found| found.moved(&pose, slot.reach) <= RECYCLING_LIMIT * slot.size)
+                && (slot.touching
+                    || fastest_approach(a, b) * settings.step() <= slot.found_within - RECYCLING_LIMIT * slot.size)
             {
                 continue;
             }
@@ -409,11 +407,6 @@ impl Chunk<'_> {
             *point_count += state.geometry.point_count() as i64 - had as i64;
         }
     }
-}
-
-/// The gap up to which a pair gets contact points: a margin, and what it may close in one step.
-pub(super) fn reachable_gap(a: &Body, b: &Body, size: f64, settings: &SolverSettings) -> f64 {
-    MARGIN * size + fastest_approach(a, b) * settings.step()
 }
 
 impl Slot {
@@ -434,7 +427,7 @@ impl Slot {
         points: &mut Vec<ContactPoint>,
     ) -> Option<FastPair> {
         let h = settings.step();
-        self.found_within = reachable_gap(a, b, self.size, settings);
+        self.found_within = contact_gap(a, b, settings);
         search.last = None;
         // One on a joint will not go on as it moves now.
         let is_free = !joined.contains(self.pair.a) && !joined.contains(self.pair.b);
@@ -471,10 +464,7 @@ impl Slot {
         settings: &SolverSettings,
         points: &[ContactPoint],
     ) {
-        let mut material = a.material.pair(b.material);
-        if settings.friction == FrictionModel::Off {
-            material.friction = 0.0;
-        }
+        let surface = surface(a, b, settings.friction);
         let old = std::mem::take(state);
         let normal_in_a = a.rotation.inverse_transform_vector(&normal);
         let [tangent, _] = tangents(&normal_in_a);
@@ -494,8 +484,8 @@ impl Slot {
             let on_b = b.rotation.inverse_transform_vector(&(arm_b - half));
             (on_a, on_b)
         });
-        state.geometry = ContactGeometry::new(&normal_in_a, &tangent, material.friction, points.len(), places);
-        self.restitution = material.restitution as f32;
+        state.geometry = ContactGeometry::new(&normal_in_a, &tangent, surface.friction, points.len(), places);
+        self.restitution = surface.restitution as f32;
         if self.touching {
             self.carry_pushes(&old, state, points);
             self.carry_friction(&old, state);
@@ -505,32 +495,15 @@ impl Slot {
         }
     }
 
-    /// Each point takes over what the old point of its feature pushed. Where edges lie on edges, rounding decides
-    /// which features a corner is named after: what has no namesake takes over from the nearest old point left.
+    /// Each point takes over what its predecessor pushed.
     fn carry_pushes(&self, old: &ContactState, state: &mut ContactState, points: &[ContactPoint]) {
-        let mut is_free = [false; POINTS];
-        is_free[..old.geometry.point_count()].fill(true);
-        let mut from = [None; POINTS];
-        for (from, point) in from.iter_mut().zip(points) {
-            *from = (0..POINTS).find(|&known| is_free[known] && self.features[known] == point.feature);
-            if let Some(known) = *from {
-                is_free[known] = false;
-            }
-        }
-        for (index, from) in from.iter_mut().enumerate().take(points.len()) {
-            if from.is_none() {
-                let (place, _) = state.geometry.point(index);
-                let distance = |known: usize| (old.geometry.point(known).0 - place).norm_squared();
-                let near = (0..POINTS)
-                    .filter(|&known| is_free[known])
-                    .min_by(|&one, &other| distance(one).total_cmp(&distance(other)))
-                    .filter(|&known| distance(known) < (NEAR * self.size).powi(2));
-                if let Some(known) = near {
-                    is_free[known] = false;
-                }
-                *from = near;
-            }
-            state.impulses.0[index] = from.map_or(0.0, |known| old.impulses.0[known]);
+        let known = &self.features[..old.geometry.point_count()];
+        let place = |geometry: &ContactGeometry, index: usize| geometry.point(index).0;
+        let apart = |new, known| (place(&old.geometry, known) - place(&state.geometry, new)).norm_squared();
+        let new = points.iter().map(|point| point.feature);
+        let from: [_; POINTS] = predecessors(known, new, apart, SUCCESSION_REACH * self.size);
+        for (impulse, from) in state.impulses.0.iter_mut().zip(from) {
+            *impulse = from.map_or(0.0, |known| old.impulses.0[known]);
         }
     }
 

@@ -1,9 +1,8 @@
 //! Constraints as rows. A constraint knows geometry and makes [`row::Row`]s; a solver knows rows.
 //!
-//! One file a constraint: [`contact`] (non-penetration and friction), [`ball_joint`].
+//! One file a constraint: [`ball_joint`]; contacts have their own folder, [`super::contact`].
 
 pub(crate) mod ball_joint;
-pub(crate) mod contact;
 pub(crate) mod row;
 
 #[cfg(test)]

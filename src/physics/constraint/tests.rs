@@ -1,8 +1,8 @@
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 
 use super::ball_joint;
-use super::contact::{ContactSite, penetration_bias, tangents};
 use super::row::{BodyTerms, Bounds, RowPair, Twist};
+use crate::physics::contact::{PointConstraint, penetration_bias, tangents};
 use crate::physics::testing::Random;
 
 /// A pose that a twist moves.
@@ -67,8 +67,8 @@ fn site<'a>(
     poses: &[Pose; 2],
     point: Vector3<f64>,
     normal: Vector3<f64>,
-) -> ContactSite<'a, f64> {
-    ContactSite {
+) -> PointConstraint<'a, f64> {
+    PointConstraint {
         a: (0, terms[0]),
         b: (1, terms[1]),
         arm_a: point - poses[0].position,

@@ -13,8 +13,9 @@ mod soft_terms;
 mod substeps;
 mod sweeps;
 
+pub(crate) use crate::physics::contact::ContactCache;
 pub(crate) use exact::ExactGroups;
-pub(crate) use sweeps::{ContactCache, IslandSolvers};
+pub(crate) use sweeps::IslandSolvers;
 
 use bevy::prelude::*;
 

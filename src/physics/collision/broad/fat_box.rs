@@ -19,13 +19,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::bounding_tree::BoundingBox;
-
-/// Margin as a share of the bounding radius. More of it means fewer updates and more pairs that do
-/// not touch; measured on falling heaps and settled walls.
-const MARGIN: f64 = 0.05;
-
-/// Steps of travel at the present velocity that a fat box has ahead of it.
-const STEPS_AHEAD: f64 = 4.0;
+use crate::physics::collision::constants::{FAT_MARGIN, STEPS_AHEAD};
 
 /// What rounding may take: of a coordinate in f64, of the radius in the room's f32.
 const COORDINATE_ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -79,7 +73,7 @@ impl Room {
         let sphere = BoundingBox { low: at - radius, high: at + radius };
         // With less than half the margin left around the sphere, a box may have more room turning.
         let sphere_gap = (sphere.low - fat.low).min().min((fat.high - sphere.high).min());
-        let turns = sphere_gap < 0.5 * MARGIN * extent.radius;
+        let turns = sphere_gap < 0.5 * FAT_MARGIN * extent.radius;
         let inner = if turns { &extent.bounds } else { &sphere };
         let (below, above) = (fat.low - inner.low, fat.high - inner.high);
         let rounding = ROOM_ROUNDING * extent.radius + COORDINATE_ROUNDING * at.amax();
@@ -142,7 +136,7 @@ impl Extent {
             return self.swept(placement);
         }
         let BoundingBox { low, high } = self.turned(&placement.position, STEPS_AHEAD * placement.turn);
-        let margin = Vector3::repeat(MARGIN * self.radius);
+        let margin = Vector3::repeat(FAT_MARGIN * self.radius);
         let travel = STEPS_AHEAD * placement.travel;
         BoundingBox {
             low: low - margin + travel.map(|way| way.min(0.0)),

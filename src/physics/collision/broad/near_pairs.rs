@@ -12,7 +12,7 @@ use super::pair_slots::PairSlot;
 use super::persistent_pairs::{BoundedBodies, Bounds, PairChanges, PersistentPairs};
 use crate::physics::body::RigidBody;
 use crate::physics::body::{Bodies, Body};
-use crate::physics::collision::gap::CONTACT_TOLERANCE;
+use crate::physics::collision::constants::CONTACT_TOLERANCE;
 use crate::physics::collision::manifold::{CandidatePairs, Pair};
 use crate::physics::joint::JoinedPairs;
 use crate::physics::joint::Joints;

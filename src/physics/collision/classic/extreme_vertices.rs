@@ -8,11 +8,9 @@
 use nalgebra::Vector3;
 
 use super::placed::Placed;
+use crate::physics::collision::constants::EXTREME_SHARE;
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
 use crate::physics::shape::Geometry;
-
-/// Vertices within this share of the bounding radius of the farthest are extreme too.
-const EXTREME_SHARE: f64 = 1e-3;
 
 /// Adds the contact points of an overlap, relative to body A: A's first, then B's.
 pub(crate) fn contact_points(a: &Placed, b: &Placed, overlap: &Overlap, points: &mut Vec<ContactPoint>) {

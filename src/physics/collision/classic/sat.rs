@@ -18,13 +18,9 @@ use nalgebra::Vector3;
 
 use super::placed::Placed;
 use super::vector_set::VectorSet;
-use crate::physics::collision::gap::CONTACT_TOLERANCE;
+use crate::physics::collision::constants::{CONTACT_TOLERANCE, ON_SURFACE};
 use crate::physics::collision::manifold::Overlap;
 use crate::physics::shape::Geometry;
-
-/// Centre to nearest point closer than this share of the radius: the centre lies in the other
-/// shape, and the direction would be noise.
-const ON_SURFACE: f64 = 1e-12;
 
 /// How axes are chosen.
 #[derive(Clone, Copy, Debug)]

@@ -23,19 +23,14 @@ use nalgebra::Vector3;
 
 use crate::physics::body::CollisionLayers;
 use crate::physics::body::{Bodies, Body};
-use crate::physics::collision::gap::{CONTACT_TOLERANCE, own_reach, speculative_gap};
+use crate::physics::collision::constants::{BUCKETS_A_BLOCK, CONTACT_TOLERANCE, MOVES_A_BODY};
+use crate::physics::collision::gap::{contact_gap, own_reach};
 use crate::physics::collision::manifold::{CandidatePairs, Pair};
 use crate::physics::joint::JoinedPairs;
 use crate::physics::settings::{Method, SolverSettings};
 use crate::physics::shape::Geometry;
 use crate::physics::stats::StepStats;
 use crate::physics::threads::for_each_block;
-
-/// Buckets that one thread works through at a time.
-const BLOCK: usize = 512;
-
-/// Moves per body after which mending the order is given up for sorting it anew.
-const MOVES_PER_BODY: usize = 16;
 
 /// What the sweep keeps from step to step: the order of the bodies, and buffers.
 #[derive(Default)]
@@ -92,23 +87,15 @@ fn is_swept(body: &Body) -> bool {
         && !body.layers.touch_nothing()
 }
 
-/// The bounding radius, and what rounding may take from a gap of zero; for the exact method also the body's part of the
-/// gap up to which pairs get contact points.
-fn reach(body: &Body, settings: &SolverSettings) -> f64 {
-    let touching = body.radius * (1.0 + CONTACT_TOLERANCE);
-    match settings.method {
-        Method::Exact => touching + own_reach(body, settings),
-        _ => touching,
-    }
+/// The bounding radius, and what rounding may take from a gap of zero.
+fn touching_reach(body: &Body) -> f64 {
+    body.radius * (1.0 + CONTACT_TOLERANCE)
 }
 
-/// What a half-space adds to the reach of a body.
-fn plane_gap(plane: &Body, body: &Body, normal: &Vector3<f64>, settings: &SolverSettings) -> f64 {
-    if settings.method == Method::Exact {
-        own_reach(plane, settings)
-    } else {
-        speculative_gap(plane, body, normal, settings)
-    }
+/// The same, for the exact method with the body's part of the gap up to which pairs get contact points.
+fn reach(body: &Body, settings: &SolverSettings) -> f64 {
+    let touching = touching_reach(body);
+    if settings.method == Method::Exact { touching + own_reach(body, settings) } else { touching }
 }
 
 impl SweepAndSort {
@@ -126,10 +113,10 @@ impl SweepAndSort {
         self.half_space_pairs(bodies, joined, settings, pairs);
         self.sort(bodies, swept, settings);
         self.project(bodies, settings);
-        let block_count = self.spheres.len().div_ceil(BLOCK);
+        let block_count = self.spheres.len().div_ceil(BUCKETS_A_BLOCK);
         self.blocks.resize_with(block_count, Block::default);
         for (index, block) in self.blocks.iter_mut().enumerate() {
-            block.firsts = index * BLOCK..((index + 1) * BLOCK).min(self.spheres.len());
+            block.firsts = index * BUCKETS_A_BLOCK..((index + 1) * BUCKETS_A_BLOCK).min(self.spheres.len());
         }
         let spheres = &self.spheres;
         for_each_block(settings.threads, &mut self.blocks, |block| {
@@ -171,7 +158,7 @@ impl SweepAndSort {
                 if is_swept(body)
                     && body.is_dynamic()
                     && normal.dot(&(body.position - plane.position))
-                        <= reach(body, settings) + plane_gap(plane, body, &normal, settings)
+                        <= touching_reach(body) + contact_gap(plane, body, settings)
                     && plane.layers.interact(body.layers)
                     && !joined.contains(a, b as u32)
                 {
@@ -193,7 +180,7 @@ impl SweepAndSort {
             let body = &bodies[begin.body as usize];
             begin.x = body.position.x - reach(body, settings);
         }
-        if !sort_by_insertion(&mut self.order, MOVES_PER_BODY * bodies.len()) {
+        if !sort_by_insertion(&mut self.order, MOVES_A_BODY * bodies.len()) {
             self.order.sort_unstable_by(Begin::compare);
         }
     }

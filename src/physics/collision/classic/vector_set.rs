@@ -8,11 +8,8 @@
 //! The first few are compared in one sweep of wide instructions; those after them are chained by
 //! their x, so that the thousand axes of two fine hulls cost no million comparisons.
 
+use crate::physics::collision::constants::LEAST_AXIS;
 use nalgebra::Vector3;
-
-/// Euclidean length below which a cross product of unit vectors is that of parallels: its
-/// direction would be off by more than 1e-10.
-const NEAR_ZERO: f64 = 1e-6;
 
 /// Vectors that are compared in one sweep: two boxes give 21.
 const SWEPT: usize = 24;
@@ -103,7 +100,7 @@ impl VectorSet {
     #[inline]
     pub fn insert_direction(&mut self, vector: Vector3<f64>) -> Option<Vector3<f64>> {
         let length = vector.norm();
-        if length < NEAR_ZERO {
+        if length < LEAST_AXIS {
             return None;
         }
         let direction = vector / length;

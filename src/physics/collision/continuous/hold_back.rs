@@ -15,29 +15,27 @@ use super::fast_pair::FastPair;
 use super::time_of_impact::{self, Course, Impact, advanced, inner_radius};
 use crate::physics::body::world_inverse_inertia;
 use crate::physics::body::{Bodies, Body};
+use crate::physics::collision::constants::CORE_SHARE;
 use crate::physics::collision::manifold::{ContactPoint, Pair};
 use crate::physics::collision::narrow::contact_pair::PairSearch;
 use crate::physics::collision::slots::ContactGraph;
 use crate::physics::settings::SolverSettings;
 use crate::physics::shape::Geometry;
 
-/// Share of the radius of the ball that a body holds that its core has.
-const CORE: f64 = 0.5;
-
 /// The body with its core for its shape.
 fn core(body: Body) -> Body {
     let inner = inner_radius(&body);
     let geometry = match &body.geometry {
-        Some(Geometry::Cuboid { half }) => Geometry::Cuboid { half: half.add_scalar(-CORE * inner) },
+        Some(Geometry::Cuboid { half }) => Geometry::Cuboid { half: half.add_scalar(-CORE_SHARE * inner) },
         Some(Geometry::Cone { radius, height, hull }) => {
-            Geometry::Cone { radius: CORE * radius, height: CORE * height, hull: hull.clone() }
+            Geometry::Cone { radius: CORE_SHARE * radius, height: CORE_SHARE * height, hull: hull.clone() }
         }
-        _ => Geometry::Sphere { radius: CORE * inner },
+        _ => Geometry::Sphere { radius: CORE_SHARE * inner },
     };
     let radius = match &geometry {
         Geometry::Cuboid { half } => half.norm(),
         Geometry::Sphere { radius } => *radius,
-        _ => CORE * body.radius,
+        _ => CORE_SHARE * body.radius,
     };
     Body { geometry: Some(geometry), radius, ..body }
 }

@@ -18,18 +18,12 @@ use nalgebra::{UnitQuaternion, Vector3};
 use crate::physics::body::Body;
 use crate::physics::body::RigidBody;
 use crate::physics::body::rotation_by;
+use crate::physics::collision::constants::{IMPACT_TOLERANCE, LONGEST_ARM, MOST_ADVANCES};
 use crate::physics::collision::gap::{fastest_approach, turning_speed};
 use crate::physics::collision::manifold::ContactPoint;
 use crate::physics::collision::manifold::Overlap;
 use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
 use crate::physics::shape::Geometry;
-
-/// Looks at the pair before it is taken to touch where it is then: at corners that pass each other the bound
-/// is far from sharp.
-const LOOKS: usize = 64;
-
-/// Share of what the thinner body holds that counts as touching: what passes beside by more is not stopped.
-const TOLERANCE: f64 = 0.01;
 
 /// Where a pair is when it first touches.
 #[derive(Clone, Copy, Debug)]
@@ -76,7 +70,7 @@ pub(crate) fn advanced(body: &Body, time: f64) -> (Vector3<f64>, UnitQuaternion<
 /// Follows a pair through a time h, s. On impact the contact points, up to the gap that may yet close, are those of
 /// the poses at the impact, world axes; otherwise there are none.
 pub(crate) fn course(a: &Body, b: &Body, h: f64, search: &mut PairSearch, points: &mut Vec<ContactPoint>) -> Course {
-    let tolerance = TOLERANCE * inner_radius(a).min(inner_radius(b));
+    let tolerance = IMPACT_TOLERANCE * inner_radius(a).min(inner_radius(b));
     let fastest = fastest_approach(a, b);
     let (mut at_a, mut at_b, mut time) = (a.clone(), b.clone(), 0.0);
     for look in 0.. {
@@ -84,7 +78,7 @@ pub(crate) fn course(a: &Body, b: &Body, h: f64, search: &mut PairSearch, points
         let reach = fastest * (h - time) + tolerance;
         let Some(overlap) = contact_pair::touch(&at_a, &at_b, reach, search, points) else { break };
         let separation = -overlap.depth;
-        if separation <= tolerance || look == LOOKS {
+        if separation <= tolerance || look == MOST_ADVANCES {
             if time == 0.0 {
                 points.clear();
                 return Course::Touching;
@@ -92,7 +86,7 @@ pub(crate) fn course(a: &Body, b: &Body, h: f64, search: &mut PairSearch, points
             return Course::Impact(Impact { time, at: [at_a.position, at_b.position], overlap });
         }
         let n = overlap.normal;
-        let turning = |body: &Body| body.angular.cross(&n).norm() * body.radius.min(1e6);
+        let turning = |body: &Body| body.angular.cross(&n).norm() * body.radius.min(LONGEST_ARM);
         let approach = n.dot(&(a.linear - b.linear)) + turning(a) + turning(b);
         // Half the tolerance is left, so that the end is reached.
         time += (separation - 0.5 * tolerance) / approach;

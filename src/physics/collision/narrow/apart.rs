@@ -19,18 +19,12 @@
 
 use nalgebra::Vector3;
 
-use super::clipping::{ClipBuffers, REFERENCE_SIDE, SIDE_MARGIN};
+use super::clipping::{ClipBuffers, REFERENCE_SIDE};
 use super::edge_contact::{self, Segment, closest};
 use super::polyhedron::{Convex, Frame};
 use super::scale::Scale;
+use crate::physics::collision::constants::{CROSSING_PENALTY, SAME_DISTANCE, SIDE_MARGIN};
 use crate::physics::collision::manifold::Overlap;
-
-/// Distances that differ by less than this share are the same to rounding.
-const SAME: f64 = 1e-9;
-
-/// Squared distances of sides that cross at a right angle count for more by this share, so that of
-/// equally near ones (at a common corner) the parallel ones are taken, which touch in two points.
-const CROSSING: f64 = 1e-4;
 
 /// The separation along two near points of the shapes if that is greater than the one found; none
 /// if it is beyond the gap. Overlaps stay as they are.
@@ -44,7 +38,7 @@ pub(crate) fn along(
 ) -> Option<Overlap> {
     let between = on_b - on_a;
     let distance = between.norm();
-    if overlap.depth >= 0.0 || distance <= -overlap.depth * (1.0 + SAME) {
+    if overlap.depth >= 0.0 || distance <= -overlap.depth * (1.0 + SAME_DISTANCE) {
         return Some(*overlap);
     }
     let normal = between / distance;
@@ -101,7 +95,7 @@ fn nearest_sides(one: &[Vector3<f64>], other: &[Vector3<f64>]) -> Option<([usize
     for (index, side) in sides(one) {
         for (other_index, other_side) in sides(other) {
             let [from, to] = closest(&side, &other_side);
-            let rank = (to - from).norm_squared() * (1.0 + CROSSING * side.squared_sine(&other_side));
+            let rank = (to - from).norm_squared() * (1.0 + CROSSING_PENALTY * side.squared_sine(&other_side));
             if rank < nearest.0 {
                 nearest = (rank, Some(([index, other_index], [side, other_side])));
             }

@@ -9,11 +9,9 @@ use super::cone::{Cone, unit_across};
 use super::polyhedron::Frame;
 use super::polyhedron::{first_max, nearest_on_hull};
 use super::scale::Scale;
+use crate::physics::collision::constants::ON_SURFACE;
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
 use crate::physics::shape::{Geometry, Hull};
-
-/// Centre to nearest point closer than this share of the radius: the direction would be noise.
-const ON_SURFACE: f64 = 1e-12;
 
 /// Where a point is with respect to a shape.
 pub(crate) struct Place {

@@ -12,10 +12,8 @@ use super::clipping::{Clip, ClipBuffers};
 use super::edge_contact::{Segment, closest, middle};
 use super::polyhedron::{Cuboid, Frame, Polyhedron};
 use super::scale::Scale;
+use crate::physics::collision::constants::PARALLEL_SQUARED_SINE;
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
-
-/// Squared sine of the angle under which two edges count as parallel.
-const PARALLEL: f64 = 1e-12;
 
 /// What the axis of least depth is made of, by axes of the boxes.
 #[derive(Clone, Copy)]
@@ -114,7 +112,7 @@ impl Boxes<'_> {
                 }
                 let [u, v] = others(along_a).map(|side| self.b_in_a.rotation[(side, along_b)]);
                 let squared_sine = u * u + v * v;
-                if squared_sine < PARALLEL {
+                if squared_sine < PARALLEL_SQUARED_SINE {
                     continue;
                 }
                 let depth = depth / squared_sine.sqrt();

@@ -14,21 +14,11 @@ use nalgebra::Vector3;
 
 use super::polyhedron::first_max;
 use super::scale::Scale;
+use crate::physics::collision::constants::{NEARLY_DEEPEST, NEARLY_WIDEST, SIDE_MARGIN, SOUND_MARGIN, SOUND_SHARE};
 use crate::physics::collision::manifold::{ContactPoint, FeatureId};
 
 /// Most points of a clipped manifold.
 pub(crate) const MAX_POINTS: usize = 4;
-
-/// Sides of the reference face are moved outward by this share of the smaller bounding radius, so
-/// that corners of aligned boxes stay corners when rounding moves them across a side.
-pub(crate) const SIDE_MARGIN: f64 = 1e-5;
-
-/// Depths that are less than the greatest by up to this share of the smaller bounding radius
-/// count as deepest: the first of them is taken, so that the choice does not flicker.
-const NEARLY_DEEPEST: f64 = 1e-4;
-
-/// Likewise squared distances and areas from this share of the greatest.
-const NEARLY_WIDEST: f64 = 0.99;
 
 /// Buffers of the clipping, kept from pair to pair.
 #[derive(Default)]
@@ -51,11 +41,6 @@ struct Corner {
     before: u16,
     after: u16,
 }
-
-/// A face whose deepest point has less than this share of the overlap, less [`SOUND_MARGIN`] of the
-/// smaller radius, has lost to its sides what truly touches.
-const SOUND_SHARE: f64 = 0.9;
-const SOUND_MARGIN: f64 = 1e-4;
 
 /// Names the side of a reference face; sides of the incident face have names below this.
 pub(crate) const REFERENCE_SIDE: u16 = 0x8000;

@@ -16,16 +16,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use nalgebra::Vector3;
 
 use super::polyhedron::Convex;
-
-/// Corners of the polygon that stands for the base where faces are clipped, all on the rim.
-const RIM_CORNERS: usize = 24;
-
-/// Sine of the tilt up to which a base faces a direction squarely: its corners then stay where
-/// they are on the body, so that a cone at rest keeps its contact points. From twice that on the
-/// first corner is the foremost point of the rim, which is exact for a cone that rolls on it.
-/// Between, the corners turn from one to the other. A corner at most is off by
-/// 2r (1 − cos 45°) sin(tilt)/2 in depth.
-const SQUARE_TILT: f64 = 1e-3;
+use crate::physics::collision::constants::{RIM_CORNERS, SQUARE_TILT};
 
 /// A solid circular cone.
 #[derive(Clone, Copy, Debug)]

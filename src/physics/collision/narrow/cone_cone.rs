@@ -31,22 +31,9 @@ use super::edge_contact::{self, Segment};
 use super::feature_sat::{Feature, Found, Least};
 use super::polyhedron::{Convex, Frame};
 use super::scale::Scale;
+use crate::physics::collision::constants::{CIRCLE_SAMPLES, GOLDEN_STEPS, LONGEST_TURN, NEWTON_STEPS, ON_FLANK};
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
-
-/// Samples of the depth around a flank's circle of normals.
-const CIRCLE_SAMPLES: usize = 24;
-
-/// Steps of the golden section: from two samples' distance to 1e-9 rad.
-const GOLDEN_STEPS: u32 = 42;
-
-/// Steps of Newton's method from each start.
-const NEWTON_STEPS: u32 = 12;
-
-/// Longest step of Newton's method, rad.
-const LONGEST_STEP: f64 = 0.4;
-
-/// A flank's normal is one of its own to within this.
-const ON_FLANK: f64 = 1e-7;
+use crate::physics::contact;
 
 /// The twelve corners of an icosahedron and the twenty of a dodecahedron, not normalised: no
 /// direction is farther than 38° from all.
@@ -176,7 +163,7 @@ impl Cones<'_> {
         let mut n = start;
         let (mut depth, mut gradient, mut tangents, mut bends) = measure(&n);
         for _ in 0..NEWTON_STEPS {
-            let frame = crate::physics::constraint::contact::tangents(&n);
+            let frame = contact::tangents(&n);
             let flat = |vector: &Vector3<f64>| Vector2::new(vector.dot(&frame[0]), vector.dot(&frame[1]));
             let slope = flat(&gradient);
             let [one, other] = [flat(&tangents[0]), flat(&tangents[1])];
@@ -187,8 +174,8 @@ impl Cones<'_> {
             if length < 1e-12 {
                 break;
             }
-            if length > LONGEST_STEP {
-                step *= LONGEST_STEP / length;
+            if length > LONGEST_TURN {
+                step *= LONGEST_TURN / length;
             }
             let Some((next, measured)) = (0..8).find_map(|_| {
                 let next = (n + frame[0] * step.x + frame[1] * step.y).normalize();
@@ -314,7 +301,7 @@ fn newton_step(hessian: &Matrix2<f64>, slope: &Vector2<f64>) -> Vector2<f64> {
         let [[xx, xy], [_, yy]] = [[hessian[(0, 0)], hessian[(0, 1)]], [hessian[(1, 0)], hessian[(1, 1)]]];
         return -Vector2::new(yy * slope.x - xy * slope.y, xx * slope.y - xy * slope.x) / determinant;
     }
-    -slope / slope.norm().max(f64::MIN_POSITIVE) * LONGEST_STEP
+    -slope / slope.norm().max(f64::MIN_POSITIVE) * LONGEST_TURN
 }
 
 fn starts() -> impl Iterator<Item = Vector3<f64>> {

@@ -30,16 +30,11 @@ use super::ellipse;
 use super::feature_sat::{Best, Feature, Found, Least, face_depth, facing_edges, least_face};
 use super::polyhedron::{Convex, Edge, Frame, Polyhedron};
 use super::scale::Scale;
+use crate::physics::collision::constants::{ARC_ROUNDING, FLAT_ELLIPSE};
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
 
 /// Normals that each edge may have: two across the flank, two across the rim.
 const PER_EDGE: u32 = 4;
-
-/// A normal lies in an edge's arc, and a vertex is foremost, to within this share of the radius.
-const ROUNDING: f64 = 1e-12;
-
-/// Half axes of an ellipse below this share of the radius leave no direction.
-const FLAT: f64 = 1e-12;
 
 /// Tests a cone and a polyhedron given in its axes; what was the last step's axis is tried first
 /// and replaced. Contact points are left in the clip buffers, in the cone's axes.
@@ -259,13 +254,13 @@ impl<P: Polyhedron> Test<'_, P> {
 /// foremost of its polyhedron there.
 fn across_edge(cone: &Cone, edge: &Edge, way: u32) -> Option<(f64, Vector3<f64>)> {
     let normal = if way < 2 { flank_across(cone, edge, way == 1)? } else { rim_across(cone, edge, way == 3)? };
-    edge.arc_holds(&normal, ROUNDING).then(|| (cone.reach(&normal) - normal.dot(&edge.start), normal))
+    edge.arc_holds(&normal, ARC_ROUNDING).then(|| (cone.reach(&normal) - normal.dot(&edge.start), normal))
 }
 
 fn flank_across(cone: &Cone, edge: &Edge, other_way: bool) -> Option<Vector3<f64>> {
     let e = edge.direction;
     let across = e.x.hypot(e.z);
-    if across < FLAT {
+    if across < FLAT_ELLIPSE {
         return None;
     }
     let along = -cone.sine * e.y / (cone.cosine * across);
@@ -290,7 +285,7 @@ fn rim_across(cone: &Cone, edge: &Edge, far: bool) -> Option<Vector3<f64>> {
     let [sin, cos] = if far { beyond } else { near }?;
     let normal = long * (half[1] * cos) + short * (half[0] * sin);
     let length = normal.norm();
-    (length > FLAT * cone.radius).then(|| normal / length)
+    (length > FLAT_ELLIPSE * cone.radius).then(|| normal / length)
 }
 
 /// The depth along the flank's normal that a vertex lies deepest behind, and that normal. None
@@ -310,7 +305,7 @@ fn flank_at_vertex(
         return None;
     }
     let toward = -other_in_cone.enter(&normal);
-    let height = local.dot(&toward) + ROUNDING * cone.radius;
+    let height = local.dot(&toward) + ARC_ROUNDING * cone.radius;
     let is_foremost = (0..other.vertex_count()).all(|rival| other.vertex(rival).dot(&toward) <= height);
     is_foremost.then(|| (cone.flank_offset() - normal.dot(&place), normal))
 }

@@ -3,10 +3,8 @@
 use nalgebra::Vector3;
 
 use super::scale::Scale;
+use crate::physics::collision::constants::STRETCH_SQUARED_SINE;
 use crate::physics::collision::manifold::{ContactPoint, FeatureId};
-
-/// Squared sine of the angle under which two edges touch along a stretch, not in a point.
-const NEARLY_PARALLEL: f64 = 1e-5;
 
 /// The ends of an edge.
 #[derive(Clone, Copy)]
@@ -64,7 +62,7 @@ pub(crate) fn touch(
     found: &mut Vec<ContactPoint>,
 ) {
     let (u, v) = (one.along(), other.along());
-    if u.cross(&v).norm_squared() > NEARLY_PARALLEL * u.norm_squared() * v.norm_squared() {
+    if u.cross(&v).norm_squared() > STRETCH_SQUARED_SINE * u.norm_squared() * v.norm_squared() {
         found.push(ContactPoint { point: middle(closest(one, other)), depth, feature });
         return;
     }

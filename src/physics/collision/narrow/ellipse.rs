@@ -1,10 +1,8 @@
 //! The feet of a point on an ellipse: where the distance to it is least, seen from either side of
 //! the long axis.
 
+use crate::physics::collision::constants::FOOT_STEPS;
 use std::f64::consts::FRAC_PI_2;
-
-/// Steps of the safeguarded Newton iteration; it takes about five.
-const STEPS: u32 = 60;
 
 /// For the ellipse (a cos t, b sin t), a ≥ b ≥ 0, and a point, the sine and cosine of t where the
 /// distance from the point has a minimum: the nearest foot, and the one beyond the long axis if
@@ -42,7 +40,7 @@ fn falling_zero([mut low, mut high]: [f64; 2], start: f64, function: impl Fn(f64
     // At the ends the function may be zero without falling through it.
     let margin = 1e-3 * (high - low);
     let mut angle = start.clamp(low + margin, high - margin);
-    for _ in 0..STEPS {
+    for _ in 0..FOOT_STEPS {
         let (sin, cos) = angle.sin_cos();
         let (value, slope) = function(sin, cos);
         if value > 0.0 {

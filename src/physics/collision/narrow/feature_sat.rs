@@ -35,11 +35,8 @@ use super::apart;
 use super::clipping::ClipBuffers;
 use super::polyhedron::{Convex, Edge, Frame, Polyhedron, first_max};
 use super::scale::Scale;
+use crate::physics::collision::constants::PARALLEL_SINE;
 use crate::physics::collision::manifold::Overlap;
-
-/// Sine of the angle under which two edges count as parallel: their cross product would be off by
-/// more than 1e-10. Between parallel edges the least depth is along a face.
-const PARALLEL: f64 = 1e-6;
 
 /// What an axis was made of, by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -334,7 +331,7 @@ fn edge_depth(a: &Edge, b: &Edge) -> Option<(f64, Vector3<f64>)> {
     }
     let across = a.direction.cross(&b.direction);
     let sine = across.norm();
-    if sine < PARALLEL {
+    if sine < PARALLEL_SINE {
         return None;
     }
     let out = across.dot(&(a.normals[0] + a.normals[1]));

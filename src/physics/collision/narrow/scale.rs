@@ -1,19 +1,8 @@
 //! The lengths by which the tests of one pair are judged.
 
-use crate::physics::collision::gap::CONTACT_TOLERANCE;
-
-/// An edge–edge axis (or a face of B) is taken only where its depth is below this share of the
-/// depth along the best face (of A) …
-const RIVAL_SHARE: f64 = 0.95;
-
-/// … (apart: where it is farther apart than the face by the inverse of that share) and below it by
-/// this share of the smaller bounding radius as well, for depths near zero.
-const RIVAL_MARGIN: f64 = 1e-4;
-
-/// Bounds leave out what is worse by this share of the bounding radii: far more than rounding.
-const BOUND_SLACK: f64 = 1e-9;
-
 /// Lengths that a pair's sizes and its gap set.
+use crate::physics::collision::constants::{BOUND_SLACK, CONTACT_TOLERANCE, RIVAL_MARGIN, RIVAL_SHARE};
+
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scale {
     /// Distance up to which two shapes count as touching.

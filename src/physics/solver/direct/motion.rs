@@ -20,6 +20,7 @@ use crate::physics::body::Body;
 use crate::physics::body::RigidBody;
 use crate::physics::body::free_rotation::turn_freely;
 use crate::physics::collision::fastest_approach;
+use crate::physics::contact::restitution_threshold;
 use crate::physics::settings::SolverSettings;
 use crate::physics::solver::joint_tree::{Swing, add_pull};
 use crate::physics::solver::substeps::{Parts, Substeps};
@@ -58,7 +59,7 @@ impl MotionTerms {
         Self {
             substeps: Substeps::of(settings),
             correction_speed: settings.correction_speed.unwrap_or(f64::INFINITY),
-            restitution_speed: settings.restitution_speed.unwrap_or(f64::INFINITY),
+            restitution_speed: restitution_threshold(settings),
         }
     }
 }

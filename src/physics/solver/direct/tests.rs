@@ -7,7 +7,7 @@ use super::patch::{Blocks, Link, Motion, Patch, Side, Spring, motion, wrench};
 use super::pattern::Pattern;
 use super::{Closing, has_gained, level, part_of};
 use crate::physics::collision::{ContactGeometry, ContactState};
-use crate::physics::constraint::contact::tangents;
+use crate::physics::contact::tangents;
 use crate::physics::lanes::Record;
 use crate::physics::testing::Random;
 

@@ -30,9 +30,10 @@ use self::contact::{ContactTerms, Touching};
 pub(super) use self::factor::BlockFactor;
 use self::island::ExactGroup;
 pub(super) use self::mechanism::{Coupling, Couplings, links_at};
-use super::sweeps::ContactCache;
+use super::ContactCache;
 use crate::physics::body::Bodies;
 use crate::physics::collision::Contacts;
+use crate::physics::contact::restitution_threshold;
 use crate::physics::island::Islands;
 use crate::physics::joint::Joints;
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
@@ -92,7 +93,7 @@ fn solve_exactly(
         h: settings.step() / f64::from(settings.substeps),
         parts: settings.substeps,
         correction_speed: settings.correction_speed.unwrap_or(f64::INFINITY),
-        restitution_speed: settings.restitution_speed.unwrap_or(f64::INFINITY),
+        restitution_speed: restitution_threshold(&settings),
     };
     {
         let (bodies, joints, cache) = (&*bodies, &*joints, &*cache);

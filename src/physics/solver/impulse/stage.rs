@@ -16,6 +16,7 @@ use crate::physics::body::RigidBody;
 use crate::physics::body::free_flight;
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::{ContactGraph, ContactState, POINTS, Slot};
+use crate::physics::contact::rebound;
 use crate::physics::joint::{Joint, Joints};
 use crate::physics::lanes::{Lanes, READ_ONLY};
 use crate::physics::scalar::Scalar;
@@ -458,7 +459,7 @@ impl<L: Lanes> Walk<'_, L> {
         let least = L::of(self.terms.restitution_speed);
         // SAFETY: velocities rest while rows are made.
         let approach = unsafe { block.approach(self.bodies.velocity) };
-        let parting = approach.map(|speed| (speed * share).select(speed.simd_gt(least), L::zero()));
+        let parting = approach.map(|speed| rebound(share, speed, least));
         Some(Bounce { parting, peak: [L::zero(); POINTS] })
     }
 

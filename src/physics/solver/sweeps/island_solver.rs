@@ -5,12 +5,12 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::integrator;
 use super::rows::{body_terms, contact_rows, joint_rows};
-use super::warm_start::{ContactCache, KEPT_SHARE};
 use super::{cg_pgs, joint_space, nncg, pgs};
 use crate::physics::body::world_inverse_inertia;
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::Contacts;
 use crate::physics::constraint::row::{BodyTerms, Row, Twist};
+use crate::physics::contact::{ContactCache, KEPT_SHARE, restitution_threshold};
 use crate::physics::island::Islands;
 use crate::physics::joint::Softness;
 use crate::physics::joint::{Joint, Joints};
@@ -56,7 +56,7 @@ impl StepTerms {
             error_rate: settings.baumgarte / h,
             slop: settings.slop,
             correction_speed: settings.correction_speed.unwrap_or(f64::INFINITY),
-            restitution_speed: settings.restitution_speed.unwrap_or(f64::INFINITY),
+            restitution_speed: restitution_threshold(settings),
             friction: settings.friction,
             gravity,
             record_forces,

@@ -14,8 +14,6 @@ mod rows;
 mod solve;
 #[cfg(test)]
 mod tests;
-mod warm_start;
 
 pub(crate) use solve::IslandSolvers;
 pub(super) use solve::plugin;
-pub(crate) use warm_start::ContactCache;

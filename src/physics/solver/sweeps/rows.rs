@@ -6,8 +6,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::island_solver::{LocalBody, LocalJoint, LocalManifold, LocalPoint, StepTerms};
 use crate::physics::constraint::ball_joint;
-use crate::physics::constraint::contact::{ContactSite, penetration_bias, tangents};
 use crate::physics::constraint::row::{BodyTerms, Bounds, Row, Spring, Twist};
+use crate::physics::contact::{PointConstraint, penetration_bias, rebound, tangents};
 use crate::physics::settings::FrictionModel;
 
 /// Slip under which no friction direction can be told, m/s.
@@ -57,7 +57,7 @@ pub(super) fn contact_rows<N: Scalar>(
     for point in points {
         point.first_row = rows.len();
         let (arm_a, arm_b) = (&point.arm_a, &point.arm_b);
-        let site = ContactSite {
+        let site = PointConstraint {
             a: (manifold.a, &terms[manifold.a as usize]),
             b: (manifold.b, &terms[manifold.b as usize]),
             arm_a: vector(arm_a),
@@ -68,8 +68,9 @@ pub(super) fn contact_rows<N: Scalar>(
         let mut bias =
             penetration_bias(point.depth, step.slop, step.error_rate, step.greatest_push(point.depth), step.h);
         let approach = -normal.dot(&velocity);
-        if manifold.restitution > 0.0 && approach > step.restitution_speed {
-            bias = bias.max(manifold.restitution * approach);
+        let parting = rebound(manifold.restitution, approach, step.restitution_speed);
+        if parting > 0.0 {
+            bias = bias.max(parting);
         }
         rows.push(site.normal_row(N::of(bias), h_scalar, N::of(f64::MAX)));
         if manifold.friction == 0.0 {

@@ -3,9 +3,9 @@
 use bevy::prelude::*;
 
 use super::island_solver::{IslandSolver, StepTerms};
-use super::warm_start::ContactCache;
 use crate::physics::body::Bodies;
 use crate::physics::collision::{Contacts, LaggedContacts};
+use crate::physics::contact::ContactCache;
 use crate::physics::island::Islands;
 use crate::physics::joint::Joints;
 use crate::physics::readings::ContactForces;

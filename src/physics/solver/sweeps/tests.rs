@@ -8,8 +8,8 @@ use simba::simd::WideF32x8;
 
 use super::pgs;
 use crate::physics::constraint::ball_joint;
-use crate::physics::constraint::contact::{ContactSite, tangents};
 use crate::physics::constraint::row::{BodyTerms, Bounds, Row, RowPair, Spring, Twist};
+use crate::physics::contact::{PointConstraint, tangents};
 use crate::physics::testing::{Random, immovable};
 
 const H: f64 = 1.0 / 60.0;
@@ -44,7 +44,7 @@ impl Rows {
     /// A normal row, then friction rows with the bounds that `friction` gives by their distance
     /// from it.
     fn touch(&mut self, a: usize, b: usize, friction: &[fn(u32) -> Bounds<f64>], random: &mut Random) {
-        let site = ContactSite {
+        let site = PointConstraint {
             a: self.with(a),
             b: self.with(b),
             arm_a: random.vector(),
@@ -359,7 +359,7 @@ fn every_kind_of_row<N: SimdRealField + Copy>(
     let mut rows = Vec::new();
     for (a, b) in [(0, 1), (1, 2)] {
         let (body_a, body_b) = ((a as u32, &bodies[a]), (b as u32, &bodies[b]));
-        let site = ContactSite { a: body_a, b: body_b, arm_a, arm_b, normal };
+        let site = PointConstraint { a: body_a, b: body_b, arm_a, arm_b, normal };
         rows.push(site.normal_row(number(0.3), h, infinite));
         for (back, tangent) in [(1, first), (2, second)] {
             let bounds = Bounds::Friction { coefficient: number(0.5), normal_rows_back: back };

@@ -12,6 +12,7 @@ use super::super::mechanism::Motion;
 use super::flight::TOUCHING;
 use super::kernel::{Kernel, View};
 use super::sites::{Pairing, Site, Sites};
+use crate::physics::contact::rebound;
 
 /// Approach up to which nothing bounces, m/s: from there bounces go on for another 2e/(1 − e) times 1e-5 s.
 pub(super) const LEAST_BOUNCE: f64 = 1e-4;
@@ -65,7 +66,7 @@ impl Impacts {
             let restitution = pairings[first].restitution;
             let gain = |site: &Site| {
                 let bounces = !ends && site.pairing as usize == first;
-                if bounces { -restitution * (-site.opening(motion)).max(0.0) } else { 0.0 }
+                if bounces { -rebound(restitution, -site.opening(motion), 0.0) } else { 0.0 }
             };
             self.gains.extend(self.held.iter().map(gain));
             self.joint_gains.clear();

@@ -26,7 +26,7 @@ use super::island::{link_of, member, motion, place_in, put};
 use super::mechanism::{Link, Member, Motion};
 use super::stepper::Effort;
 use crate::physics::body::{Bodies, Body};
-use crate::physics::collision::fastest_approach;
+use crate::physics::collision::closing_distance;
 use crate::physics::collision::{FeatureId, Pair};
 use crate::physics::joint::{Joint, Joints};
 use crate::physics::settings::FrictionModel;
@@ -232,19 +232,14 @@ impl Touching {
     }
 
     fn find_sites(&mut self, h: f64) {
-        let Self { sites, pairings, shapes, members, motion, finder, .. } = self;
+        let Self { sites, pairings, shapes, motion, finder, .. } = self;
         place(shapes, motion);
         for (shape, motion) in shapes.iter_mut().zip(&*motion) {
             (shape.linear, shape.angular) = (motion.linear, motion.angular);
         }
-        let falls = |end: u32| {
-            let member = &members[end as usize];
-            member.inverse_mass.component_mul(&member.force).norm()
-        };
         let reach = |pairing: &Pairing| {
-            let [a, b] = pairing.ends;
-            let speed = fastest_approach(&shapes[a as usize], &shapes[b as usize]);
-            (speed + (falls(a) + falls(b)) * h) * h + TOUCHING
+            let [a, b] = pairing.ends.map(|end| &shapes[end as usize]);
+            closing_distance(a, b, h) + TOUCHING
         };
         sites.find(pairings, shapes, reach, finder);
     }

@@ -6,6 +6,7 @@ use super::super::mechanism::Motion;
 use crate::physics::body::Body;
 use crate::physics::collision::{ContactPoint, FeatureId, Pair};
 use crate::physics::collision::{PairSearch, touch};
+use crate::physics::contact::namesake;
 
 /// Two bodies in reach of each other.
 #[derive(Clone, Debug)]
@@ -68,7 +69,7 @@ impl Sites {
     /// The index of the same features' site.
     pub fn position(&self, pairing: u32, feature: FeatureId) -> Option<usize> {
         let pairing = pairing as usize;
-        let at = self.of(pairing).iter().position(|site| site.feature == feature)?;
+        let at = namesake(self.of(pairing).iter().map(|site| site.feature), feature)?;
         Some(self.starts[pairing] as usize + at)
     }
 

@@ -4,8 +4,8 @@ use nalgebra::{DVector, Matrix3, Vector3};
 
 use super::{H, Rows, assert_close, flat, single, solve_by_enumeration};
 use crate::physics::constraint::ball_joint;
-use crate::physics::constraint::contact::{ContactSite, tangents};
 use crate::physics::constraint::row::{BodyTerms, Bounds, Row, RowPair, Twist};
+use crate::physics::contact::{PointConstraint, tangents};
 use crate::physics::scalar::Scalar;
 use crate::physics::solver::sweeps::conjugate_residuals::Face;
 use crate::physics::solver::sweeps::joint_space;
@@ -86,7 +86,7 @@ fn stack(cubes: usize) -> Rows {
             let normal = Vector3::y();
             let arm = |y| Vector3::new(x, y, z);
             let (a, b) = (system.with(below), system.with(below + 1));
-            let site = ContactSite { a, b, arm_a: arm(0.5), arm_b: arm(-0.5), normal };
+            let site = PointConstraint { a, b, arm_a: arm(0.5), arm_b: arm(-0.5), normal };
             let mut rows = vec![site.normal_row(0.0, H, f64::MAX)];
             let friction = (1..).zip(tangents(&normal)).map(|(back, way)| site.friction_row(way, H, COULOMB(back)));
             rows.extend(friction);

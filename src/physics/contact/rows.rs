@@ -6,10 +6,10 @@
 
 use nalgebra::{SimdRealField, Vector3};
 
-use super::row::{BodyTerms, Bounds, Row, RowPair};
+use crate::physics::constraint::row::{BodyTerms, Bounds, Row, RowPair};
 
-/// The geometry of one contact point, body indices and terms included.
-pub(crate) struct ContactSite<'a, N> {
+/// One contact point between two bodies, given by index and terms.
+pub(crate) struct PointConstraint<'a, N> {
     pub a: (u32, &'a BodyTerms<N>),
     pub b: (u32, &'a BodyTerms<N>),
     /// From A's centre of mass to the point.
@@ -19,7 +19,7 @@ pub(crate) struct ContactSite<'a, N> {
     pub normal: Vector3<N>,
 }
 
-impl<N: SimdRealField + Copy> ContactSite<'_, N> {
+impl<N: SimdRealField + Copy> PointConstraint<'_, N> {
     fn along(&self, direction: Vector3<N>) -> RowPair<N> {
         RowPair::along(direction, self.arm_a, self.arm_b)
     }
