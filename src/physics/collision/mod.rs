@@ -47,7 +47,7 @@ mod sweep_and_sort;
 mod time_of_impact;
 pub(crate) mod vector_set;
 
-#[cfg(all(test, feature = "lab"))]
+#[cfg(test)]
 mod tests;
 
 pub(crate) use contact_graph::{ContactGeometry, ContactGraph, ContactState, GEOMETRY, GONE, POINTS, Slot};
