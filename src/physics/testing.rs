@@ -1,24 +1,33 @@
 //! What unit tests share: seeded random numbers, vectors and bodies.
 
-use nalgebra::{Matrix3, UnitQuaternion, Vector3, Vector4};
+use bevy::prelude::{Deref, DerefMut};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3, Vector4};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 
 use super::constraint::row::{BodyTerms, Twist};
 
-/// SplitMix64 (Steele, Lea and Flood 2014).
-pub(crate) struct Random(pub u64);
+/// The generator of the scenes, from a seed.
+#[derive(Deref, DerefMut)]
+pub(crate) struct Random(Pcg64Mcg);
 
 impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(Pcg64Mcg::seed_from_u64(seed))
+    }
+
     /// In 0..1.
     pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        self.0.random()
     }
 
     pub fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
+        self.0.random_range(low..high)
+    }
+
+    /// Of that many.
+    pub fn index(&mut self, count: usize) -> usize {
+        self.0.random_range(0..count)
     }
 
     /// Each coordinate in −1..1.
@@ -26,6 +35,7 @@ impl Random {
         Vector3::from_fn(|_, _| self.within(-1.0, 1.0))
     }
 
+    /// Uniform on the sphere, by rejection.
     pub fn direction(&mut self) -> Vector3<f64> {
         loop {
             let vector = self.vector();
@@ -35,9 +45,14 @@ impl Random {
         }
     }
 
+    /// Uniform, by rejection.
     pub fn rotation(&mut self) -> UnitQuaternion<f64> {
-        let [axis, other] = [self.direction(), self.direction()];
-        UnitQuaternion::new_normalize(Vector4::new(axis.x, axis.y, axis.z, other.x).into())
+        loop {
+            let quaternion = Quaternion::from(Vector4::from_fn(|_, _| self.within(-1.0, 1.0)));
+            if (0.01..=1.0).contains(&quaternion.norm_squared()) {
+                return UnitQuaternion::from_quaternion(quaternion);
+            }
+        }
     }
 
     /// What rows know of a body of 0.2 to 5 kg that is neither round nor aligned.

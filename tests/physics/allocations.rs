@@ -16,19 +16,26 @@ use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use plumb::prelude::*;
 use plumb::scene::load;
 
+use crate::matrix::ENGINES;
+use crate::matrix::Engine::{self, *};
 use crate::rig::*;
 
 /// What one scope of two threads allocates, at least and at most.
 const OF_SCOPE: [u64; 2] = [2, 4];
 
 /// A scene after that many steps.
-fn settled(scene: &str, parameters: &[(&str, f64)], threads: u32, steps: u32) -> World {
+fn by(settings: SolverSettings, scene: &str, parameters: &[(&str, f64)], steps: u32) -> World {
     let parameters: Vec<_> = parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
     let mut world = std::mem::take(headless_app().world_mut());
-    world.insert_resource(SolverSettings { threads, sleep_speed: None, ..SolverSettings::game() });
+    world.insert_resource(settings);
     load(scene, &parameters).unwrap().spawn(&mut world);
     (0..steps).for_each(|_| step(&mut world));
     world
+}
+
+fn settled(scene: &str, parameters: &[(&str, f64)], threads: u32, steps: u32) -> World {
+    let settings = SolverSettings { threads, sleep_speed: None, ..SolverSettings::game() };
+    by(settings, scene, parameters, steps)
 }
 
 /// The scenes, with the steps after which they are steady, and how many scopes a step of theirs
@@ -90,6 +97,51 @@ fn of_two_threads() {
     }
 }
 
+/// A box that slides without friction and a ball that rolls.
+fn gliding(settings: SolverSettings) -> World {
+    let mut world = world_with(settings);
+    ground(&mut world);
+    let smooth = SurfaceMaterial { friction: 0.0, restitution: 0.0 };
+    let along = Velocity { linear: DVec3::X, ..default() };
+    let slider = body(&mut world, Collider::cuboid(1.0, 1.0, 1.0), DVec3::Y * 0.5);
+    world.entity_mut(slider).insert((smooth, along));
+    let roller = body(&mut world, Collider::sphere(0.5), DVec3::new(0.0, 0.5, 3.0));
+    world.entity_mut(roller).insert(along);
+    world
+}
+
+/// Whether a method steps without allocating where something touches.
+fn expected(engine: Engine) -> bool {
+    match engine {
+        Classic | Steady | Primed | Nonsmooth | Game | Sequential | Xpbd => true,
+        // Its contacts are found, and the system of their impulses is made, anew in each step.
+        Accurate => false,
+    }
+}
+
+#[test]
+fn no_method_allocates_in_a_steady_step() {
+    start_pool();
+    for engine in ENGINES {
+        let settings = SolverSettings { sleep_speed: None, ..engine.settings() };
+        // In which contacts come and go now and then, in those of `classic` most.
+        for (what, touches, least, mut world) in [
+            ("chain", false, 90, by(settings, "chain", &[], 60)),
+            ("column", true, 50, by(settings, "stack", &[("n", 5.0)], 180)),
+            ("gliding", true, 90, gliding(settings)),
+            ("limbs", true, 5, by(settings, "limbs", &[], 300)),
+        ] {
+            if touches && !expected(engine) {
+                continue;
+            }
+            steps(&mut world, 60);
+            let counts = of_steady_steps(&mut world);
+            assert!(counts.len() >= least, "{engine:?}, {what}: only {} steps were steady", counts.len());
+            assert!(counts.iter().all(|&count| count == 0), "{engine:?}, {what}: {counts:?}");
+        }
+    }
+}
+
 /// Bytes allocated, and not freed again, to make a world of that many bodies and to take ten steps.
 fn kept(bodies: u32, make: impl Fn(&mut World, u32)) -> f64 {
     let mut world = None;
@@ -106,9 +158,9 @@ fn bytes_per_body(make: impl Fn(&mut World, u32) + Copy) -> f64 {
     (kept(8192, make) - kept(4096, make)) / 4096.0
 }
 
-/// The numbers that `docs/performance.md` states under *Memory*.
+/// At most a tenth more than `docs/performance.md` states under *Memory*.
 #[test]
-fn memory_by_body_contact_and_joint_is_as_stated() {
+fn memory_by_body_contact_and_joint_is_bounded() {
     let apart = |index: u32| DVec3::new(3.0 * f64::from(index), 0.0, 0.0);
     let alone = |world: &mut World, index| _ = body(world, Collider::sphere(0.5), apart(index));
     // Each in contact with one that does not move, or held by it.
@@ -139,14 +191,13 @@ fn memory_by_body_contact_and_joint_is_as_stated() {
     let of_contact = bytes_per_body(touching) - of_body - of_fixed;
     let of_tree_joint = bytes_per_body(held) - of_body - of_fixed;
     let of_loop_joint = (bytes_per_body(looped) - 2.0 * of_body) / 2.0;
-    for (what, bytes, stated) in [
-        ("body", of_body, 2000.0),
-        ("fixed body", of_fixed, 1380.0),
-        ("contact, an island at rest of its own", of_contact, 8520.0),
-        ("joint of a tree", of_tree_joint, 3570.0),
-        ("joint of a loop, an island of its own", of_loop_joint, 5736.0),
+    for (what, bytes, at_most) in [
+        ("body", of_body, 2200.0),
+        ("fixed body", of_fixed, 1500.0),
+        ("contact, an island at rest of its own", of_contact, 9400.0),
+        ("joint of a tree", of_tree_joint, 3900.0),
+        ("joint of a loop, an island of its own", of_loop_joint, 6300.0),
     ] {
-        // Maps that grow by doubling have any load.
-        assert!((bytes - stated).abs() <= 0.02 * stated, "{bytes} bytes a {what} instead of {stated}");
+        assert!(bytes <= at_most, "{bytes} bytes a {what}, more than {at_most}");
     }
 }

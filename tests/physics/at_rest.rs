@@ -4,10 +4,10 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use plumb::physics::ContactForces;
 use plumb::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 
 use crate::rig::*;
-
-const G: f64 = 9.81;
 
 /// Nothing sleeps, so that all that stands still is held by the solver.
 const AWAKE: Option<f64> = None;
@@ -20,12 +20,10 @@ fn game() -> World {
 
 /// Unit cubes one on the other, each shifted by up to `jitter`, m.
 fn column(world: &mut World, count: u32, jitter: f64) -> Vec<Entity> {
-    let shift = |index: u32, salt: u32| {
-        let hash = index.wrapping_mul(2_654_435_761).wrapping_add(salt.wrapping_mul(40_503)) >> 16;
-        (f64::from(hash % 1000) / 500.0 - 1.0) * jitter
-    };
-    let place = |index: u32| DVec3::new(shift(index, 1), f64::from(index) + 0.5, shift(index, 7));
-    (0..count).map(|index| body(world, Collider::cuboid(1.0, 1.0, 1.0), place(index))).collect()
+    let mut random = Pcg64Mcg::seed_from_u64(1);
+    let mut shift = || jitter * random.random_range(-1.0..1.0);
+    let places = (0..count).map(|index| DVec3::new(shift(), f64::from(index) + 0.5, shift()));
+    places.map(|place| body(world, Collider::cuboid(1.0, 1.0, 1.0), place)).collect()
 }
 
 /// The farthest any of these bodies is from where it was.

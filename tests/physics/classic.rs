@@ -6,7 +6,6 @@ use plumb::prelude::*;
 
 use crate::rig::*;
 
-const G: f64 = 9.81;
 const H: f64 = 1.0 / 60.0;
 /// Rows are solved in `f64`: the numbers hold to rounding.
 const ROUNDING: f64 = 1e-11;

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use plumb::physics::ContactForces;
 use plumb::prelude::*;
 use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg32;
+use rand_pcg::Pcg64Mcg;
 
 use crate::rig;
 
@@ -24,7 +24,7 @@ impl Heap {
         let mut world = rig::weightless(settings);
         world.init_resource::<ContactForces>();
         rig::ground(&mut world);
-        let mut random = Pcg32::seed_from_u64(11);
+        let mut random = Pcg64Mcg::seed_from_u64(11);
         let mut place = |span: f64| DVec3::from_array(std::array::from_fn(|_| random.random_range(-span..span)));
         let bodies = (0..60)
             .map(|index| {

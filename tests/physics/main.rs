@@ -17,6 +17,7 @@ mod hulls;
 mod impact;
 mod joints_and_contacts;
 mod lasting_contacts;
+mod matrix;
 mod messages;
 mod methods;
 mod pendulum;

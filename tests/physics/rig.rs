@@ -52,6 +52,19 @@ pub fn body(world: &mut World, collider: Collider, position: DVec3) -> Entity {
     world.spawn((RigidBody::Dynamic, collider, Position(position))).id()
 }
 
+/// Acceleration of gravity of new worlds, m/s².
+pub const G: f64 = 9.81;
+
+/// Level ground under gravity turned by an angle, so that it slopes down along x, and a box at rest on it.
+pub fn incline(settings: SolverSettings, degrees: f64) -> (World, Entity) {
+    let mut world = world_with(settings);
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    world.insert_resource(Gravity(DVec3::new(sin, -cos, 0.0) * G));
+    ground(&mut world);
+    let slider = body(&mut world, Collider::cuboid(2.0, 0.5, 1.0), DVec3::Y * 0.25);
+    (world, slider)
+}
+
 pub fn steps(world: &mut World, count: u32) {
     for _ in 0..count {
         step(world);

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use plumb::physics::{Collider, Diagnostics, Position, Quarantined, RigidBody, Velocity};
 use plumb::sandbox::SandboxAction;
 use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg32;
+use rand_pcg::Pcg64Mcg;
 
 use crate::stage::{SIZE, Stage};
 
@@ -16,7 +16,7 @@ const FRAMES: usize = 1_800;
 const FREE: Vec2 = Vec2::new(SIZE.x - 350.0, SIZE.y);
 
 /// A dynamic body that is in the picture, at random.
-fn victim(stage: &mut Stage, random: &mut Pcg32) -> Vec2 {
+fn victim(stage: &mut Stage, random: &mut Pcg64Mcg) -> Vec2 {
     let world = stage.world();
     let mut bodies = world.query_filtered::<(&RigidBody, &Position), With<Collider>>();
     let places: Vec<DVec3> = bodies
@@ -50,7 +50,7 @@ fn the_start_scene_survives_rough_hands() {
     stage.act(SandboxAction::LoadScene { scene: "limbs".to_owned(), parameters: Vec::new() });
     stage.world().insert_resource(Diagnostics::default());
     stage.frames(60);
-    let mut random = Pcg32::seed_from_u64(7);
+    let mut random = Pcg64Mcg::seed_from_u64(7);
     let mut drags = 0;
     for frame in 0..FRAMES {
         match frame % 60 {

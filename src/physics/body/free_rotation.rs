@@ -185,7 +185,7 @@ mod tests {
 
     #[test]
     fn converges_to_a_fine_runge_kutta_in_second_order() {
-        let mut random = Random(11);
+        let mut random = Random::new(11);
         for _ in 0..5 {
             let inertia = Vector3::new(random.within(0.5, 1.0), random.within(0.5, 1.0), 1.2);
             let (angular, q) = (random.vector() * 5.0, random.rotation());
@@ -204,7 +204,7 @@ mod tests {
 
     #[test]
     fn fast_spin_and_long_steps_stay_finite_and_keep_energy() {
-        let mut random = Random(12);
+        let mut random = Random::new(12);
         for _ in 0..1000 {
             let inertia = Vector3::new(random.within(0.4, 1.0), random.within(0.5, 1.0), 0.6);
             let angular = random.vector() * 10.0_f64.powf(random.within(-3.0, 2.5));

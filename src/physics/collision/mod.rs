@@ -24,7 +24,7 @@ mod narrow_phase;
 mod probe;
 mod slots;
 
-#[cfg(all(test, feature = "lab"))]
+#[cfg(test)]
 mod tests;
 
 pub(crate) use broad::near_pairs::{CandidateTree, NearPairs};

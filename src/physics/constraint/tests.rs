@@ -48,7 +48,7 @@ fn assert_close(value: f64, expected: f64, tolerance: f64) {
 
 #[test]
 fn ball_joint_rows_are_the_gradient_of_the_separation() {
-    let random = &mut Random(1);
+    let random = &mut Random::new(1);
     for _ in 0..200 {
         let poses = [Pose::random(random), Pose::random(random)];
         let twists = [random_twist(random), random_twist(random)];
@@ -79,7 +79,7 @@ fn site<'a>(
 
 #[test]
 fn contact_row_is_the_gradient_of_the_distance_of_two_spheres() {
-    let random = &mut Random(2);
+    let random = &mut Random::new(2);
     for _ in 0..200 {
         let poses = [Pose::random(random), Pose::random(random)];
         let twists = [random_twist(random), random_twist(random)];
@@ -99,7 +99,7 @@ fn contact_row_is_the_gradient_of_the_distance_of_two_spheres() {
 
 #[test]
 fn contact_row_is_the_gradient_of_a_corner_above_a_moving_plane() {
-    let random = &mut Random(3);
+    let random = &mut Random::new(3);
     for _ in 0..200 {
         let poses = [Pose::random(random), Pose::random(random)];
         let twists = [random_twist(random), random_twist(random)];
@@ -115,7 +115,7 @@ fn contact_row_is_the_gradient_of_a_corner_above_a_moving_plane() {
 
 #[test]
 fn friction_row_is_the_rate_at_which_touching_points_slip() {
-    let random = &mut Random(4);
+    let random = &mut Random::new(4);
     for _ in 0..200 {
         let poses = [Pose::random(random), Pose::random(random)];
         let twists = [random_twist(random), random_twist(random)];
@@ -150,7 +150,7 @@ fn dense(pair: &RowPair<f64>, bodies: [&BodyTerms<f64>; 2]) -> (DMatrix<f64>, DM
 
 #[test]
 fn response_and_diagonal_are_the_dense_products() {
-    let random = &mut Random(5);
+    let random = &mut Random::new(5);
     for _ in 0..100 {
         let (a, mut b) = (random.body(), random.body());
         b.inverse_mass.y = 0.0; // a locked axis
@@ -169,7 +169,7 @@ fn response_and_diagonal_are_the_dense_products() {
 
 #[test]
 fn tangents_and_normal_are_a_right_handed_frame() {
-    let random = &mut Random(6);
+    let random = &mut Random::new(6);
     let special = [Vector3::z(), -Vector3::z(), Vector3::y(), -Vector3::x()];
     for normal in special.into_iter().chain((0..500).map(|_| random.direction())) {
         let [first, second] = tangents(&normal);

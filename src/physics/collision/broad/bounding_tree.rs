@@ -318,7 +318,7 @@ impl BoundingTree {
     }
 }
 
-#[cfg(all(test, feature = "lab"))]
+#[cfg(test)]
 impl BoundingTree {
     /// Checks every link and box; gives the number of leaves and the depth.
     pub fn check(&self) -> (usize, usize) {

@@ -50,7 +50,7 @@ impl Default for PairSlots {
 
 impl PairSlots {
     /// The number of pairs.
-    #[cfg(all(test, feature = "lab"))]
+    #[cfg(test)]
     pub fn len(&self) -> usize {
         self.count as usize
     }

@@ -115,7 +115,7 @@ impl PersistentPairs {
     }
 
     /// How many bodies got a new fat box in the last update.
-    #[cfg(all(test, feature = "lab"))]
+    #[cfg(test)]
     pub fn moved_count(&self) -> usize {
         self.moved.len()
     }
@@ -387,7 +387,7 @@ fn keep<T>(items: &mut Vec<T>, new_index: &[Option<u32>]) {
     items.retain(|_| new_index.next().is_some_and(Option::is_some));
 }
 
-#[cfg(all(test, feature = "lab"))]
+#[cfg(test)]
 impl PersistentPairs {
     /// Checks the tree against the bodies.
     pub fn check(&self) {

@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn feet_are_all_the_nearest_points_on_either_side() {
-        let mut random = Random(5);
+        let mut random = Random::new(5);
         let (mut one, mut two) = (0, 0);
         for _ in 0..300 {
             let a = random.within(0.3, 2.0);

@@ -1,7 +1,7 @@
 use nalgebra::Vector3;
 
-use super::Xorshift as Random;
 use crate::physics::collision::broad::bounding_tree::{BoundingBox, BoundingTree, Leaf};
+use crate::physics::testing::Random;
 
 /// Sizes from a card's thickness to a slab's length.
 fn random_box(random: &mut Random, centre: Vector3<f64>) -> BoundingBox {
@@ -26,7 +26,7 @@ fn brute_force(boxes: &[Option<(Leaf, BoundingBox)>], bounds: &BoundingBox) -> V
 #[test]
 fn queries_find_what_brute_force_finds_through_insertions_removals_and_moves() {
     for origin in [0.0, 1e10] {
-        let mut random = Random(7);
+        let mut random = Random::new(7);
         let mut tree = BoundingTree::default();
         let mut boxes: Vec<Option<(Leaf, BoundingBox)>> = vec![None; 300];
         for round in 0..6000 {
@@ -75,7 +75,7 @@ fn boxes_that_touch_in_a_point_overlap_and_points_are_boxes() {
 /// The heuristic sees no difference between coinciding boxes; the tree must still not become a list.
 #[test]
 fn coinciding_boxes_make_a_shallow_tree() {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     for (size, jitter) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1e-9)] {
         let mut tree = BoundingTree::default();
         for item in 0..1000 {
@@ -135,7 +135,7 @@ fn binned_cost(boxes: &mut [BoundingBox]) -> f64 {
 /// A tree that has been updated over and over stays near one built anew with all boxes known.
 #[test]
 fn updates_keep_the_tree_near_one_built_top_down() {
-    let mut random = Random(13);
+    let mut random = Random::new(13);
     let mut tree = BoundingTree::default();
     let mut boxes: Vec<BoundingBox> = Vec::new();
     let leaves: Vec<Leaf> = (0..1000)

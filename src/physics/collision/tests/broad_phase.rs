@@ -2,9 +2,8 @@ use std::collections::BTreeSet;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::RngExt;
-use rand_pcg::Pcg64Mcg;
 
-use super::{KINDS, body, random, random_rotation, random_vector, upright};
+use super::{KINDS, body, upright};
 use crate::physics::body::Body;
 use crate::physics::body::{CollisionLayers, RigidBody};
 use crate::physics::collision::classic::sweep_and_sort::SweepAndSort;
@@ -12,6 +11,7 @@ use crate::physics::collision::manifold::Pair;
 use crate::physics::joint::JoinedPairs;
 use crate::physics::settings::SolverSettings;
 use crate::physics::shape::Collider;
+use crate::physics::testing::Random;
 
 fn settings(prune_y: bool) -> SolverSettings {
     SolverSettings { prune_y, ..SolverSettings::classic() }
@@ -47,11 +47,11 @@ fn expected(bodies: &[Body], joined: &[(u32, u32)], prune_y: bool) -> BTreeSet<(
         .collect()
 }
 
-fn random_bodies(random: &mut Pcg64Mcg, count: usize) -> Vec<Body> {
+fn random_bodies(random: &mut Random, count: usize) -> Vec<Body> {
     (0..count)
         .map(|_| {
             let collider = KINDS[random.random_range(0..3)](random);
-            let mut body = body(&collider, random_vector(random, 12.0), random_rotation(random));
+            let mut body = body(&collider, random.vector() * 12.0, random.rotation());
             body.kind = [RigidBody::Dynamic, RigidBody::Dynamic, RigidBody::Static, RigidBody::Kinematic]
                 [random.random_range(0..4)];
             match random.random_range(0..10) {
@@ -68,7 +68,7 @@ fn random_bodies(random: &mut Pcg64Mcg, count: usize) -> Vec<Body> {
 
 #[test]
 fn finds_exactly_the_pairs_that_overlap() {
-    let mut random = random(11);
+    let mut random = Random::new(11);
     for count in [0, 1, 2, 3, 40, 300, 1100] {
         let bodies = random_bodies(&mut random, count);
         let joined: Vec<(u32, u32)> = (1..count as u32).step_by(2).map(|b| (b - 1, b)).collect();
@@ -85,14 +85,14 @@ fn finds_exactly_the_pairs_that_overlap() {
 
 #[test]
 fn order_kept_from_step_to_step_gives_what_a_new_sort_gives() {
-    let mut random = random(12);
+    let mut random = Random::new(12);
     let mut bodies = random_bodies(&mut random, 400);
     let mut sweep = SweepAndSort::default();
     for step in 0..60 {
         match step % 6 {
             // Small motions, a teleport of all, one gone with the last in its place, one more,
             // one that comes into play and one that leaves it.
-            0 => bodies.iter_mut().for_each(|body| body.position = random_vector(&mut random, 12.0)),
+            0 => bodies.iter_mut().for_each(|body| body.position = random.vector() * 12.0),
             1 => drop(bodies.swap_remove(random.random_range(0..bodies.len()))),
             2 => bodies.extend(random_bodies(&mut random, 1)),
             3 => {
@@ -101,7 +101,7 @@ fn order_kept_from_step_to_step_gives_what_a_new_sort_gives() {
                 bodies[come] = upright(&Collider::sphere(3.0), [0.0; 3]);
                 (bodies[gone].geometry, bodies[gone].radius) = (None, 0.0);
             }
-            _ => bodies.iter_mut().for_each(|body| body.position += random_vector(&mut random, 0.05)),
+            _ => bodies.iter_mut().for_each(|body| body.position += random.vector() * 0.05),
         }
         let kept = found(&mut sweep, &bodies, &JoinedPairs::default(), false);
         assert_eq!(kept, found(&mut SweepAndSort::default(), &bodies, &JoinedPairs::default(), false), "step {step}");
@@ -141,11 +141,11 @@ fn balls_that_just_touch_are_a_pair() {
 
 #[test]
 fn half_spaces_come_first_and_reach_only_what_is_near() {
-    let mut random = random(13);
+    let mut random = Random::new(13);
     let mut bodies = random_bodies(&mut random, 200);
     let tilted = UnitQuaternion::from_scaled_axis(Vector3::new(0.3, 0.0, 0.5));
     for index in [20, 90] {
-        bodies[index] = body(&Collider::half_space(), random_vector(&mut random, 4.0), tilted);
+        bodies[index] = body(&Collider::half_space(), random.vector() * 4.0, tilted);
         bodies[index].kind = RigidBody::Static;
     }
     let pairs = found(&mut SweepAndSort::default(), &bodies, &JoinedPairs::default(), false);

@@ -4,16 +4,13 @@ use std::f64::consts::TAU;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::RngExt;
-use rand_pcg::Pcg64Mcg;
 
 use super::hulls::{Features, hull_body, random_hull};
-use super::{
-    assert_close, body, deepest, exact, random, random_direction, random_rotation, random_size, random_vector, touch,
-    upright,
-};
+use super::{assert_close, body, deepest, exact, random_size, touch, upright};
 use crate::physics::body::Body;
 use crate::physics::settings::{ContactModel, SolverSettings};
 use crate::physics::shape::{Collider, Geometry};
+use crate::physics::testing::Random;
 
 fn clipping() -> SolverSettings {
     exact(ContactModel::Clipping)
@@ -42,10 +39,10 @@ fn depth_along(a: &Body, b: &Body, direction: &Vector3<f64>) -> f64 {
 
 /// The least overlap over all directions: of many, then from the best of these down in smaller and
 /// smaller steps. Never less than the truth.
-fn least_by_search(a: &Body, b: &Body, random: &mut Pcg64Mcg) -> f64 {
+fn least_by_search(a: &Body, b: &Body, random: &mut Random) -> f64 {
     let mut tried: Vec<_> = (0..400)
         .map(|_| {
-            let direction = random_direction(random);
+            let direction = random.direction();
             (depth_along(a, b, &direction), direction)
         })
         .collect();
@@ -53,7 +50,7 @@ fn least_by_search(a: &Body, b: &Body, random: &mut Pcg64Mcg) -> f64 {
     let descend = |&(mut least, mut direction): &(f64, Vector3<f64>)| {
         let mut step = 0.2;
         while step > 1e-6 {
-            let better = (0..12).map(|_| (direction + random_direction(random) * step).normalize()).find_map(|near| {
+            let better = (0..12).map(|_| (direction + random.direction() * step).normalize()).find_map(|near| {
                 let along = depth_along(a, b, &near);
                 (along < least).then_some((along, near))
             });
@@ -67,28 +64,28 @@ fn least_by_search(a: &Body, b: &Body, random: &mut Pcg64Mcg) -> f64 {
     tried[..16].iter().map(descend).fold(f64::INFINITY, f64::min)
 }
 
-pub fn random_cone(random: &mut Pcg64Mcg) -> Body {
+pub fn random_cone(random: &mut Random) -> Body {
     // Needles and coins too.
     let stretch = 3_f64.powf(random.random_range(-1.0..1.0));
     let cone = Collider::cone(random_size(random) / stretch, random_size(random) * stretch);
-    body(&cone, Vector3::zeros(), random_rotation(random))
+    body(&cone, Vector3::zeros(), random.rotation())
 }
 
-const PARTNERS: [fn(&mut Pcg64Mcg) -> Body; 3] = [
+const PARTNERS: [fn(&mut Random) -> Body; 3] = [
     |random| {
         let cuboid = Collider::cuboid(random_size(random), random_size(random), random_size(random));
-        body(&cuboid, Vector3::zeros(), random_rotation(random))
+        body(&cuboid, Vector3::zeros(), random.rotation())
     },
-    |random| hull_body(random_hull(random), Vector3::zeros(), random_rotation(random)),
+    |random| hull_body(random_hull(random), Vector3::zeros(), random.rotation()),
     random_cone,
 ];
 
-fn for_each_random_pair(count: u32, mut check: impl FnMut(&Body, &Body, usize, &mut Pcg64Mcg)) {
-    let mut random = random(41);
+fn for_each_random_pair(count: u32, mut check: impl FnMut(&Body, &Body, usize, &mut Random)) {
+    let mut random = Random::new(41);
     for (kind, partner) in PARTNERS.iter().enumerate() {
         for trial in 0..count {
             let (cone, other) = (random_cone(&mut random), partner(&mut random));
-            let apart = random_direction(&mut random) * (cone.radius + other.radius) * random.random_range(0.0..0.9);
+            let apart = random.direction() * (cone.radius + other.radius) * random.random_range(0.0..0.9);
             let [a, b] = if trial % 2 == 0 { [cone, other] } else { [other, cone] };
             check(&a, &Body { position: apart, ..b }, kind, &mut random);
         }
@@ -202,14 +199,14 @@ fn surface(radius: f64, height: f64) -> impl Iterator<Item = Vector3<f64>> {
 
 #[test]
 fn ball_meets_the_nearest_point_of_the_cone() {
-    let mut random = random(42);
+    let mut random = Random::new(42);
     let (mut outside_count, mut inside_count) = (0, 0);
     for _ in 0..150 {
         let cone = random_cone(&mut random);
         let (radius, height) = cone_size(&cone).unwrap();
         let ball_radius = random_size(&mut random);
-        let at = random_direction(&mut random) * cone.radius * random.random_range(0.0..1.3);
-        let ball = body(&Collider::sphere(ball_radius), at, random_rotation(&mut random));
+        let at = random.direction() * cone.radius * random.random_range(0.0..1.3);
+        let ball = body(&Collider::sphere(ball_radius), at, random.rotation());
         let local = cone.rotation.inverse() * at;
         let nearest = surface(radius, height).map(|point| (point - local).norm()).fold(f64::INFINITY, f64::min);
         let is_inside = outside(&cone, &at) < 0.0;
@@ -235,7 +232,7 @@ fn ball_meets_the_nearest_point_of_the_cone() {
 #[test]
 fn lowest_point_over_a_plane_is_exact_however_it_is_turned() {
     let ground = upright(&Collider::half_space(), [0.0; 3]);
-    let mut random = random(43);
+    let mut random = Random::new(43);
     for _ in 0..2000 {
         let cone = random_cone(&mut random);
         let lowest = -reach(&cone, &-Vector3::y());
@@ -290,7 +287,7 @@ fn rolling_on_the_rim_moves_the_point_evenly() {
 fn standing_cone_keeps_its_points_while_it_trembles() {
     let cone = Collider::cone(0.5, 1.0);
     let slab = Collider::cuboid(3.0, 1.0, 3.0);
-    let mut random = random(44);
+    let mut random = Random::new(44);
     for base in [upright(&Collider::half_space(), [0.0, 0.5, 0.0]), upright(&slab, [0.0; 3])] {
         let features = |tilt: Vector3<f64>| {
             let standing = body(&cone, Vector3::y() * (0.75 - 1e-3), UnitQuaternion::from_scaled_axis(tilt));
@@ -300,7 +297,7 @@ fn standing_cone_keeps_its_points_while_it_trembles() {
         };
         let first = features(Vector3::zeros());
         for _ in 0..50 {
-            assert_eq!(features(random_vector(&mut random, 1e-6)), first);
+            assert_eq!(features(random.vector() * 1e-6), first);
         }
     }
 }

@@ -2,21 +2,21 @@ use std::f64::consts::{FRAC_PI_4, SQRT_2};
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::RngExt;
-use rand_pcg::Pcg64Mcg;
 
 use super::hulls::{Features, depth_along, hull_body, least_depths, random_hull};
-use super::{assert_close, body, exact, random, random_direction, random_rotation, random_size, touch, upright};
+use super::{assert_close, body, exact, random_size, touch, upright};
 use crate::physics::body::Body;
 use crate::physics::settings::{ContactModel, SolverSettings};
 use crate::physics::shape::{Collider, Geometry};
+use crate::physics::testing::Random;
 
 fn clipping() -> SolverSettings {
     exact(ContactModel::Clipping)
 }
 
 /// A box, or a hull, at the origin or away from it.
-fn random_polyhedron(random: &mut Pcg64Mcg, at: Vector3<f64>) -> Body {
-    let turn = random_rotation(random);
+fn random_polyhedron(random: &mut Random, at: Vector3<f64>) -> Body {
+    let turn = random.rotation();
     if random.random_range(0..3) == 0 {
         let cuboid = Collider::cuboid(random_size(random), random_size(random), random_size(random));
         body(&cuboid, at, turn)
@@ -26,10 +26,10 @@ fn random_polyhedron(random: &mut Pcg64Mcg, at: Vector3<f64>) -> Body {
 }
 
 /// Two polyhedra in all relative poses, from one about the other's centre to far apart.
-fn random_polyhedra(random: &mut Pcg64Mcg) -> [Body; 2] {
+fn random_polyhedra(random: &mut Random) -> [Body; 2] {
     let (a, b) = (random_polyhedron(random, Vector3::zeros()), random_polyhedron(random, Vector3::zeros()));
     let distance = (a.radius + b.radius) * random.random_range(0.0..1.0);
-    let position = random_direction(random) * distance;
+    let position = random.direction() * distance;
     [a, Body { position, ..b }]
 }
 
@@ -49,7 +49,7 @@ fn preferred([of_a, of_b, of_edges]: [f64; 3], size: f64) -> Option<f64> {
 
 #[test]
 fn depth_and_normal_are_the_least_over_all_faces_and_edges() {
-    let mut random = random(31);
+    let mut random = Random::new(31);
     let (mut touching, mut apart, mut deep, mut across) = (0, 0, 0, 0);
     for _ in 0..6000 {
         let [a, b] = random_polyhedra(&mut random);
@@ -79,7 +79,7 @@ fn depth_and_normal_are_the_least_over_all_faces_and_edges() {
 
 #[test]
 fn boxes_are_tested_as_hulls_are() {
-    let mut random = random(32);
+    let mut random = Random::new(32);
     let mut touching = 0;
     for _ in 0..3000 {
         let [a, b] = [(); 2].map(|()| {
@@ -88,9 +88,9 @@ fn boxes_are_tested_as_hulls_are() {
             let turn = if random.random_range(0..3) == 0 {
                 UnitQuaternion::from_scaled_axis(Vector3::z() * (FRAC_PI_4 * f64::from(random.random_range(0..8))))
             } else {
-                random_rotation(&mut random)
+                random.rotation()
             };
-            body(&Collider::cuboid(size.x, size.y, size.z), random_direction(&mut random) * 0.8, turn)
+            body(&Collider::cuboid(size.x, size.y, size.z), random.direction() * 0.8, turn)
         });
         let least = preferred(least_depths(&a, &b), a.radius.min(b.radius));
         match (touch(&a, &b, &clipping()), least) {
@@ -109,7 +109,7 @@ fn boxes_are_tested_as_hulls_are() {
 fn edge_on_edge_has_the_normal_of_the_edges() {
     let edge_up = |axis: Vector3<f64>| UnitQuaternion::from_scaled_axis(axis * FRAC_PI_4);
     let cube = Collider::cuboid(1.0, 1.0, 1.0);
-    let mut random = random(33);
+    let mut random = Random::new(33);
     for _ in 0..200 {
         // A cube on its edge under another across it, at any angle but near parallel, where
         // a face would be less deep.
@@ -130,11 +130,11 @@ fn edge_on_edge_has_the_normal_of_the_edges() {
 
 #[test]
 fn normal_and_depth_are_continuous_but_where_two_axes_tie() {
-    let mut random = random(34);
+    let mut random = Random::new(34);
     let (mut smooth, mut all) = (0, 0);
     for _ in 0..2000 {
         let [a, b] = random_polyhedra(&mut random);
-        let turn = UnitQuaternion::from_scaled_axis(random_direction(&mut random) * 1e-6);
+        let turn = UnitQuaternion::from_scaled_axis(random.direction() * 1e-6);
         let turned = Body { rotation: turn * b.rotation, ..b.clone() };
         let (Some((before, _)), Some((after, _))) = (touch(&a, &b, &clipping()), touch(&a, &turned, &clipping()))
         else {
@@ -152,7 +152,7 @@ fn normal_and_depth_are_continuous_but_where_two_axes_tie() {
 
 #[test]
 fn points_lie_on_both_hulls() {
-    let mut random = random(35);
+    let mut random = Random::new(35);
     let mut checked = 0;
     for _ in 0..5000 {
         let [a, b] = random_polyhedra(&mut random);
@@ -216,17 +216,17 @@ fn faces_of_many_sides_give_four_named_points() {
 
 #[test]
 fn slivers_and_faces_edge_on_stay_finite() {
-    let mut random = random(36);
+    let mut random = Random::new(36);
     for _ in 0..2000 {
-        let sliver = |random: &mut Pcg64Mcg| {
+        let sliver = |random: &mut Random| {
             let sizes = Vector3::from_fn(|_, _| 10_f64.powf(random.random_range(-4.0..0.5)));
             let turn = UnitQuaternion::from_scaled_axis(
-                random_direction(random) * if random.random_range(0..2) == 0 { 1e-8 } else { 1.0 },
+                random.direction() * if random.random_range(0..2) == 0 { 1e-8 } else { 1.0 },
             );
             body(&Collider::cuboid(sizes.x, sizes.y, sizes.z), Vector3::zeros(), turn)
         };
         let (a, b) = (sliver(&mut random), sliver(&mut random));
-        let mut b = Body { position: random_direction(&mut random) * 0.3 * a.radius, ..b };
+        let mut b = Body { position: random.direction() * 0.3 * a.radius, ..b };
         if random.random_range(0..2) == 0 {
             let Some(Geometry::Cuboid { half }) = b.geometry else { unreachable!() };
             let corners: Vec<_> = (0..8)

@@ -4,17 +4,15 @@ use std::f64::consts::{FRAC_PI_4, PI, SQRT_2};
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::RngExt;
-use rand_pcg::Pcg64Mcg;
 
 use super::hulls::{hull_body, hull_of, least_depths, random_hull};
-use super::{
-    assert_close, body, cones, random, random_direction, random_rotation, random_size, random_vector, upright,
-};
+use super::{assert_close, body, cones, random_size, upright};
 use crate::physics::body::Body;
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
 use crate::physics::collision::narrow::clipping::keep_touching_spread;
 use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
 use crate::physics::shape::{Collider, Geometry};
+use crate::physics::testing::Random;
 
 fn touch_within(gap: f64, a: &Body, b: &Body) -> Option<(Overlap, Vec<ContactPoint>)> {
     let mut points = Vec::new();
@@ -185,15 +183,15 @@ fn normals_turn_continuously_as_a_box_slides_off_another() {
     }
 }
 
-fn random_body(random: &mut Pcg64Mcg, kind: usize) -> Body {
+fn random_body(random: &mut Random, kind: usize) -> Body {
     match kind {
-        0 => body(&Collider::sphere(random_size(random)), Vector3::zeros(), random_rotation(random)),
+        0 => body(&Collider::sphere(random_size(random)), Vector3::zeros(), random.rotation()),
         1 => {
             let cuboid = Collider::cuboid(random_size(random), random_size(random), random_size(random));
-            body(&cuboid, Vector3::zeros(), random_rotation(random))
+            body(&cuboid, Vector3::zeros(), random.rotation())
         }
         2 => cones::random_cone(random),
-        _ => hull_body(random_hull(random), Vector3::zeros(), random_rotation(random)),
+        _ => hull_body(random_hull(random), Vector3::zeros(), random.rotation()),
     }
 }
 
@@ -237,12 +235,12 @@ fn kinds() -> impl Iterator<Item = [usize; 2]> {
 
 #[test]
 fn separation_is_that_of_the_normal_and_at_most_the_distance() {
-    let mut random = random(61);
+    let mut random = Random::new(61);
     let (mut tested, mut exact) = (0, 0);
     for kinds in kinds() {
         for _ in 0..60 {
             let [a, b] = kinds.map(|kind| random_body(&mut random, kind));
-            let along = random_direction(&mut random);
+            let along = random.direction();
             // Touching bounds along the direction, then some more.
             let apart = reach(&a, &along) + reach(&b, &-along);
             let size = a.radius.min(b.radius);
@@ -282,7 +280,7 @@ fn separation_is_that_of_the_normal_and_at_most_the_distance() {
 
 #[test]
 fn over_a_face_the_separation_is_the_distance() {
-    let mut random = random(62);
+    let mut random = Random::new(62);
     let (mut along_face, mut tested) = (0, 0);
     for trial in 0..1200 {
         let [a, b] = [[1, 3][trial % 2], 1 + trial / 2 % 3].map(|kind| random_body(&mut random, kind));
@@ -326,13 +324,13 @@ fn over_a_face_the_separation_is_the_distance() {
 
 #[test]
 fn a_gap_adds_hovering_points_to_touching_shapes_and_changes_nothing_else() {
-    let mut random = random(63);
+    let mut random = Random::new(63);
     let (mut compared, mut hovering) = (0, 0);
     for kinds in kinds() {
         for _ in 0..150 {
             let [a, b] = kinds.map(|kind| random_body(&mut random, kind));
             let size = a.radius.min(b.radius);
-            let b = at(random_direction(&mut random) * (a.radius + b.radius) * random.random_range(0.1..0.8), &b);
+            let b = at(random.direction() * (a.radius + b.radius) * random.random_range(0.1..0.8), &b);
             let Some((overlap, points)) = touch_within(0.0, &a, &b) else { continue };
             assert!(overlap.depth >= 0.0 && points.iter().all(|point| point.depth >= 0.0), "{kinds:?}");
             // Less deep overlaps, as in stacks.
@@ -355,11 +353,11 @@ fn a_gap_adds_hovering_points_to_touching_shapes_and_changes_nothing_else() {
 
 #[test]
 fn hovering_boxes_keep_their_normal_and_features() {
-    let mut random = random(64);
+    let mut random = Random::new(64);
     for (height, upper) in [(1.002, cube()), (1.002, cube_hull()), (1.002, cone(false))] {
-        let pose = |random: &mut Pcg64Mcg| Body {
-            position: Vector3::new(0.2, height, -0.1) + random_vector(random, 1e-6),
-            rotation: UnitQuaternion::from_scaled_axis(random_vector(random, 1e-5)),
+        let pose = |random: &mut Random| Body {
+            position: Vector3::new(0.2, height, -0.1) + random.vector() * 1e-6,
+            rotation: UnitQuaternion::from_scaled_axis(random.vector() * 1e-5),
             ..upper.clone()
         };
         let names = |points: Vec<ContactPoint>| points.iter().map(|point| point.feature).collect::<Vec<_>>();
@@ -374,7 +372,7 @@ fn hovering_boxes_keep_their_normal_and_features() {
 
 #[test]
 fn touching_points_are_kept_before_far_ones() {
-    let mut random = random(65);
+    let mut random = Random::new(65);
     for touching in 0..9_usize {
         for _ in 0..200 {
             let mut found: Vec<_> = (0..touching + 6)

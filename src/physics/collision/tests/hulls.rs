@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::RngExt;
-use rand_pcg::Pcg64Mcg;
 
-use super::{body, random_direction, random_size};
+use super::{body, random_size};
 use crate::physics::body::Body;
 use crate::physics::shape::{Collider, Geometry, Hull};
+use crate::physics::testing::Random;
 
 /// Points nearer to a plane than this lie on it.
 const FLAT: f64 = 1e-9;
@@ -55,10 +55,10 @@ fn turned_about(points: &[Vector3<f64>], mut corners: Vec<u32>, normal: &Vector3
 }
 
 /// A random hull: points on an ellipsoid, a prism, a box, a tetrahedron.
-pub fn random_hull(random: &mut Pcg64Mcg) -> Hull {
+pub fn random_hull(random: &mut Random) -> Hull {
     let size = Vector3::from_fn(|_, _| random_size(random));
     let points: Vec<_> = match random.random_range(0..4) {
-        0 => (0..random.random_range(5..16)).map(|_| random_direction(random).component_mul(&size)).collect(),
+        0 => (0..random.random_range(5..16)).map(|_| random.direction().component_mul(&size)).collect(),
         1 => {
             let sides = random.random_range(3..9);
             let corner = |side: u32| (std::f64::consts::TAU * f64::from(side) / f64::from(sides)).sin_cos();
@@ -68,7 +68,7 @@ pub fn random_hull(random: &mut Pcg64Mcg) -> Hull {
         2 => (0..8)
             .map(|bits| size.map_with_location(|row, _, half| if bits >> row & 1 == 0 { half } else { -half }))
             .collect(),
-        _ => (0..4).map(|_| random_direction(random).component_mul(&size)).collect(),
+        _ => (0..4).map(|_| random.direction().component_mul(&size)).collect(),
     };
     hull_of(&points)
 }

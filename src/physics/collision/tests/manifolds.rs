@@ -2,16 +2,13 @@ use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_4, SQRT_2};
 
 use nalgebra::{UnitQuaternion, Vector3};
-use rand_pcg::Pcg64Mcg;
 
-use super::{
-    assert_close, body, deepest, exact, random, random_direction, random_pair, random_rotation, random_vector, touch,
-    upright,
-};
+use super::{assert_close, body, deepest, exact, random_pair, touch, upright};
 use crate::physics::body::Body;
 use crate::physics::collision::manifold::ContactPoint;
 use crate::physics::settings::{ContactModel, SolverSettings};
 use crate::physics::shape::{Collider, Geometry};
+use crate::physics::testing::Random;
 
 fn unit_cube() -> Collider {
     Collider::cuboid(1.0, 1.0, 1.0)
@@ -113,12 +110,12 @@ fn four_of_an_octagon_keep_its_square() {
 
 #[test]
 fn reduction_keeps_the_deepest_point() {
-    let mut random = random(3);
+    let mut random = Random::new(3);
     let mut reduced = 0;
     for _ in 0..2000 {
         // A cone standing on its base, nearly upright, in a slab.
         let cone = Collider::cone(0.7, 1.0);
-        let tilt = UnitQuaternion::from_scaled_axis(random_vector(&mut random, 0.1));
+        let tilt = UnitQuaternion::from_scaled_axis(random.vector() * 0.1);
         let ground = upright(&Collider::cuboid(4.0, 2.0, 4.0), [0.0, -1.0, 0.0]);
         let cone = body(&cone, Vector3::new(0.0, 0.2, 0.0), tilt);
         let Some((overlap, points)) = touch(&ground, &cone, &exact(ContactModel::Clipping)) else { continue };
@@ -175,7 +172,7 @@ fn ball_touches_in_one_point() {
 
 #[test]
 fn points_lie_in_both_bodies_and_the_deepest_has_the_depth_of_the_overlap() {
-    let mut random = random(4);
+    let mut random = Random::new(4);
     for one in 0..3 {
         for other in 0..3 {
             for _ in 0..300 {
@@ -208,10 +205,10 @@ fn points_lie_in_both_bodies_and_the_deepest_has_the_depth_of_the_overlap() {
 
 /// Whether a pair's features are the same after a motion of B by 1e-7 m and rad; none if the two
 /// do not touch.
-fn keeps_features(a: &Body, b: &Body, random: &mut Pcg64Mcg) -> Option<bool> {
+fn keeps_features(a: &Body, b: &Body, random: &mut Random) -> Option<bool> {
     let moved = Body {
-        position: b.position + random_direction(random) * 1e-7,
-        rotation: UnitQuaternion::from_scaled_axis(random_direction(random) * 1e-7) * b.rotation,
+        position: b.position + random.direction() * 1e-7,
+        rotation: UnitQuaternion::from_scaled_axis(random.direction() * 1e-7) * b.rotation,
         ..b.clone()
     };
     let (_, before) = touch(a, b, &SolverSettings::steady())?;
@@ -221,7 +218,7 @@ fn keeps_features(a: &Body, b: &Body, random: &mut Pcg64Mcg) -> Option<bool> {
 
 #[test]
 fn resting_contacts_keep_their_features() {
-    let mut random = random(5);
+    let mut random = Random::new(5);
     let lower = upright(&unit_cube(), [0.0; 3]);
     let ground = upright(&Collider::half_space(), [0.0, 0.5, 0.0]);
     // Aligned, with an overhang, turned, all with equal depths at every corner.
@@ -242,7 +239,7 @@ fn resting_contacts_keep_their_features() {
 
 #[test]
 fn features_change_under_small_motion_only_on_a_border() {
-    let mut random = random(6);
+    let mut random = Random::new(6);
     let kept: Vec<bool> = (0..1000)
         .filter_map(|trial| {
             let [a, b] = random_pair(&mut random, [1 + trial % 2, 1 + trial / 2 % 2]);
@@ -298,12 +295,12 @@ fn extreme_vertices_of_a_slab_under_a_ball_are_its_far_corners() {
 
 #[test]
 fn points_are_in_world_axes_anywhere() {
-    let mut random = random(6);
+    let mut random = Random::new(6);
     let far = Vector3::new(2f64.powi(20), 2f64.powi(21), -2f64.powi(20));
     for model in [ContactModel::Clipping, ContactModel::ExtremeVertices] {
         for _ in 0..200 {
             let [mut a, mut b] = random_pair(&mut random, [1, 2]);
-            let turn = random_rotation(&mut random);
+            let turn = random.rotation();
             (a.rotation, b.rotation) = (turn * a.rotation, turn * b.rotation);
             // Steps that positions far away can take exactly.
             let grid = |position: Vector3<f64>| position.map(|along| (along * 1024.0).round() / 1024.0);

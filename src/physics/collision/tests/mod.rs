@@ -14,9 +14,8 @@ mod systems;
 mod vector_set;
 
 use bevy::prelude::Entity;
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use nalgebra::{UnitQuaternion, Vector3};
+use rand::RngExt;
 
 use super::manifold::{ContactPoint, Overlap};
 use super::narrow_phase::{self, Buffers};
@@ -24,44 +23,18 @@ use crate::physics::body::Body;
 use crate::physics::body::RigidBody;
 use crate::physics::settings::{ContactModel, SolverSettings};
 use crate::physics::shape::Collider;
+use crate::physics::testing::Random;
 
 /// All candidate axes, so that depths are the least.
 fn exact(contacts: ContactModel) -> SolverSettings {
     SolverSettings { axis_epsilon: 0.0, contacts, ..SolverSettings::classic() }
 }
 
-fn random(seed: u64) -> Pcg64Mcg {
-    Pcg64Mcg::seed_from_u64(seed)
-}
-
-fn random_vector(random: &mut Pcg64Mcg, reach: f64) -> Vector3<f64> {
-    Vector3::from_fn(|_, _| random.random_range(-reach..=reach))
-}
-
-/// Uniform on the sphere, by rejection.
-fn random_direction(random: &mut Pcg64Mcg) -> Vector3<f64> {
-    loop {
-        let vector = random_vector(random, 1.0);
-        if (0.01..=1.0).contains(&vector.norm_squared()) {
-            return vector.normalize();
-        }
-    }
-}
-
-fn random_rotation(random: &mut Pcg64Mcg) -> UnitQuaternion<f64> {
-    loop {
-        let quaternion = Quaternion::from(nalgebra::Vector4::from_fn(|_, _| random.random_range(-1.0..=1.0)));
-        if (0.01..=1.0).contains(&quaternion.norm_squared()) {
-            return UnitQuaternion::from_quaternion(quaternion);
-        }
-    }
-}
-
-fn random_size(random: &mut Pcg64Mcg) -> f64 {
+fn random_size(random: &mut Random) -> f64 {
     random.random_range(0.2..2.0)
 }
 
-const KINDS: [fn(&mut Pcg64Mcg) -> Collider; 3] = [
+const KINDS: [fn(&mut Random) -> Collider; 3] = [
     |random| Collider::sphere(random_size(random)),
     |random| Collider::cuboid(random_size(random), random_size(random), random_size(random)),
     |random| Collider::cone(random_size(random), random_size(random)),
@@ -83,13 +56,13 @@ fn upright(collider: &Collider, position: [f64; 3]) -> Body {
 }
 
 /// Two bodies of random shapes of those kinds, turned at random, near enough to touch often.
-fn random_pair(random: &mut Pcg64Mcg, kinds: [usize; 2]) -> [Body; 2] {
+fn random_pair(random: &mut Random, kinds: [usize; 2]) -> [Body; 2] {
     let [a, b] = kinds.map(|kind| {
         let collider = KINDS[kind](random);
-        body(&collider, random_vector(random, 5.0), random_rotation(random))
+        body(&collider, random.vector() * 5.0, random.rotation())
     });
     let distance = (a.radius + b.radius) * random.random_range(0.2..1.1);
-    let position = a.position + random_direction(random) * distance;
+    let position = a.position + random.direction() * distance;
     [a, Body { position, ..b }]
 }
 
@@ -105,26 +78,4 @@ fn assert_close(a: Vector3<f64>, b: Vector3<f64>, tolerance: f64) {
 
 fn deepest(points: &[ContactPoint]) -> f64 {
     points.iter().map(|point| point.depth).fold(0.0, f64::max)
-}
-
-/// A small seeded generator (Marsaglia's xorshift64).
-struct Xorshift(u64);
-
-impl Xorshift {
-    /// In [0, 1).
-    fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// In [−1, 1)³.
-    fn vector(&mut self) -> Vector3<f64> {
-        Vector3::from_fn(|_, _| 2.0 * self.unit() - 1.0)
-    }
-
-    fn index(&mut self, count: usize) -> usize {
-        ((self.unit() * count as f64) as usize).min(count - 1)
-    }
 }

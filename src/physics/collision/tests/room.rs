@@ -1,8 +1,8 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::Xorshift as Random;
 use crate::physics::collision::broad::bounding_tree::BoundingBox;
 use crate::physics::collision::broad::fat_box::{Extent, Placement, Room};
+use crate::physics::testing::Random;
 
 /// Exact box of a cuboid about its placement.
 fn extent(half: &Vector3<f64>, placement: &Placement) -> Extent {
@@ -14,7 +14,7 @@ fn extent(half: &Vector3<f64>, placement: &Placement) -> Extent {
 /// The whole point of a room: what it holds has its swept box in the fat box.
 #[test]
 fn what_a_room_holds_is_inside_the_fat_box() {
-    let (mut random, mut held, mut left) = (Random(11), 0, 0);
+    let (mut random, mut held, mut left) = (Random::new(11), 0, 0);
     for round in 0..2000 {
         let half = random.vector().map(|v| 0.02 + 3.0 * v.abs());
         let radius = half.norm();
@@ -54,7 +54,7 @@ fn what_a_room_holds_is_inside_the_fat_box() {
 /// A swept box holds the body throughout the step, turned by any angle up to `turn`.
 #[test]
 fn the_swept_box_holds_the_body_on_its_way() {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     for _ in 0..500 {
         let half = random.vector().map(|v| 0.02 + v.abs());
         let spin = 2.0 * random.unit() * random.vector();
@@ -105,7 +105,7 @@ fn what_is_boxed_by_its_sphere_may_turn() {
 /// At the very edge of a room, found by bisection, rounding must still fall on the safe side.
 #[test]
 fn the_edge_of_a_room_is_inside_the_fat_box() {
-    let mut random = Random(21);
+    let mut random = Random::new(21);
     for round in 0..400 {
         let half = random.vector().map(|v| 0.02 + v.abs());
         // Where a coordinate's last digit is worth 2e-6 m, nothing else hides it.

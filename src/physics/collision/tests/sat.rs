@@ -2,13 +2,13 @@ use std::f64::consts::{FRAC_PI_4, SQRT_2, TAU};
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::RngExt;
-use rand_pcg::Pcg64Mcg;
 
-use super::{assert_close, body, exact, random, random_direction, random_pair, random_rotation, touch, upright};
+use super::{assert_close, body, exact, random_pair, touch, upright};
 use crate::physics::body::Body;
 use crate::physics::collision::manifold::Overlap;
 use crate::physics::settings::{ContactModel, SolverSettings};
 use crate::physics::shape::{Collider, Geometry};
+use crate::physics::testing::Random;
 
 /// The extreme-vertex model takes the least depth as it is.
 fn overlap(a: &Body, b: &Body) -> Option<Overlap> {
@@ -53,11 +53,11 @@ fn overlap_along(a: &Extent, b: &Extent, direction: &Vector3<f64>) -> f64 {
 
 /// The least overlap over all directions: the best of many, then of smaller and smaller steps
 /// from the best of these. Never less than the truth, nearly always within 1e-4.
-fn least_by_search(a: &Body, b: &Body, random: &mut Pcg64Mcg) -> f64 {
+fn least_by_search(a: &Body, b: &Body, random: &mut Random) -> f64 {
     let (a, b) = (&Extent::of(a), &Extent::of(b));
     let mut tried: Vec<_> = (0..300)
         .map(|_| {
-            let direction = random_direction(random);
+            let direction = random.direction();
             (overlap_along(a, b, &direction), direction)
         })
         .collect();
@@ -65,7 +65,7 @@ fn least_by_search(a: &Body, b: &Body, random: &mut Pcg64Mcg) -> f64 {
     let descend = |&(mut least, mut direction): &(f64, Vector3<f64>)| {
         let mut step = 0.2;
         while step > 1e-5 {
-            let better = (0..16).map(|_| (direction + random_direction(random) * step).normalize()).find_map(|near| {
+            let better = (0..16).map(|_| (direction + random.direction() * step).normalize()).find_map(|near| {
                 let along = overlap_along(a, b, &near);
                 (along < least).then_some((along, near))
             });
@@ -114,8 +114,8 @@ fn least_of_all_axes(a: &Body, b: &Body) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-fn for_each_random_pair(count: u32, mut check: impl FnMut(&Body, &Body, [usize; 2], &mut Pcg64Mcg)) {
-    let mut random = random(7);
+fn for_each_random_pair(count: u32, mut check: impl FnMut(&Body, &Body, [usize; 2], &mut Random)) {
+    let mut random = Random::new(7);
     for one in 0..3 {
         for other in 0..3 {
             for _ in 0..count {
@@ -211,13 +211,13 @@ fn reducing_the_axes_loses_no_contact_and_little_depth() {
 
 #[test]
 fn half_space_depth_is_that_of_the_lowest_point() {
-    let mut random = random(8);
+    let mut random = Random::new(8);
     let mut touching = 0;
     for trial in 0..900 {
-        let plane = body(&Collider::half_space(), Vector3::new(1.0, 2.0, 3.0), random_rotation(&mut random));
+        let plane = body(&Collider::half_space(), Vector3::new(1.0, 2.0, 3.0), random.rotation());
         let normal = plane.rotation * Vector3::y();
         let [_, mut other] = random_pair(&mut random, [0, trial % 3]);
-        other.position = plane.position + random_direction(&mut random) * random.random_range(0.0..2.0);
+        other.position = plane.position + random.direction() * random.random_range(0.0..2.0);
         let depth = Extent::of(&other).reach(&-normal) - (other.position - plane.position).dot(&normal);
         let found = overlap(&plane, &other);
         assert_eq!(found.is_some(), depth >= 0.0);

@@ -4,7 +4,7 @@ use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::hulls::{hull_body, random_hull};
-use super::{KINDS, body, random, random_rotation, random_vector, touch, upright};
+use super::{KINDS, body, touch, upright};
 use crate::physics::body::{Bodies, Body};
 use crate::physics::body::{CollisionLayers, RigidBody, SurfaceMaterial};
 use crate::physics::collision::broad::near_pairs::{self, InStep};
@@ -17,6 +17,7 @@ use crate::physics::joint::Joints;
 use crate::physics::settings::SolverSettings;
 use crate::physics::shape::Collider;
 use crate::physics::stats::StepStats;
+use crate::physics::testing::Random;
 
 fn world(list: Vec<Body>, settings: SolverSettings) -> World {
     let mut world = World::new();
@@ -37,11 +38,11 @@ fn find(world: &mut World) -> Contacts {
 
 /// A heap of bodies of all shapes, of several blocks of buckets and pairs.
 fn heap() -> Vec<Body> {
-    let mut random = random(21);
+    let mut random = Random::new(21);
     let ground = Body { kind: RigidBody::Static, ..upright(&Collider::half_space(), [0.0, -8.0, 0.0]) };
     let shapes = (0..1200).map(|index| {
         let collider = KINDS[index % 3](&mut random);
-        body(&collider, random_vector(&mut random, 8.0), random_rotation(&mut random))
+        body(&collider, random.vector() * 8.0, random.rotation())
     });
     [ground].into_iter().chain(shapes).collect()
 }
@@ -111,14 +112,14 @@ fn steps_after_the_first_allocate_nothing() {
 
 /// A heap whose bodies all tumble, some through others.
 fn tumbling_heap() -> (Vec<Body>, Vec<Vector3<f64>>) {
-    let mut random = random(22);
+    let mut random = Random::new(22);
     let hulls = (0..300).map(|_| {
-        let at = random_vector(&mut random, 7.0);
-        let turn = random_rotation(&mut random);
+        let at = random.vector() * 7.0;
+        let turn = random.rotation();
         hull_body(random_hull(&mut random), at, turn)
     });
     let bodies: Vec<_> = heap().into_iter().take(300).chain(hulls).collect();
-    let spins = bodies.iter().map(|_| random_vector(&mut random, 0.02)).collect();
+    let spins = bodies.iter().map(|_| random.vector() * 0.02).collect();
     (bodies, spins)
 }
 
@@ -196,7 +197,7 @@ fn the_tree_lists_every_pair_that_the_sweep_finds_contacts_of() {
 fn pairs_apart_by_last_steps_axis_cost_one() {
     let at = |x: f64| {
         let turn = UnitQuaternion::from_scaled_axis(Vector3::new(0.3, 0.2, 0.1));
-        hull_body(random_hull(&mut random(23)), Vector3::new(x, 0.0, 0.0), turn)
+        hull_body(random_hull(&mut Random::new(23)), Vector3::new(x, 0.0, 0.0), turn)
     };
     let (a, mut b) = (at(0.0), at(0.0));
     // Near enough for the spheres to overlap, and apart.

@@ -1,8 +1,8 @@
 use nalgebra::Vector3;
 use rand::RngExt;
 
-use super::{random, random_direction, random_vector};
 use crate::physics::collision::classic::vector_set::VectorSet;
+use crate::physics::testing::Random;
 
 fn l1(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
     (a - b).abs().sum()
@@ -10,18 +10,18 @@ fn l1(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
 
 #[test]
 fn keeps_what_a_plain_search_keeps() {
-    let mut random = random(1);
+    let mut random = Random::new(1);
     let mut set = VectorSet::default();
     for (epsilon, merge) in [(0.0, false), (1e-3, false), (1e-3, true), (0.07, false), (0.3, true)] {
         set.reset(epsilon, merge, 1.0);
         let mut kept: Vec<Vector3<f64>> = Vec::new();
         // Clusters about a few directions and their opposites, within and beyond ε; some beyond
         // the reach.
-        let centers: Vec<_> = (0..40).map(|_| random_direction(&mut random) * random.random_range(0.5..1.5)).collect();
+        let centers: Vec<_> = (0..40).map(|_| random.direction() * random.random_range(0.5..1.5)).collect();
         for _ in 0..2000 {
             let sign = if random.random() { 1.0 } else { -1.0 };
             let center = centers[random.random_range(0..centers.len())];
-            let vector = center * sign + random_vector(&mut random, epsilon);
+            let vector = center * sign + random.vector() * epsilon;
             let near =
                 |other: &Vector3<f64>| l1(other, &vector) <= epsilon || (merge && l1(other, &-vector) <= epsilon);
             let new = !kept.iter().any(near);

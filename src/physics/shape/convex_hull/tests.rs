@@ -140,7 +140,7 @@ fn a_cube_of_lattice_points_has_eight_vertices() {
 
 #[test]
 fn noise_on_faces_merges() {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     for noise in [1e-15, 1e-12, 1e-9, 1e-7, 1e-5, 1e-4] {
         let line = || (0..=9).map(|i| f64::from(i) / 9.0 - 0.5);
         let points: Vec<DVec3> = line()
@@ -163,7 +163,7 @@ fn noise_on_faces_merges() {
 
 #[test]
 fn random_points_of_any_number_and_proportion() {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     for round in 0..600 {
         let count = 4 + (random.unit().powi(3) * 300.0) as usize;
         let flatness = DVec3::new(1.0, 10_f64.powf(random.within(-3.0, 0.0)), 10_f64.powf(random.within(-3.0, 0.0)));
@@ -180,7 +180,7 @@ fn random_points_of_any_number_and_proportion() {
 
 #[test]
 fn needles_and_plates_keep_their_thickness() {
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     for thin in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5] {
         // Cross products of a needle's long sides round to its thinness squared.
         let rounding = 1e-11 + 1e-16 / (thin * thin);
@@ -201,7 +201,7 @@ fn needles_and_plates_keep_their_thickness() {
 
 #[test]
 fn clusters_of_near_and_equal_points_are_one_vertex_each() {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     for spread in [0.0, 1e-14, 1e-9, 1e-5, 1e-3] {
         let points: Vec<DVec3> = (0..300)
             .flat_map(|_| box_corners(DVec3::new(2.0, 1.0, 1.5)))
@@ -227,7 +227,7 @@ fn vertices_nearer_than_the_reduction_are_one() {
 
 #[test]
 fn place_and_scale_do_not_matter() {
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     let points: Vec<DVec3> = (0..60).map(|_| dvec(random.direction()) * DVec3::new(1.0, 0.8, 0.6)).collect();
     let here = hull_of(&points);
     for (scale, offset) in [(1e-6, 0.0), (1e6, 0.0), (1.0, 1e6), (1e-3, 1e6), (1e30, 0.0), (1e-30, 0.0)] {
@@ -247,7 +247,7 @@ fn place_and_scale_do_not_matter() {
 
 #[test]
 fn a_million_points_become_a_few() {
-    let mut random = Random(6);
+    let mut random = Random::new(6);
     let sphere: Vec<DVec3> = (0..1_000_000).map(|_| dvec(random.direction())).collect();
     let hull = hull_without_names(&sphere, ROUND);
     assert!((hull.volume() / (4.0 / 3.0 * PI) - 1.0).abs() < 0.05, "{}", hull.volume());
@@ -271,7 +271,7 @@ fn hull_without_names(points: &[DVec3], tolerance: f64) -> ConvexHull {
 
 #[test]
 fn round_things_keep_within_four_per_cent() {
-    let mut random = Random(8);
+    let mut random = Random::new(8);
     for count in [200, 1000, 20_000] {
         for stretch in [DVec3::ONE, DVec3::new(1.0, 0.3, 0.7), DVec3::new(1.0, 0.05, 1.0)] {
             let points: Vec<DVec3> = (0..count).map(|_| dvec(random.direction()) * stretch).collect();
@@ -306,7 +306,7 @@ fn a_prism_has_two_polygons() {
 
 #[test]
 fn the_same_points_give_the_same_bits() {
-    let mut random = Random(9);
+    let mut random = Random::new(9);
     let points: Vec<DVec3> = (0..5000).map(|_| dvec(random.vector())).collect();
     let (one, other) = (hull_of(&points), hull_of(&points));
     assert_eq!(one, other);
@@ -321,7 +321,7 @@ fn what_has_no_volume_is_refused_in_one_line() {
         assert!(!error.to_string().contains('\n'));
         error
     };
-    let mut random = Random(10);
+    let mut random = Random::new(10);
     assert_eq!(refused(&[]), HullError::TooFewPoints { count: 0 });
     assert_eq!(refused(&[DVec3::ZERO, DVec3::X, DVec3::Y]), HullError::TooFewPoints { count: 3 });
     assert_eq!(refused(&[DVec3::ONE; 9]), HullError::Coincident { count: 9 });
@@ -365,7 +365,7 @@ fn assert_measures(hull: &ConvexHull, volume: f64, center: DVec3, axes: DQuat, m
 
 #[test]
 fn a_box_askew_is_the_box() {
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     let size = DVec3::new(0.5, 1.3, 2.1);
     let moments = crate::physics::shape::cuboid::moments(size);
     for angle in [1e-7, 1e-3, 0.1, 0.3, 0.7] {
@@ -448,7 +448,7 @@ fn a_polygonal_cone_nears_the_cone() {
 
 #[test]
 fn any_hull_has_the_volume_integrals_of_a_grid() {
-    let mut random = Random(12);
+    let mut random = Random::new(12);
     for _ in 0..3 {
         let points: Vec<DVec3> = (0..40).map(|_| dvec(random.vector()) * DVec3::new(1.0, 0.6, 0.8)).collect();
         let hull = hull_of(&points);

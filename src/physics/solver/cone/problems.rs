@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::{ConeBody, ConeContact, ConeJoint, ConeSolver, Motion, Outcome, PerPoint};
+use crate::physics::testing::Random;
 
 type V = Vector3<f64>;
 
@@ -23,20 +24,6 @@ pub struct Problem {
     pub contacts: Vec<ConeContact>,
     pub joints: Vec<ConeJoint>,
     pub bias: PerPoint,
-}
-
-/// Uniform in [0, 1), the same each time (L'Ecuyer's 64-bit multiplier).
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub fn vector(&mut self) -> V {
-        V::new(self.next() - 0.5, self.next() - 0.5, self.next() - 0.5)
-    }
 }
 
 /// Inverse inertia of a box.
@@ -102,10 +89,10 @@ impl Problem {
 
     /// Adds random velocities of this size to those given.
     pub fn shaken(mut self, size: f64, seed: u64) -> Self {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         for [linear, angular] in &mut self.free {
-            *linear += size * random.vector();
-            *angular += size * random.vector();
+            *linear += 0.5 * size * random.vector();
+            *angular += 0.5 * size * random.vector();
         }
         self
     }
@@ -274,16 +261,16 @@ pub fn painleve(friction: f64) -> Problem {
 
 /// Bodies on a disturbed lattice, touching their neighbours anyhow.
 pub fn pile(side: usize, friction: impl Fn(f64) -> f64, spread: f64, seed: u64) -> Problem {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let mut problem = Problem::default();
     let index = |x: usize, y: usize, z: usize| (x + side * (z + side * y)) as u32;
     for y in 0..side {
         for z in 0..side {
             for x in 0..side {
-                let place = V::new(x as f64, y as f64 + 0.5, z as f64) + 0.3 * random.vector();
-                let turn = UnitQuaternion::new(3.0 * random.vector());
-                let mass = (spread * (random.next() - 0.5)).exp();
-                problem.cuboid(place, mass, V::repeat(0.6) + random.vector() * 0.5, turn);
+                let place = V::new(x as f64, y as f64 + 0.5, z as f64) + 0.15 * random.vector();
+                let turn = UnitQuaternion::new(1.5 * random.vector());
+                let mass = (spread * (random.unit() - 0.5)).exp();
+                problem.cuboid(place, mass, V::repeat(0.6) + random.vector() * 0.25, turn);
             }
         }
     }
@@ -298,18 +285,18 @@ pub fn pile(side: usize, friction: impl Fn(f64) -> f64, spread: f64, seed: u64) 
                 ];
                 for other in others.into_iter().flatten() {
                     let between = problem.places[other as usize] - problem.places[one as usize];
-                    let normal = between.normalize() + 0.4 * random.vector();
-                    for _ in 0..1 + (3.0 * random.next()) as usize {
-                        let point = problem.places[one as usize] + 0.5 * between + 0.4 * random.vector();
-                        problem.contact(Some(one), Some(other), point, normal, friction(random.next()));
+                    let normal = between.normalize() + 0.2 * random.vector();
+                    for _ in 0..1 + (3.0 * random.unit()) as usize {
+                        let point = problem.places[one as usize] + 0.5 * between + 0.2 * random.vector();
+                        problem.contact(Some(one), Some(other), point, normal, friction(random.unit()));
                     }
                 }
                 if y == 0 {
                     let under = problem.places[one as usize].component_mul(&V::new(1.0, 0.0, 1.0));
-                    for _ in 0..1 + (4.0 * random.next()) as usize {
-                        let mut point = under + 0.6 * random.vector();
+                    for _ in 0..1 + (4.0 * random.unit()) as usize {
+                        let mut point = under + 0.3 * random.vector();
                         point.y = 0.0;
-                        problem.contact(None, Some(one), point, V::y(), friction(random.next()));
+                        problem.contact(None, Some(one), point, V::y(), friction(random.unit()));
                     }
                 }
             }

@@ -17,7 +17,7 @@ use bevy::prelude::Entity;
 
 #[test]
 fn colours_share_no_body_and_hold_every_constraint_once() {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     // A hub with 100 constraints runs out of colours; body 40 does not move.
     let mut pairs: Vec<(u32, u32)> = (1..40).chain(1..40).chain(1..23).map(|body| (0, body)).collect();
     pairs.extend((0..200).map(|_| {
@@ -138,7 +138,7 @@ fn parting(bodies: &[Body], site: &JointSite) -> Vector3<f64> {
 }
 
 fn joints_in<L: Lanes>(tolerance: f64) {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let bodies = bodies(&mut random);
     let sites = joint_sites(&bodies, &mut random);
     let mut group = gather::<L>(&bodies);
@@ -184,7 +184,7 @@ fn contact(bodies: &[Body], lane: usize, random: &mut Random) -> ContactState {
 }
 
 fn contacts_in<L: Lanes>(tolerance: f64) {
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     let bodies = bodies(&mut random);
     let states: Vec<ContactState> = (0..8).map(|lane| contact(&bodies, lane, &mut random)).collect();
     let sites: Vec<ContactSite> = states
@@ -248,7 +248,7 @@ fn projection<L: Lanes>(share: f64) -> Projection<L> {
 
 /// How far each joint's anchors are apart, by the rows of where the bodies were gathered.
 fn separations_after<L: Lanes>(share: f64) -> Vec<(f64, f64)> {
-    let mut random = Random(6);
+    let mut random = Random::new(6);
     let bodies = bodies(&mut random);
     let sites = joint_sites(&bodies, &mut random);
     let mut group = gather::<L>(&bodies);

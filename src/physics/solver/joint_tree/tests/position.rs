@@ -7,7 +7,7 @@ use crate::physics::testing::Random;
 
 #[test]
 fn projection_closes_every_joint() {
-    let random = &mut Random(5);
+    let random = &mut Random::new(5);
     for mut assembly in assemblies(random) {
         // A hanging loop through the ground may have no closed pose within reach.
         let trees = assembly.trees().into_iter().filter(|tree| !tree.may_be_redundant());
@@ -28,7 +28,7 @@ fn projection_closes_every_joint() {
 
 #[test]
 fn projection_conserves_the_centre_of_mass() {
-    let random = &mut Random(6);
+    let random = &mut Random::new(6);
     let assembly = Assembly::tree(20, random, |body, random| (random.unit() * f64::from(body)) as u32);
     let mut tree = assembly.trees().remove(0);
     tree.project_positions(&Assembly::of_joints(&tree, &assembly.separations), 5, 0.0);
@@ -43,7 +43,7 @@ fn projection_conserves_the_centre_of_mass() {
 
 #[test]
 fn a_drift_after_an_aimed_solve_ends_on_the_joints_to_third_order() {
-    let random = &mut Random(13);
+    let random = &mut Random::new(13);
     let mut assembly = Assembly::tree(10, random, |body, random| (random.unit() * f64::from(body)) as u32);
     assembly.targets.fill(Vector3::zeros());
     assembly.separations.fill(Vector3::zeros());
@@ -67,7 +67,7 @@ fn a_drift_after_an_aimed_solve_ends_on_the_joints_to_third_order() {
 
 #[test]
 fn a_projection_that_opens_joints_is_taken_back() {
-    let random = &mut Random(15);
+    let random = &mut Random::new(15);
     for _ in 0..50 {
         let mut assembly = Assembly::tree(8, random, |body, _| body - 1);
         assembly.pin(0, random);
@@ -89,7 +89,7 @@ fn a_projection_that_opens_joints_is_taken_back() {
 
 #[test]
 fn a_joint_torn_wide_open_closes_in_a_few_substeps() {
-    let random = &mut Random(16);
+    let random = &mut Random::new(16);
     for _ in 0..50 {
         let mut assembly = Assembly::tree(5, random, |body, _| body - 1);
         assembly.pin(0, random);

@@ -8,7 +8,7 @@ use crate::physics::testing::Random;
 
 #[test]
 fn mass_ratios_of_a_million_are_solved() {
-    let random = &mut Random(7);
+    let random = &mut Random::new(7);
     for heavy in [0, 10, 19] {
         for shape in 0..2 {
             let mut assembly = Assembly::tree(20, random, |body, _| if shape == 0 { body - 1 } else { (body - 1) / 3 });
@@ -23,7 +23,7 @@ fn mass_ratios_of_a_million_are_solved() {
 
 #[test]
 fn a_body_pinned_twice_is_a_hinge() {
-    let random = &mut Random(8);
+    let random = &mut Random::new(8);
     let mut assembly = Assembly::new();
     let rod = assembly.body(1.0, random);
     let ends = [Vector3::new(0.3, 0.4, 0.0), Vector3::new(-0.3, -0.4, 0.0)];
@@ -46,7 +46,7 @@ fn a_body_pinned_twice_is_a_hinge() {
 
 #[test]
 fn a_straight_chain_between_two_pins_stays_finite() {
-    let random = &mut Random(9);
+    let random = &mut Random::new(9);
     for sag in [0.0, 1e-9, 1e-6, 1e-3] {
         let mut assembly = Assembly::tree(10, random, |body, _| body - 1);
         assembly.pin(0, random);
@@ -85,7 +85,7 @@ fn random_sign(body: u32) -> f64 {
 
 #[test]
 fn locked_axes_take_no_part() {
-    let random = &mut Random(10);
+    let random = &mut Random::new(10);
     // All bodies in a plane: no motion along z, no rotation about x or y.
     let mut assembly = Assembly::tree(12, random, |body, random| (random.unit() * f64::from(body)) as u32);
     assembly.pin(0, random);
@@ -115,7 +115,7 @@ fn locked_axes_take_no_part() {
 
 #[test]
 fn pins_that_pull_a_body_apart_do_no_harm() {
-    let random = &mut Random(14);
+    let random = &mut Random::new(14);
     for _ in 0..20 {
         let mut assembly = Assembly::new();
         let rod = assembly.body(1.0, random);

@@ -5,7 +5,7 @@ use crate::physics::testing::Random;
 
 #[test]
 fn work_grows_with_the_joints_only() {
-    let random = &mut Random(11);
+    let random = &mut Random::new(11);
     let star = |n, random: &mut Random| Assembly::tree(n, random, |_, _| 0);
     let caterpillar = |n, random: &mut Random| Assembly::tree(n, random, |body, _| body.saturating_sub(4) / 4 * 4);
     for assembly in [star(1000, random), star(2000, random), caterpillar(2000, random)] {

@@ -8,7 +8,7 @@ use crate::physics::testing::Random;
 
 #[test]
 fn impulses_are_those_of_the_dense_system() {
-    let random = &mut Random(1);
+    let random = &mut Random::new(1);
     for mut assembly in assemblies(random) {
         let expected = assembly.dense_impulses();
         let impulses = assembly.solve();
@@ -23,7 +23,7 @@ fn impulses_are_those_of_the_dense_system() {
 
 #[test]
 fn softness_adds_to_the_diagonal() {
-    let random = &mut Random(2);
+    let random = &mut Random::new(2);
     for mut assembly in assemblies(random) {
         for softness in &mut assembly.softness {
             *softness = random.within(0.0, 2.0);
@@ -39,7 +39,7 @@ fn softness_adds_to_the_diagonal() {
 
 #[test]
 fn jacobian_is_the_derivative_of_the_separation() {
-    let random = &mut Random(3);
+    let random = &mut Random::new(3);
     let step = 1e-5;
     for assembly in assemblies(random) {
         let (jacobian, _) = assembly.dense();
@@ -58,7 +58,7 @@ fn jacobian_is_the_derivative_of_the_separation() {
 
 #[test]
 fn impulses_keep_both_momenta_of_a_free_tree() {
-    let random = &mut Random(4);
+    let random = &mut Random::new(4);
     for shape in 0..3 {
         let mut assembly = Assembly::tree(20, random, |body, random| match shape {
             0 => body - 1,
@@ -84,7 +84,7 @@ fn impulses_keep_both_momenta_of_a_free_tree() {
 
 #[test]
 fn a_hub_of_a_thousand_joints_is_exact() {
-    let random = &mut Random(12);
+    let random = &mut Random::new(12);
     let mut assembly = Assembly::tree(1001, random, |_, _| 0);
     assembly.pin(0, random);
     assembly.solve();

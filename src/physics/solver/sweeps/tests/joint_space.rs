@@ -47,7 +47,7 @@ fn joint_rows(system: &Rows) -> Vec<usize> {
 
 #[test]
 fn joints_hold_after_any_number_of_sweeps() {
-    let random = &mut Random(31);
+    let random = &mut Random::new(31);
     for _ in 0..20 {
         let system = figures(random);
         let joints = joint_rows(&system);
@@ -65,7 +65,7 @@ fn joints_hold_after_any_number_of_sweeps() {
 /// K, J K Jᵀ λ = η − J M⁻¹J_EᵀA⁻¹η_E.
 #[test]
 fn one_contact_takes_one_sweep() {
-    let random = &mut Random(32);
+    let random = &mut Random::new(32);
     let mut pushes = 0;
     for _ in 0..20 {
         let mut system = Rows::random(4, random);
@@ -84,7 +84,7 @@ fn one_contact_takes_one_sweep() {
 
 #[test]
 fn redundant_joints_share_their_load() {
-    let random = &mut Random(33);
+    let random = &mut Random::new(33);
     let mut system = Rows::random(2, random);
     system.join(0, 1, random);
     system.join(1, 2, random);
@@ -104,7 +104,7 @@ fn redundant_joints_share_their_load() {
 /// A contact that joints let nothing move is left alone, and does not throw what is joined.
 #[test]
 fn a_contact_that_joints_hold_stays_without_force() {
-    let random = &mut Random(34);
+    let random = &mut Random::new(34);
     let mut system = Rows::random(1, random);
     for _ in 0..3 {
         system.join(0, 1, random);
@@ -119,7 +119,7 @@ fn a_contact_that_joints_hold_stays_without_force() {
 /// Mechanisms are kept while the same bodies are joined, though contacts come and go before their rows.
 #[test]
 fn what_is_kept_changes_nothing() {
-    let random = &mut Random(35);
+    let random = &mut Random::new(35);
     let space = &mut JointSpace::default();
     let mut system = figures(random);
     for contacts in 0..4 {
@@ -142,7 +142,7 @@ fn what_is_kept_changes_nothing() {
 /// What a unit force on one row does to all of them.
 #[test]
 fn responses_are_those_of_the_dense_matrix() {
-    let random = &mut Random(36);
+    let random = &mut Random::new(36);
     let system = figures(random);
     let joints = joint_rows(&system);
     let matrix = system.matrix();
