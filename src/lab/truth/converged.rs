@@ -44,8 +44,8 @@ const USEFUL_SHARE: f64 = 0.05;
 /// Bodies and joints × steps of both runs: some seconds of work where nothing touches.
 const MOST_WORK: f64 = 2.5e5;
 
-/// Row updates of a run: some seconds of work. Where many bodies bounce at once, as when those of `spheres` land, a step
-/// takes a second.
+/// Row updates of a run: some seconds of work. Where many bodies bounce at once, as when those of `spheres` land, a
+/// step takes a second.
 const MOST_UPDATES: u64 = 10_000_000;
 
 /// Points of the bodies that move.
