@@ -95,14 +95,10 @@ pub enum Integrator {
     /// Kick by h/2, drift by h, kick by h/2. Two solves a (sub)step.
     VelocityVerlet,
     /// Gauss's collocation method, implicit and symmetric: of order 8 where nothing is stiff, of order 6 where
-    /// something is, whatever the stiffness. Of `exact` only, as all below.
+    /// something is, whatever the stiffness. Of `exact` only, as the one below.
     Gauss,
-    /// The classic Runge–Kutta method of order 4, explicit: cut finer where joints pull hard.
-    RungeKutta4,
     /// RATTLE: kicks and free flight, symmetric, of order 2.
     Rattle,
-    /// Five steps of RATTLE composed, symmetric, of order 4.
-    ComposedRattle,
 }
 
 impl Integrator {
@@ -110,7 +106,7 @@ impl Integrator {
     fn is_of(self, method: Method) -> bool {
         match self {
             Self::Euler | Self::VelocityVerlet => method != Method::Exact,
-            Self::Gauss | Self::RungeKutta4 | Self::Rattle | Self::ComposedRattle => method == Method::Exact,
+            Self::Gauss | Self::Rattle => method == Method::Exact,
         }
     }
 }
@@ -347,10 +343,7 @@ impl SolverSettings {
         check("hz", self.hz, "greater than 0 and at most 1e9", self.hz > 0.0 && self.hz <= 1e9)?;
         if !self.integrator.is_of(self.method) {
             let (value, range) = match self.method {
-                Method::Exact => (
-                    SettingValue::Integrator(self.integrator),
-                    "Gauss, RungeKutta4, Rattle or ComposedRattle with the method exact",
-                ),
+                Method::Exact => (SettingValue::Integrator(self.integrator), "Gauss or Rattle with the method exact"),
                 _ => {
                     (SettingValue::Integrator(self.integrator), "Euler or VelocityVerlet with other methods than exact")
                 }

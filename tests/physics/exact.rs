@@ -59,12 +59,7 @@ fn every_integrator_has_its_order() {
         let places = three_rods(integrator, hz);
         places.iter().zip(&truth).map(|(one, other)| one.distance(*other)).fold(0.0, f64::max)
     };
-    for (integrator, rate, order) in [
-        (Integrator::Rattle, 480.0, 2.0),
-        (Integrator::ComposedRattle, 120.0, 4.0),
-        (Integrator::RungeKutta4, 240.0, 4.0),
-        (GAUSS, 30.0, 8.0),
-    ] {
+    for (integrator, rate, order) in [(Integrator::Rattle, 480.0, 2.0), (GAUSS, 30.0, 8.0)] {
         let found = (error(integrator, rate) / error(integrator, 2.0 * rate)).log2();
         assert!((found - order).abs() < 0.4, "{integrator:?}: order {found}");
     }
@@ -85,16 +80,13 @@ fn swinging(integrator: Integrator, steps: u32) -> Vec<f64> {
     energies.iter().map(|energy| energy - energies[0]).collect()
 }
 
-/// Where that of Runge and Kutta's method drifts, that of a symmetric one stays within what a swing takes it through.
+/// The energy of a symmetric method stays within what a swing takes it through.
 #[test]
-fn a_symmetric_composition_bounds_its_energy_for_a_million_steps() {
+fn a_symmetric_integrator_bounds_its_energy_for_a_million_steps() {
     let most = |energies: &[f64]| energies.iter().fold(0.0_f64, |most, energy| most.max(energy.abs()));
-    let composed = swinging(Integrator::ComposedRattle, 1_000_000);
-    let (begun, all) = (most(&composed[..10_000]), most(&composed));
+    let energies = swinging(Integrator::Rattle, 1_000_000);
+    let (begun, all) = (most(&energies[..10_000]), most(&energies));
     assert!(begun > 1e-12 && all < 1.05 * begun, "{begun:e} J at first, then {all:e} J");
-    let drifting = swinging(Integrator::RungeKutta4, 100_000);
-    let (begun, all) = (most(&drifting[..10_000]), most(&drifting));
-    assert!(all > 5.0 * begun, "{begun:e} J at first, then {all:e} J");
 }
 
 /// 41 upright rods, their feet pinned 1 m apart, neighbouring tops joined by 40 level rods, in one plane: a loop of
@@ -179,7 +171,8 @@ fn a_body_by_itself_moves_in_closed_form() {
 /// A ball hung by a spring from its centre: m ẍ = −m ω²(x − x₀) − 2 m ζ ω ẋ − m g.
 #[test]
 fn a_soft_joint_is_a_damped_spring() {
-    for (integrator, tolerance) in [(GAUSS, 1e-9), (Integrator::RungeKutta4, 1e-6)] {
+    // Kicks take the damper's force at the velocity before, an error of first order: ζ ω h of what the ball moves.
+    for (integrator, tolerance) in [(GAUSS, 1e-9), (Integrator::Rattle, 1e-3)] {
         let mut world = world_with(exact(integrator, 240.0));
         let above = pin(&mut world, DVec3::ZERO);
         let ball = body(&mut world, Collider::sphere(0.5), DVec3::ZERO);
@@ -217,7 +210,7 @@ fn joints_report_their_loads_and_follow_moving_supports() {
 
 #[test]
 fn a_steady_step_allocates_nothing() {
-    for integrator in [GAUSS, Integrator::RungeKutta4, Integrator::Rattle, Integrator::ComposedRattle] {
+    for integrator in [GAUSS, Integrator::Rattle] {
         let mut world = world_with(exact(integrator, 240.0));
         let mut before = (pin(&mut world, DVec3::ZERO), DVec3::ZERO);
         for index in 0..10 {

@@ -92,8 +92,7 @@ const FIELDS: &[(&str, &[Field])] = &[
                 "integrator",
                 "How velocities become poses.\n\nEuler: v += h a, then x += h v with the new v; one solve a \
                  substep.\nVelocity Verlet: kick by h/2, drift by h, kick by h/2; two solves a \
-                 substep.\nOf the exact method only: Gauss, of order 8 or 6, implicit; \
-                 Runge Kutta4; Rattle, of order 2; Composed Rattle, of order 4.",
+                 substep.\nOf the exact method only: Gauss, of order 8 or 6, implicit; Rattle, of order 2.",
             ),
         ],
     ),

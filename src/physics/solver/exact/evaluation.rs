@@ -1,4 +1,4 @@
-//! Accelerations and joint forces at one state: M a = F − (0, ω × I ω) + Jᵀλ with J a + J̇ v = 0, so that
+//! Joint forces at one state: M a = F − (0, ω × I ω) + Jᵀλ with J a + J̇ v = 0, so that
 //! J M⁻¹ Jᵀ λ = −J M⁻¹(F − (0, ω × I ω)) − J̇ v, J̇ v = ω_B × (ω_B × r_B) − ω_A × (ω_A × r_A).
 
 use nalgebra::{Matrix3, Vector3};
@@ -10,10 +10,10 @@ use super::rows::{Rows, Screw, Weight};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Evaluation {
     pub rows: Rows,
-    /// a of each member.
-    pub accelerations: Vec<Screw>,
     /// λ of each link.
     pub forces: Vec<Vector3<f64>>,
+    /// Acceleration of each member without joint forces.
+    accelerations: Vec<Screw>,
     rotations: Vec<Matrix3<f64>>,
     wrenches: Vec<Screw>,
     right: Vec<Vector3<f64>>,
@@ -38,13 +38,6 @@ impl Evaluation {
             self.right.push(if link.spring.is_some() { Vector3::zeros() } else { right });
         }
         self.rows.solve(mechanism, &self.right, &mut self.forces);
-        // Next to nothing where a spring is.
-        self.rows.add_wrenches(mechanism, &self.forces, &mut self.wrenches);
-        for ((acceleration, wrench), weight) in
-            self.accelerations.iter_mut().zip(&self.wrenches).zip(&self.rows.weights)
-        {
-            *acceleration = weight.of(wrench);
-        }
         for (index, link) in mechanism.links.iter().enumerate().filter(|(_, link)| link.spring.is_some()) {
             self.forces[index] = pull(link, index, motion, &self.rows);
         }
@@ -88,24 +81,6 @@ impl Evaluation {
             self.forces.extend(links.map(|(index, link)| pull(link, index, motion, &self.rows)));
             self.rows.add_wrenches(mechanism, &self.forces, &mut self.wrenches);
         }
-    }
-
-    /// The greatest ω² at which joint forces make bodies swing about the line of their pull, (rad/s)².
-    pub fn swing(&self, mechanism: &Mechanism) -> f64 {
-        let mut fastest: f64 = 0.0;
-        for ((link, arms), force) in mechanism.links.iter().zip(&self.rows.arms).zip(&self.forces) {
-            for (member, along) in [(link.a, -arms[0].dot(force)), (link.b, arms[1].dot(force))] {
-                let member = &mechanism.members[member as usize];
-                if member.moves() {
-                    // Both ends pull.
-                    fastest = fastest.max(2.0 * along / member.inertia.max());
-                }
-            }
-            if let Some(spring) = &link.spring {
-                fastest = fastest.max((spring.frequency * (1.0 + spring.damping_ratio)).powi(2));
-            }
-        }
-        fastest
     }
 }
 

@@ -1,12 +1,9 @@
 //! RATTLE (Andersen 1983): Strang's splitting into kicks by forces and free flight, with joints held exactly in place
-//! and velocity; symmetric, of order 2. Composed with itself it is of order 4.
+//! and velocity; symmetric, of order 2.
 //!
 //! v½ = v₀ + ½h W₀(F + J₀ᵀλ) with λ such that joints hold after the flight: C(q₁) = 0; then
 //! v₁ = v½ + ½h W₁(F + J₁ᵀμ) with μ such that J₁ v₁ = 0. λ is found by Newton's method with J₀ W₀ J₀ᵀ in place of
 //! J₁ W₁ J₀ᵀ. Bodies turn freely by the midpoint rule of `integrator::gyroscopic`; drag takes e^{−ch/2} with each kick.
-//!
-//! Composition (Suzuki 1990): five steps of p h, p h, (1 − 4p) h, p h, p h with p = 1/(4 − ∛4) cancel the error of
-//! third order in h; the error left is a tenth of that of Yoshida's three.
 
 use nalgebra::Vector3;
 
@@ -20,15 +17,11 @@ use crate::physics::integrator::gyroscopic::free_rotation;
 /// Turns of Newton's method at most.
 const MOST_TURNS: usize = 40;
 
-/// p.
-const PART: f64 = 0.414_490_771_794_375_7;
-
 /// Buffers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rattle {
     evaluation: Evaluation,
     projection: Projection,
-    start: Vec<Motion>,
     kicked: Vec<Motion>,
     impulses: Vec<Vector3<f64>>,
     errors: Vec<Vector3<f64>>,
@@ -40,41 +33,14 @@ pub(crate) struct Rattle {
 impl Rattle {
     /// A step of order 2, of h, s. Where joints cannot be held the mechanism stays where it was.
     pub fn step(&mut self, mechanism: &mut Mechanism, h: f64) -> Sweeps {
-        self.begin(mechanism);
-        self.part(mechanism, h, 1.0)
-    }
-
-    /// A step of order 4.
-    pub fn composed_step(&mut self, mechanism: &mut Mechanism, h: f64) -> Sweeps {
-        self.begin(mechanism);
-        self.start.clone_from(&mechanism.motion);
-        let mut count = 0;
-        for share in [PART, PART, 1.0 - 4.0 * PART, PART, PART] {
-            let sweeps = self.part(mechanism, share * h, share);
-            count += sweeps.count;
-            if !sweeps.converged {
-                mechanism.motion.clone_from(&self.start);
-                return Sweeps { count, converged: false };
-            }
-        }
-        Sweeps { count, converged: true }
-    }
-
-    fn begin(&mut self, mechanism: &Mechanism) {
-        self.forces.clear();
-        self.forces.resize(mechanism.links.len(), Vector3::zeros());
-    }
-
-    fn part(&mut self, mechanism: &mut Mechanism, h: f64, share: f64) -> Sweeps {
         // λ of the start is the guess: it carries what is given, too.
-        self.evaluation.evaluate(mechanism, &mechanism.motion, h.abs());
+        self.evaluation.evaluate(mechanism, &mechanism.motion, h);
         let Some(count) = self.hold_places(mechanism, h) else {
             return Sweeps { count: MOST_TURNS as u32, converged: false };
         };
         self.hold_velocities(mechanism, h);
-        for (mean, impulse) in self.forces.iter_mut().zip(&self.impulses) {
-            *mean += impulse * (share / (0.5 * h));
-        }
+        self.forces.clear();
+        self.forces.extend(self.impulses.iter().map(|impulse| impulse * (1.0 / (0.5 * h))));
         Sweeps { count: count + 2, converged: true }
     }
 
@@ -122,7 +88,7 @@ impl Rattle {
         self.screws.clear();
         self.screws.resize(mechanism.members.len(), Screw::ZERO);
         if mechanism.gives {
-            self.evaluation.evaluate(mechanism, &mechanism.motion, h.abs());
+            self.evaluation.evaluate(mechanism, &mechanism.motion, h);
             let forces = mechanism.links.iter().zip(&self.evaluation.forces);
             self.errors.clear();
             self.errors.extend(
@@ -130,7 +96,7 @@ impl Rattle {
             );
             self.evaluation.rows.add_wrenches(mechanism, &self.errors, &mut self.screws);
         } else {
-            self.evaluation.assemble(mechanism, &mechanism.motion, h.abs());
+            self.evaluation.assemble(mechanism, &mechanism.motion, h);
         }
         for (index, motion) in mechanism.motion.iter_mut().enumerate() {
             let member = &mechanism.members[index];

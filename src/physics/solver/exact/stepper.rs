@@ -15,7 +15,6 @@ use super::mechanism::{Mechanism, stretch};
 use super::projection::Projection;
 use super::rattle::{Rattle, kick};
 use super::rows::Screw;
-use super::runge_kutta::RungeKutta;
 use crate::physics::settings::Integrator;
 
 /// A step is cut into 2 to this power parts at most.
@@ -61,7 +60,6 @@ pub(crate) struct Stepper {
     lockstep: Lockstep,
     /// Which of the two had the last step.
     in_lockstep: bool,
-    runge_kutta: RungeKutta,
     rattle: Rattle,
     projection: Projection,
     /// Steps are cut into 2 to this power parts.
@@ -101,9 +99,7 @@ impl Stepper {
 
     fn step(&mut self, mechanism: &mut Mechanism, integrator: Integrator, h: f64) -> Sweeps {
         match integrator {
-            Integrator::RungeKutta4 => self.runge_kutta.step(mechanism, h),
             Integrator::Rattle => self.rattle.step(mechanism, h),
-            Integrator::ComposedRattle => self.rattle.composed_step(mechanism, h),
             _ => {
                 if let Some(sweeps) = self.lockstep.step(mechanism, h) {
                     self.in_lockstep = true;
@@ -120,8 +116,7 @@ impl Stepper {
 
     fn force(&self, integrator: Integrator, link: usize) -> Vector3<f64> {
         match integrator {
-            Integrator::RungeKutta4 => self.runge_kutta.forces[link],
-            Integrator::Rattle | Integrator::ComposedRattle => self.rattle.forces[link],
+            Integrator::Rattle => self.rattle.forces[link],
             _ if self.in_lockstep => self.lockstep.mean_force(link),
             _ => self.gauss.mean_force(link),
         }
