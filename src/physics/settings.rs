@@ -196,7 +196,8 @@ pub struct SolverSettings {
     pub axis_epsilon: f64,
     /// Whether n and −n count as one candidate axis. Of extreme-vertex contacts only.
     pub merge_opposite_axes: bool,
-    /// How pairs that may touch are found. Of contacts that last only: force-level methods always sweep and sort.
+    /// How pairs that may touch are found. Of force-level methods only: `exact` sweeps and sorts, all others keep the
+    /// tree.
     pub broad_phase: BroadPhase,
     /// Whether sweep and sort also prunes on y.
     pub prune_y: bool,

@@ -1,7 +1,8 @@
 //! Collision detection: which bodies may touch, where, along which normal and how deep.
 //!
-//! 1. [`sweep_and_sort`] finds the pairs whose bounding spheres overlap: [`CandidatePairs`]. Contacts that last have
-//!    [`near_pairs`] instead, from [`persistent_pairs`] or, by the same sweep, [`swept_pairs`].
+//! 1. [`near_pairs`] keeps the pairs whose boxes in a tree overlap ([`persistent_pairs`]). Force-level methods may have
+//!    [`sweep_and_sort`] instead, and the exact method has it, which finds the pairs whose bounding spheres overlap.
+//!    Where contacts do not last, either lists [`CandidatePairs`].
 //! 2. [`narrow_phase`] takes each pair to one of two ways to [`Contacts`]:
 //!    - [`contact_pair`], with a routine for each kind of pair: [`plane`], [`ball`], [`boxes`],
 //!      [`polyhedra`], [`cone_polyhedron`], [`cone_cone`], which share [`feature_sat`],
@@ -40,7 +41,6 @@ mod polyhedron;
 mod probe;
 mod sat;
 mod sweep_and_sort;
-mod swept_pairs;
 mod time_of_impact;
 pub(crate) mod vector_set;
 
@@ -51,7 +51,7 @@ pub(crate) use contact_graph::{
     ContactGeometry, ContactGraph, ContactState, GEOMETRY, GONE, POINTS, Slot, fastest_approach,
 };
 pub(crate) use contact_pair::{PairSearch, touch};
-pub(crate) use near_pairs::NearPairs;
+pub(crate) use near_pairs::{CandidateTree, NearPairs};
 pub use probe::PlacedCollider;
 
 use bevy::prelude::*;
@@ -61,7 +61,7 @@ use super::PhysicsSystems;
 use super::bodies::Body;
 use super::body::ReportCollisions;
 use super::diagnostics::{ContactForces, Diagnostics};
-use super::settings::{ContactModel, SolverSettings, contacts_last};
+use super::settings::{BroadPhase, ContactModel, Method, SolverSettings, contacts_last};
 
 /// Gaps up to this share of the bounding radii count as touching: rounding could have made them
 /// of a gap of zero.
@@ -200,10 +200,15 @@ pub(super) fn plugin(app: &mut App) {
         .init_resource::<Contacts>()
         .init_resource::<ContactGraph>()
         .init_resource::<NearPairs>()
+        .init_resource::<CandidateTree>()
         .add_systems(
             super::PhysicsSchedule,
             (
-                sweep_and_sort::find_candidate_pairs.in_set(PhysicsSystems::BroadPhase).run_if(not(contacts_last)),
+                sweep_and_sort::find_candidate_pairs.in_set(PhysicsSystems::BroadPhase).run_if(pairs_are_swept),
+                near_pairs::find_candidate_pairs
+                    .in_set(PhysicsSystems::BroadPhase)
+                    .run_if(not(contacts_last))
+                    .run_if(not(pairs_are_swept)),
                 near_pairs::update_pairs.in_set(PhysicsSystems::BroadPhase).run_if(contacts_last),
                 narrow_phase::find_contacts.in_set(PhysicsSystems::NarrowPhase).run_if(not(contacts_last)),
                 contact_graph::update_graph.in_set(PhysicsSystems::NarrowPhase).run_if(contacts_last),
@@ -218,6 +223,15 @@ pub(super) fn plugin(app: &mut App) {
                     .run_if(contacts_are_read),
             ),
         );
+}
+
+/// Whether pairs are found by sweep and sort. The exact method's contacts reach as far as forces take a body in a step,
+/// which boxes of the tree do not.
+fn pairs_are_swept(settings: Res<SolverSettings>) -> bool {
+    match settings.method {
+        Method::Exact => true,
+        method => !method.keeps_contacts() && settings.broad_phase == BroadPhase::SweepAndSort,
+    }
 }
 
 /// Whether somebody reads [`Contacts`] of contacts that last.

@@ -1,4 +1,5 @@
-//! The broad phase of contacts that last: keeps the [`PersistentPairs`] or [`SweptPairs`] of the bodies.
+//! The broad phase by a bounding tree: keeps the [`PersistentPairs`] of the bodies, for contacts that last and, if the
+//! settings ask for it, for those of force-level methods.
 //!
 //! Tells them what a change of a body or joint means, and bounds each shape by its own box.
 
@@ -7,63 +8,20 @@ use nalgebra::Vector3;
 
 use super::bounding_tree::BoundingBox;
 use super::fat_box::{Extent, Placement};
-use super::pair_slots::{PairSlot, PairSlots};
+use super::pair_slots::PairSlot;
 use super::persistent_pairs::{BoundedBodies, Bounds, PairChanges, PersistentPairs};
-use super::swept_pairs::SweptPairs;
-use super::{CONTACT_TOLERANCE, Pair};
+use super::{CONTACT_TOLERANCE, CandidatePairs, Pair};
 use crate::physics::bodies::{Bodies, Body, Joints};
 use crate::physics::body::RigidBody;
 use crate::physics::collider::Geometry;
 use crate::physics::diagnostics::StepStats;
 use crate::physics::joint::JoinedPairs;
-use crate::physics::settings::{BroadPhase, SolverSettings};
-
-/// Who keeps the pairs.
-enum Search {
-    Tree(PersistentPairs),
-    Sweep(SweptPairs),
-}
-
-impl Default for Search {
-    fn default() -> Self {
-        Self::of(BroadPhase::default())
-    }
-}
-
-impl Search {
-    fn of(broad_phase: BroadPhase) -> Self {
-        match broad_phase {
-            BroadPhase::BoundingTree => Self::Tree(PersistentPairs::default()),
-            BroadPhase::SweepAndSort => Self::Sweep(SweptPairs::default()),
-        }
-    }
-
-    fn kind(&self) -> BroadPhase {
-        match self {
-            Self::Tree(_) => BroadPhase::BoundingTree,
-            Self::Sweep(_) => BroadPhase::SweepAndSort,
-        }
-    }
-
-    fn pairs(&self) -> &PairSlots {
-        match self {
-            Self::Tree(tree) => tree.pairs(),
-            Self::Sweep(sweep) => sweep.pairs(),
-        }
-    }
-
-    fn renew(&mut self, body: u32) {
-        match self {
-            Self::Tree(tree) => tree.renew(body),
-            Self::Sweep(sweep) => sweep.renew(body),
-        }
-    }
-}
+use crate::physics::settings::SolverSettings;
 
 /// Pairs near each other, and what changed about them in this step.
 #[derive(Resource, Default)]
 pub(crate) struct NearPairs {
-    search: Search,
+    pairs: PersistentPairs,
     pub changes: PairChanges,
     /// Pairs of bodies that are gone, under the indices they had.
     dropped: Vec<(PairSlot, Pair)>,
@@ -76,11 +34,19 @@ pub(crate) struct NearPairs {
 impl NearPairs {
     /// Follows bodies to their new indices.
     pub fn remap(&mut self, new_index: &[Option<u32>]) {
-        match &mut self.search {
-            Search::Tree(tree) => tree.remap(new_index, &mut self.dropped),
-            Search::Sweep(sweep) => sweep.remap(new_index, &mut self.dropped),
-        }
+        self.pairs.remap(new_index, &mut self.dropped);
         self.joined.remap(new_index);
+    }
+}
+
+/// The same for contacts that do not last: a tree of its own, since those that last take in every change of theirs.
+#[derive(Resource, Default)]
+pub(crate) struct CandidateTree(NearPairs);
+
+impl CandidateTree {
+    /// Follows bodies to their new indices.
+    pub fn remap(&mut self, new_index: &[Option<u32>]) {
+        self.0.remap(new_index);
     }
 }
 
@@ -144,7 +110,7 @@ impl BoundedBodies for InStep<'_> {
     }
 }
 
-/// Brings the pairs up to date with the bodies.
+/// Brings the pairs of contacts that last up to date with the bodies.
 pub(super) fn update_pairs(
     bodies: Res<Bodies>,
     joints: Res<Joints>,
@@ -153,51 +119,70 @@ pub(super) fn update_pairs(
     mut near: ResMut<NearPairs>,
     stats: Res<StepStats>,
 ) {
-    let near = near.bypass_change_detection();
-    let NearPairs { search, changes, dropped, known_steps, joined: joined_before, joints_version } = near;
-    if search.kind() != settings.broad_phase {
-        dropped.extend(search.pairs().iter());
-        *search = Search::of(settings.broad_phase);
-        *known_steps = None;
-    }
-    if known_steps.replace(stats.steps + 1) == Some(stats.steps) {
-        bodies.renewed.iter().for_each(|&body| search.renew(body));
-    } else {
-        (0..bodies.list.len() as u32).for_each(|body| search.renew(body));
-    }
-    if *joints_version != joints.version {
-        *joints_version = joints.version;
-        if let Search::Tree(tree) = search {
-            joined.differences(joined_before, |a, b| tree.reconsider(a, b));
-        }
-        joined_before.clone_from(&joined);
-    }
-    match search {
-        Search::Tree(tree) => {
-            let in_step = InStep { bodies: &bodies.list, joined: &joined, h: settings.step() };
-            tree.update(&in_step, bodies.awake(), changes);
-        }
-        Search::Sweep(sweep) => sweep.update(&bodies.list, &joined, &settings, changes),
-    }
-    if !dropped.is_empty() {
-        dropped.append(&mut changes.removed);
-        std::mem::swap(dropped, &mut changes.removed);
-    }
+    near.bypass_change_detection().update(&bodies, &joints, &joined, &settings, stats.steps);
+}
+
+/// Brings the pairs of contacts that do not last up to date with the bodies, and lists them: half-spaces first, then by
+/// index, so that contacts do not depend on the slots, which depend on the past.
+pub(super) fn find_candidate_pairs(
+    bodies: Res<Bodies>,
+    joints: Res<Joints>,
+    joined: Res<JoinedPairs>,
+    settings: Res<SolverSettings>,
+    mut tree: ResMut<CandidateTree>,
+    mut candidates: ResMut<CandidatePairs>,
+    mut stats: ResMut<StepStats>,
+) {
+    let tree = &mut tree.bypass_change_detection().0;
+    tree.update(&bodies, &joints, &joined, &settings, stats.steps);
+    let is_half_space = |body: u32| matches!(bodies.list[body as usize].geometry, Some(Geometry::HalfSpace));
+    let pairs = &mut candidates.bypass_change_detection().pairs;
+    pairs.clear();
+    pairs.extend(tree.pairs.pairs().iter().map(|(_, pair)| pair));
+    pairs.sort_unstable_by_key(|pair| (!is_half_space(pair.a), *pair));
+    stats.pairs = pairs.len() as u32;
 }
 
 impl NearPairs {
+    fn update(
+        &mut self,
+        bodies: &Bodies,
+        joints: &Joints,
+        joined: &JoinedPairs,
+        settings: &SolverSettings,
+        steps: u64,
+    ) {
+        let Self { pairs, changes, dropped, known_steps, joined: joined_before, joints_version } = self;
+        if known_steps.replace(steps + 1) == Some(steps) {
+            bodies.renewed.iter().for_each(|&body| pairs.renew(body));
+        } else {
+            (0..bodies.list.len() as u32).for_each(|body| pairs.renew(body));
+        }
+        if *joints_version != joints.version {
+            *joints_version = joints.version;
+            joined.differences(joined_before, |a, b| pairs.reconsider(a, b));
+            joined_before.clone_from(joined);
+        }
+        let in_step = InStep { bodies: &bodies.list, joined, h: settings.step() };
+        pairs.update(&in_step, bodies.awake(), changes);
+        if !dropped.is_empty() {
+            dropped.append(&mut changes.removed);
+            std::mem::swap(dropped, &mut changes.removed);
+        }
+    }
+
     /// The pair of a slot.
     pub fn pair(&self, slot: PairSlot) -> Option<Pair> {
-        self.search.pairs().get(slot)
+        self.pairs.pairs().get(slot)
     }
 
     /// The pairs of a body: slots, and who is at the other end.
     pub fn of_body(&self, body: u32) -> impl Iterator<Item = (PairSlot, u32)> {
-        self.search.pairs().of_body(body)
+        self.pairs.pairs().of_body(body)
     }
 
     /// How many slots there are, free ones included.
     pub fn slot_count(&self) -> usize {
-        self.search.pairs().slot_count()
+        self.pairs.pairs().slot_count()
     }
 }

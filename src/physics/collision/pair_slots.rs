@@ -92,11 +92,6 @@ impl PairSlots {
         None
     }
 
-    /// The bodies that there is room for.
-    pub(super) fn body_count(&self) -> usize {
-        self.heads.len()
-    }
-
     pub(super) fn set_body_count(&mut self, count: usize) {
         self.heads.resize(count, NONE);
     }

@@ -10,7 +10,7 @@
 //! dynamic body whose sphere reaches its plane. Bodies that share a joint, whose layers do not
 //! interact, or of which neither is dynamic make no pair.
 //!
-//! Spheres of contacts that last reach as far as the body can get in the step.
+//! Spheres of the exact method reach as far as the body can get in the step.
 //!
 //! The order is kept from step to step and mended by insertion, for bodies move little in a
 //! step; it is always the one order by (begin, body), so that nothing depends on the past.
@@ -21,7 +21,6 @@ use std::ops::Range;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use super::contact_graph::own_reachable_gap;
 use super::{CONTACT_TOLERANCE, CandidatePairs, Pair, own_reach, speculative_gap};
 use crate::physics::bodies::{Bodies, Body};
 use crate::physics::body::CollisionLayers;
@@ -92,13 +91,12 @@ fn is_swept(body: &Body) -> bool {
         && !body.layers.touch_nothing()
 }
 
-/// The bounding radius, and what rounding may take from a gap of zero; where contacts last, also the body's part of
-/// the gap up to which pairs get contact points.
+/// The bounding radius, and what rounding may take from a gap of zero; for the exact method also the body's part of the
+/// gap up to which pairs get contact points.
 fn reach(body: &Body, settings: &SolverSettings) -> f64 {
     let touching = body.radius * (1.0 + CONTACT_TOLERANCE);
     match settings.method {
         Method::Exact => touching + own_reach(body, settings),
-        method if method.keeps_contacts() => touching + own_reachable_gap(body, settings),
         _ => touching,
     }
 }
@@ -107,8 +105,6 @@ fn reach(body: &Body, settings: &SolverSettings) -> f64 {
 fn plane_gap(plane: &Body, body: &Body, normal: &Vector3<f64>, settings: &SolverSettings) -> f64 {
     if settings.method == Method::Exact {
         own_reach(plane, settings)
-    } else if settings.method.keeps_contacts() {
-        own_reachable_gap(plane, settings)
     } else {
         speculative_gap(plane, body, normal, settings)
     }

@@ -8,7 +8,7 @@ use super::gather_body::{freeze, gather_body, teleport};
 use super::table::{BodyQuery, BodyTable, Watch};
 use crate::physics::bodies::{Bodies, Body, Joints};
 use crate::physics::body::{BodySlot, QuarantineReason, RigidBody, Sleeping};
-use crate::physics::collision::{ContactGraph, NearPairs};
+use crate::physics::collision::{CandidateTree, ContactGraph, NearPairs};
 use crate::physics::diagnostics::StepStats;
 use crate::physics::messages::{BodyQuarantined, set_aside};
 use crate::physics::settings::{Gravity, SolverSettings};
@@ -35,6 +35,7 @@ struct Known<'a> {
     lagged: &'a mut LaggedContacts,
     cache: &'a mut ContactCache,
     near: &'a mut NearPairs,
+    candidates: &'a mut CandidateTree,
     graph: &'a mut ContactGraph,
     joints: &'a mut Joints,
     sleep: &'a mut Sleep,
@@ -45,7 +46,7 @@ pub(super) fn gather_bodies(
     mut bodies: ResMut<Bodies>,
     mut lagged: ResMut<LaggedContacts>,
     mut cache: ResMut<ContactCache>,
-    (mut near, mut graph): (ResMut<NearPairs>, ResMut<ContactGraph>),
+    (mut near, mut candidates, mut graph): (ResMut<NearPairs>, ResMut<CandidateTree>, ResMut<ContactGraph>),
     (mut joints, mut sleep): (ResMut<Joints>, ResMut<Sleep>),
     gravity: Res<Gravity>,
     settings: Res<SolverSettings>,
@@ -64,6 +65,7 @@ pub(super) fn gather_bodies(
             lagged: &mut lagged,
             cache: &mut cache,
             near: &mut near,
+            candidates: &mut candidates,
             graph: &mut graph,
             joints: &mut joints,
             sleep: &mut sleep,
@@ -213,6 +215,7 @@ fn drop_gone_bodies(
         .collect();
     known.lagged.remap(&new_index);
     known.near.remap(&new_index);
+    known.candidates.remap(&new_index);
     known.graph.remap(&new_index);
     known.joints.remap(&new_index);
     known.sleep.remap(&new_index, bodies);

@@ -201,7 +201,7 @@ const FIELDS: &[(&str, &[Field])] = &[
             Field::choice(
                 "broad_phase",
                 "broad phase",
-                "How pairs that may touch are found; force-level methods always sweep and sort.\n\nSweep And Sort: \
+                "How pairs that may touch are found, of force-level methods only.\n\nSweep And Sort: \
                  bounding spheres along x, in each step (the 2009 engine's).\nBounding Tree: a tree of boxes a little \
                  larger than their bodies, whose cost follows what moves.",
             ),

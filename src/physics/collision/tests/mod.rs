@@ -10,7 +10,6 @@ mod manifolds;
 mod persistent_pairs;
 mod room;
 mod sat;
-mod swept_pairs;
 mod systems;
 mod vector_set;
 

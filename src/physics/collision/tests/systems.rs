@@ -3,12 +3,12 @@ use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::super::near_pairs::InStep;
+use super::super::near_pairs::{self, InStep};
 use super::super::persistent_pairs::{BoundedBodies, Bounds};
-use super::super::{CandidatePairs, Contacts, narrow_phase, sweep_and_sort};
+use super::super::{CandidatePairs, CandidateTree, Contacts, narrow_phase, sweep_and_sort};
 use super::hulls::{hull_body, random_hull};
 use super::{KINDS, body, random, random_rotation, random_vector, touch, upright};
-use crate::physics::bodies::{Bodies, Body};
+use crate::physics::bodies::{Bodies, Body, Joints};
 use crate::physics::body::{CollisionLayers, RigidBody, SurfaceMaterial};
 use crate::physics::collider::Collider;
 use crate::physics::diagnostics::StepStats;
@@ -154,6 +154,39 @@ fn last_axes_change_no_bit_and_save_work() {
     }
     assert!(changes > 1_000, "{changes} contacts are too few to prove it");
     assert!(with < without, "{with} axes against {without}");
+}
+
+/// Bodies fly through each other and onto the ground, whose contacts begin ahead of it.
+#[test]
+fn the_tree_lists_every_pair_that_the_sweep_finds_contacts_of() {
+    let (mut bodies, spins) = tumbling_heap();
+    let settings = SolverSettings::steady();
+    for (body, spin) in bodies.iter_mut().zip(&spins).skip(1) {
+        body.linear = spin.yzx() * (0.3 * settings.hz);
+        body.angular = spin * settings.hz;
+    }
+    let mut world = world(bodies, settings);
+    world.init_resource::<Joints>();
+    world.init_resource::<CandidateTree>();
+    let by_pair = |contacts: &Contacts| {
+        let points = |manifold| contacts.points_of(manifold).to_vec();
+        let mut list: Vec<_> =
+            contacts.manifolds.iter().map(|found| (found.pair, found.normal, points(found))).collect();
+        list.sort_unstable_by_key(|(pair, ..)| *pair);
+        list
+    };
+    let mut ahead = 0;
+    for step in 0..60 {
+        let swept = by_pair(&find(&mut world));
+        world.run_system_once(near_pairs::find_candidate_pairs).unwrap();
+        world.run_system_once(narrow_phase::find_contacts).unwrap();
+        assert!(world.resource::<CandidatePairs>().pairs.is_sorted(), "the ground is the first body");
+        assert_eq!(by_pair(world.resource::<Contacts>()), swept, "step {step}");
+        ahead += swept.iter().filter(|(.., points)| points.iter().all(|point| point.depth < 0.0)).count();
+        tumble(&mut world.resource_mut::<Bodies>().list, &spins);
+        world.resource_mut::<StepStats>().steps += 1;
+    }
+    assert!(ahead > 10, "{ahead} contacts began ahead of the ground");
 }
 
 #[test]
