@@ -1,5 +1,5 @@
-//! The scalars that the kernels run on: one constraint at a time in `f32` or `f64`, or eight in
-//! `f32` lanes, all from the same source.
+//! The scalars that the kernels run on: one constraint at a time in `f64`, or eight in `f32`
+//! lanes, both from the same source.
 //!
 //! Bodies lie in memory one after the other, each a few [`Record`]s of eight numbers; a kernel
 //! wants the same number of eight bodies in one register. Reading is eight loads and an 8 × 8
@@ -55,42 +55,42 @@ pub(crate) trait Lanes: SimdRealField + Copy + Debug + Send + Sync + 'static {
     unsafe fn scatter(values: [Self; WIDTH], records: Shared<Record<Self::Scalar>>, indices: &[u32; WIDTH]);
 }
 
-macro_rules! one_lane {
-    ($scalar:ty) => {
-        impl Lanes for $scalar {
-            type Scalar = $scalar;
-            const COUNT: usize = 1;
-            fn of(value: f64) -> Self {
-                value as Self
-            }
-            fn each(mut value: impl FnMut(usize) -> $scalar) -> Self {
-                value(0)
-            }
-            fn lane(self, _: usize) -> $scalar {
-                self
-            }
-            fn take(rows: [&Record<f32>; WIDTH]) -> [Self; WIDTH] {
-                rows[0].0.map(|number| number as Self)
-            }
-            fn give(values: [Self; WIDTH]) -> [Record<f32>; WIDTH] {
-                [Record(values.map(|number| number as f32)); WIDTH]
-            }
-            unsafe fn gather(records: Shared<Record<$scalar>>, indices: &[u32; WIDTH]) -> [Self; WIDTH] {
-                // SAFETY: as the caller promises.
-                unsafe { records.read((indices[0] & !READ_ONLY) as usize).0 }
-            }
-            unsafe fn scatter(values: [Self; WIDTH], records: Shared<Record<$scalar>>, indices: &[u32; WIDTH]) {
-                if indices[0] & READ_ONLY == 0 {
-                    // SAFETY: as the caller promises.
-                    unsafe { records.element(indices[0] as usize).0 = values };
-                }
-            }
-        }
-    };
-}
+impl Lanes for f64 {
+    type Scalar = f64;
+    const COUNT: usize = 1;
 
-one_lane!(f32);
-one_lane!(f64);
+    fn of(value: f64) -> Self {
+        value
+    }
+
+    fn each(mut value: impl FnMut(usize) -> f64) -> Self {
+        value(0)
+    }
+
+    fn lane(self, _: usize) -> f64 {
+        self
+    }
+
+    fn take(rows: [&Record<f32>; WIDTH]) -> [Self; WIDTH] {
+        rows[0].0.map(f64::from)
+    }
+
+    fn give(values: [Self; WIDTH]) -> [Record<f32>; WIDTH] {
+        [Record(values.map(|number| number as f32)); WIDTH]
+    }
+
+    unsafe fn gather(records: Shared<Record<f64>>, indices: &[u32; WIDTH]) -> [Self; WIDTH] {
+        // SAFETY: as the caller promises.
+        unsafe { records.read((indices[0] & !READ_ONLY) as usize).0 }
+    }
+
+    unsafe fn scatter(values: [Self; WIDTH], records: Shared<Record<f64>>, indices: &[u32; WIDTH]) {
+        if indices[0] & READ_ONLY == 0 {
+            // SAFETY: as the caller promises.
+            unsafe { records.element(indices[0] as usize).0 = values };
+        }
+    }
+}
 
 impl Lanes for WideF32x8 {
     type Scalar = f32;

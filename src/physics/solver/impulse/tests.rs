@@ -165,7 +165,6 @@ fn joints_in<L: Lanes>(tolerance: f64) {
 #[test]
 fn one_update_closes_joints_in_any_lanes() {
     joints_in::<f64>(1e-9);
-    joints_in::<f32>(1e-4);
     joints_in::<WideF32x8>(1e-4);
 }
 
@@ -239,7 +238,6 @@ fn contacts_in<L: Lanes>(tolerance: f64) {
 #[test]
 fn one_update_stops_points_that_approach_in_any_lanes() {
     contacts_in::<f64>(1e-5);
-    contacts_in::<f32>(1e-4);
     contacts_in::<WideF32x8>(1e-4);
 }
 
