@@ -9,6 +9,7 @@ mod direct;
 mod exact;
 mod impulse;
 mod joint_tree;
+mod linear;
 mod soft_terms;
 mod substeps;
 mod sweeps;

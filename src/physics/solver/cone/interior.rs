@@ -181,7 +181,7 @@ impl ConeSolver {
     /// Changes of λ, x and y for an aim. False where the linear system is singular. The correction takes the
     /// prediction's factor.
     fn direction(&mut self, buffers: &mut Buffers, aim: Aim) -> bool {
-        let Self { points, linear, pattern, impulses, velocities, .. } = self;
+        let Self { points, linear, elimination, impulses, velocities, .. } = self;
         if !aim.is_corrector {
             linear.stiffness.clear();
             buffers.softening.clear();
@@ -206,11 +206,11 @@ impl ConeSolver {
             }
             linear.push.push(buffers.softening[index] * push);
         }
-        if !aim.is_corrector && !linear.factor(points, pattern, true) {
+        if !aim.is_corrector && !linear.factor(points, elimination, true) {
             return false;
         }
-        linear.push_all(points, pattern);
-        linear.solve(points, pattern);
+        linear.push_all(points, elimination);
+        linear.solve(points, elimination);
         buffers.step.clear();
         for (index, point) in points.iter().enumerate() {
             let motion = point.across(&linear.solution);

@@ -27,7 +27,6 @@
 mod interior;
 mod law;
 mod linear;
-mod lu;
 mod newton;
 mod point;
 mod proximal;
@@ -40,8 +39,7 @@ mod tests;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::direct::cholesky::Part;
-use super::direct::pattern::Pattern;
+use super::linear::{BodyVector as Part, Elimination};
 use linear::LinearSystem;
 use point::{Point, root};
 
@@ -119,7 +117,7 @@ pub(crate) struct ConeSolver {
     /// Contacts, then joints.
     points: Vec<Point>,
     contacts: usize,
-    pattern: Pattern,
+    elimination: Elimination,
     edges: Vec<[u32; 2]>,
     /// L of each body, linear and angular.
     roots: Vec<[Matrix3<f64>; 2]>,
@@ -134,7 +132,7 @@ pub(crate) struct ConeSolver {
     kept: Vec<Vector3<f64>>,
     /// λ of the least residual so far.
     best: Vec<Vector3<f64>>,
-    /// z, by place in the pattern.
+    /// z, by place in the order of elimination.
     motion: Vec<Part>,
     proximal: proximal::Buffers,
     interior: interior::Buffers,
@@ -158,7 +156,7 @@ impl ConeSolver {
     /// Sets bodies and points. Indices of bodies are into `bodies`; the structure is made anew only where their pairs
     /// are others than before.
     pub fn set(&mut self, bodies: &[ConeBody], contacts: &[ConeContact], joints: &[ConeJoint]) {
-        let Self { points, pattern, edges, roots, .. } = self;
+        let Self { points, elimination, edges, roots, .. } = self;
         roots.clear();
         roots.extend(
             bodies
@@ -169,14 +167,15 @@ impl ConeSolver {
         points.clear();
         points.extend(contacts.iter().map(|contact| Point::of_contact(contact, roots)));
         points.extend(joints.iter().map(|joint| Point::of_joint(joint, roots)));
-        if pattern.count() != bodies.len() || !points.iter().filter_map(Point::edge).eq(edges.iter().copied()) {
+        if elimination.count() != bodies.len() || !points.iter().filter_map(Point::edge).eq(edges.iter().copied()) {
             edges.clear();
             edges.extend(points.iter().filter_map(Point::edge));
             let most = usize::MAX;
-            *pattern = Pattern::new(bodies.len(), edges.iter().copied(), most).expect("a pattern without a bound");
+            *elimination = Elimination::new(&vec![6; bodies.len()], edges.iter().copied(), most)
+                .expect("a pattern without a bound");
         }
         for point in points {
-            point.place(pattern);
+            point.place(elimination);
         }
     }
 
@@ -209,7 +208,7 @@ impl ConeSolver {
             *result = point.frame * impulse;
         }
         for (body, (velocity, [linear, angular])) in velocities.iter_mut().zip(&self.roots).enumerate() {
-            let part = &self.motion[self.pattern.place(body as u32) as usize];
+            let part = &self.motion[self.elimination.place(body as u32) as usize];
             velocity[0] += linear * part.fixed_rows::<3>(0);
             velocity[1] += angular * part.fixed_rows::<3>(3);
         }
@@ -249,7 +248,7 @@ impl ConeSolver {
     /// z = Ĵᵀλ, then u = Ĵ z + c.
     fn refresh(&mut self) {
         self.motion.clear();
-        self.motion.resize(self.pattern.count(), Part::zeros());
+        self.motion.resize(self.elimination.count(), Part::zeros());
         for (point, impulse) in self.points.iter().zip(&self.impulses) {
             point.push(&mut self.motion, impulse);
         }

@@ -60,7 +60,7 @@ impl ConeSolver {
 
     /// λ += dλ. False where the linear system is singular.
     fn newton_step(&mut self) -> bool {
-        let Self { points, linear, pattern, impulses, velocities, .. } = self;
+        let Self { points, linear, elimination, impulses, velocities, .. } = self;
         linear.clear();
         let mut is_symmetric = true;
         for ((point, impulse), velocity) in points.iter().zip(&*impulses).zip(&*velocities) {
@@ -73,11 +73,11 @@ impl ConeSolver {
             linear.stiffness.push(stiffness);
             linear.push.push(push);
         }
-        if !linear.factor(points, pattern, is_symmetric) {
+        if !linear.factor(points, elimination, is_symmetric) {
             return false;
         }
-        linear.push_all(points, pattern);
-        linear.solve(points, pattern);
+        linear.push_all(points, elimination);
+        linear.solve(points, elimination);
         let terms = linear.push.iter().zip(&linear.stiffness);
         for ((point, impulse), (push, stiffness)) in points.iter().zip(impulses).zip(terms) {
             *impulse += push - stiffness * point.across(&linear.solution);

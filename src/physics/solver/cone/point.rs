@@ -2,8 +2,7 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use super::super::direct::cholesky::{Block, Part};
-use super::super::direct::pattern::Pattern;
+use super::super::linear::{BodyBlock as Block, BodyVector as Part, Elimination};
 use super::law::Law;
 use super::{ConeContact, ConeJoint, Motion};
 
@@ -20,7 +19,7 @@ pub(super) struct Point {
     pub frame: Matrix3<f64>,
     /// A and B, where they move.
     pub sides: [Option<Side>; 2],
-    /// Where its block of A and B is, as [`Pattern::block`] says it.
+    /// Where its block of A and B is, as [`Elimination::block`] says it.
     pub block: Option<(u32, bool)>,
 }
 
@@ -28,7 +27,7 @@ pub(super) struct Point {
 #[derive(Clone, Debug)]
 pub(super) struct Side {
     pub body: u32,
-    /// In the pattern's order.
+    /// In the order of elimination.
     pub place: u32,
     arm: Vector3<f64>,
     /// −1 of A, 1 of B.
@@ -91,11 +90,11 @@ impl Point {
         }
     }
 
-    /// Finds its places in the pattern.
-    pub fn place(&mut self, pattern: &Pattern) {
-        self.block = self.edge().map(|[a, b]| pattern.block(a, b));
+    /// Finds its places in the elimination.
+    pub fn place(&mut self, elimination: &Elimination) {
+        self.block = self.edge().map(|[a, b]| elimination.block(a, b));
         for side in self.sides.iter_mut().flatten() {
-            side.place = pattern.place(side.body);
+            side.place = elimination.place(side.body);
         }
     }
 

@@ -13,7 +13,7 @@
 
 use nalgebra::Vector3;
 
-use super::super::direct::cholesky::Part;
+use super::super::linear::BodyVector as Part;
 use super::law::{Law, Mode};
 use super::newton::with_shift;
 use super::{ConeSolver, End, Outcome};
@@ -113,19 +113,19 @@ impl ConeSolver {
     fn proximal_point(&mut self, softness: f64, wanted: f64, outcome: &mut Outcome) -> bool {
         let mut buffers = std::mem::take(&mut self.proximal);
         buffers.change.clear();
-        buffers.change.resize(self.pattern.count(), Part::zeros());
+        buffers.change.resize(self.elimination.count(), Part::zeros());
         let mut is_reached = false;
         for step in 0..=STEPS {
             let is_symmetric = self.evaluate(&mut buffers, softness, true);
             let effects = self.points.iter().map(|point| point.across(&buffers.defect).norm_squared());
             is_reached = effects.fold(0.0, f64::max) <= wanted * wanted;
-            if is_reached || step == STEPS || !self.linear.factor(&self.points, &self.pattern, is_symmetric) {
+            if is_reached || step == STEPS || !self.linear.factor(&self.points, &self.elimination, is_symmetric) {
                 break;
             }
             outcome.steps += 1;
             self.linear.solution.clear();
             self.linear.solution.extend(buffers.defect.iter().map(|defect| -defect));
-            self.linear.solve(&self.points, &self.pattern);
+            self.linear.solve(&self.points, &self.elimination);
             buffers.direction.clone_from(&self.linear.solution);
             self.search(&mut buffers, softness);
         }

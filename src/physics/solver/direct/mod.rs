@@ -7,7 +7,7 @@
 //!
 //! (M + Σ JᵀρJ) v = M v₀ + h f + Σ Jᵀ (λ̂ − ρ b)
 //!
-//! is solved by block LDLᵀ in f64 ([`cholesky`], on the [`pattern`] of the graph), in a time linear in its bodies;
+//! is solved by block LDLᵀ in f64 ([`linear`](super::linear), on the graph of the bodies), in a time linear in its bodies;
 //! rows are those of [`patch`]. Which points push and which patches slide is guessed from the step before and
 //! corrected by Newton's method, of which a step at rest takes one iteration. The same factor then closes what is left
 //! of depths and gaps, in positions and not in velocities.
@@ -18,10 +18,8 @@
 //!
 //! An island that turns out not to rest, or whose rows do not settle, is left as it was, for the sweeps.
 
-pub(super) mod cholesky;
 mod motion;
 mod patch;
-pub(super) mod pattern;
 #[cfg(test)]
 mod tests;
 
@@ -29,6 +27,7 @@ use std::ops::RangeInclusive;
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
+use super::linear::{BlockLdl, BodyVector as Part, Elimination, Inverse};
 use super::soft_terms::{SoftTerms, UNLIMITED};
 use crate::physics::body::Body;
 use crate::physics::body::world_inverse_inertia;
@@ -37,10 +36,8 @@ use crate::physics::joint::Joint;
 use crate::physics::joint::Softness;
 use crate::physics::lanes::Record;
 use crate::physics::solver::substeps::Parts;
-use cholesky::{BlockMatrix, Part};
 pub(crate) use motion::MotionTerms;
 use patch::{Blocks, Link, Motion, Patch, Shape, Side, Spring, motion, wrench};
-use pattern::Pattern;
 
 /// Speed of a body, centre and rim together, up to which it is at rest, m/s.
 const CALM: f64 = 0.05;
@@ -133,7 +130,7 @@ pub(crate) struct DirectIsland {
     /// Of contacts, then joints: both bodies' places among the members.
     ends: Vec<[Option<u32>; 2]>,
     analysis: Analysis,
-    pattern: Pattern,
+    pattern: Elimination,
     /// Whether it was solved here in the last step, at rest or in motion.
     pub is_solved: bool,
     /// Weight of the rows of contacts over the mass of the island.
@@ -147,7 +144,7 @@ pub(crate) struct DirectIsland {
     /// Steps for which no guesses were made after the last that failed, and those left.
     pause: u32,
     pause_left: u32,
-    matrix: BlockMatrix,
+    matrix: BlockLdl<f64, Inverse>,
     /// M v₀ + h f, by place in the pattern, like the next two.
     momentum: Vec<Part>,
     velocity: Vec<Part>,
@@ -183,7 +180,7 @@ impl DirectIsland {
             joints,
             ends: Vec::new(),
             analysis: Analysis::Due,
-            pattern: Pattern::default(),
+            pattern: Elimination::default(),
             is_solved: false,
             hardness: WEIGHT,
             has_settled: true,
@@ -191,7 +188,7 @@ impl DirectIsland {
             stiffnesses: Vec::new(),
             pause: 0,
             pause_left: 0,
-            matrix: BlockMatrix::default(),
+            matrix: BlockLdl::default(),
             momentum: Vec::new(),
             velocity: Vec::new(),
             before: Vec::new(),
@@ -220,7 +217,9 @@ impl DirectIsland {
         self.partners.dedup();
         let edges = self.ends.iter().filter_map(|[a, b]| Some([(*a)?, (*b)?]));
         let count = self.members.len();
-        let Some(pattern) = Pattern::new(count, edges, MOST_PRODUCTS) else { return Analysis::Unsuitable };
+        let Some(pattern) = Elimination::new(&vec![6; count], edges, MOST_PRODUCTS) else {
+            return Analysis::Unsuitable;
+        };
         self.pattern = pattern;
         for parts in [&mut self.momentum, &mut self.velocity, &mut self.before, &mut self.correction] {
             parts.resize(count, Part::zeros());
@@ -405,7 +404,7 @@ impl DirectIsland {
                 let linear = link.impulse_at(&link.given);
                 push(pattern, velocity, &link.sides, &Motion { linear, ..Motion::default() });
             }
-            matrix.solve(pattern, velocity);
+            matrix.solve(pattern, &mut velocity[..]);
             let share = if guess == 0 { 1.0 } else { self.search_line(weight, per_step) };
             let Self { patches, links, pattern, velocity, before, .. } = self;
             if share < 1.0 {
@@ -479,7 +478,7 @@ impl DirectIsland {
         factored.extend(shapes);
         matrix.clear(pattern);
         for (body, (mass, inertia)) in inertias.iter().enumerate() {
-            let block = matrix.diagonal_mut(pattern, body as u32);
+            let mut block = matrix.diagonal_mut::<6>(pattern.place(body as u32) as usize);
             block.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::from_diagonal_element(*mass));
             block.fixed_view_mut::<3, 3>(3, 3).copy_from(inertia);
         }
@@ -494,11 +493,12 @@ impl DirectIsland {
         for (held, [a, b]) in blocks.iter().zip(&*ends) {
             for (body, block) in [(a, &held.own[0]), (b, &held.own[1])] {
                 if let Some(body) = *body {
-                    *matrix.diagonal_mut(pattern, body) += block;
+                    let mut own = matrix.diagonal_mut::<6>(pattern.place(body) as usize);
+                    own += block;
                 }
             }
             if let (Some(a), Some(b)) = (*a, *b) {
-                matrix.add(pattern, a, b, &held.across);
+                matrix.add(pattern.block(a, b), &held.across);
             }
         }
         let is_positive = matrix.factor(pattern);
@@ -522,7 +522,7 @@ impl DirectIsland {
             push(pattern, correction, &link.sides, &Motion { linear, ..Motion::default() });
         }
         if correction.iter().any(|part| *part != Part::zeros()) {
-            matrix.solve(pattern, correction);
+            matrix.solve(pattern, &mut correction[..]);
         }
     }
 
@@ -695,7 +695,7 @@ fn give(body: &Body, side: &Side) -> Matrix3<f64> {
 }
 
 /// Adds an impulse on B, and its reaction on A.
-fn push(pattern: &Pattern, parts: &mut [Part], sides: &[Side; 2], impulse: &Motion) {
+fn push(pattern: &Elimination, parts: &mut [Part], sides: &[Side; 2], impulse: &Motion) {
     let [a, b] = sides;
     if let Some(body) = a.body {
         parts[pattern.place(body) as usize] -= wrench(impulse, &a.arm);
@@ -706,7 +706,7 @@ fn push(pattern: &Pattern, parts: &mut [Part], sides: &[Side; 2], impulse: &Moti
 }
 
 /// B's motion less A's.
-fn across(pattern: &Pattern, parts: &[Part], sides: &[Side; 2], given: &Motion) -> Motion {
+fn across(pattern: &Elimination, parts: &[Part], sides: &[Side; 2], given: &Motion) -> Motion {
     let of = |side: &Side| {
         side.body.map_or_else(Motion::default, |body| motion(&parts[pattern.place(body) as usize], &side.arm))
     };

@@ -12,7 +12,6 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::cholesky::Part;
 use super::{
     Closing, DirectIsland, Motion, World, across, halves, inertia_of_spin, link_of, momentum_of, moves_freely, patch_of,
 };
@@ -23,6 +22,7 @@ use crate::physics::collision::fastest_approach;
 use crate::physics::contact::restitution_threshold;
 use crate::physics::settings::SolverSettings;
 use crate::physics::solver::joint_tree::{Swing, add_pull};
+use crate::physics::solver::linear::BodyVector as Part;
 use crate::physics::solver::substeps::{Parts, Substeps};
 
 /// Products of blocks in a factorisation up to which an island is solved in motion.

@@ -11,10 +11,10 @@
 use nalgebra::{ArrayStorage, Matrix3, Vector3};
 
 use super::Closing;
-use super::cholesky::{Block, Columns, Part};
 use crate::physics::collision::{ContactState, POINTS};
 use crate::physics::constraint::row::bounded;
 use crate::physics::lanes::Record;
+use crate::physics::solver::linear::{BodyBlock as Block, BodyVector as Part};
 
 /// Depth or gap, over the arm, at which surfaces count as just touching: single precision cannot tell.
 const TOUCHING: f64 = 1e-5;
@@ -79,7 +79,7 @@ impl Stiffness {
 /// The same of K_uu = w alone: w (1, −[y]ₓ; [x]ₓ, (x·y) 1 − y xᵀ).
 fn isotropic(w: f64, x: &Vector3<f64>, y: &Vector3<f64>) -> Block {
     let (along, scaled) = (w * x.dot(y), y * w);
-    let mut block = Columns::default();
+    let mut block = [[0.0; 6]; 6];
     for axis in 0..3 {
         let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
         block[axis][axis] = w;

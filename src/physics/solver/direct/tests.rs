@@ -1,92 +1,14 @@
 //! Against dense solutions and rows written out one by one, on random graphs and patches.
 
-use nalgebra::{DMatrix, DVector, Matrix3, SVector, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, SVector, UnitQuaternion, Vector3};
 
-use super::cholesky::{Block, BlockMatrix, Part};
+use super::super::linear::{BodyBlock as Block, BodyVector as Part};
 use super::patch::{Blocks, Link, Motion, Patch, Side, Spring, motion, wrench};
-use super::pattern::Pattern;
 use super::{Closing, has_gained, level, part_of};
 use crate::physics::collision::{ContactGeometry, ContactState};
 use crate::physics::contact::tangents;
 use crate::physics::lanes::Record;
 use crate::physics::testing::Random;
-
-/// A chain with that many further edges.
-fn graph(count: u32, further: usize, random: &mut Random) -> Vec<[u32; 2]> {
-    let mut edges: Vec<[u32; 2]> = (1..count).map(|body| [body - 1, body]).collect();
-    let pick = |random: &mut Random| random.within(0.0, f64::from(count)) as u32;
-    while edges.len() < count as usize - 1 + further {
-        let edge = [pick(random), pick(random)];
-        if edge[0] != edge[1] {
-            edges.push(edge);
-        }
-    }
-    edges
-}
-
-/// A positive definite matrix on the graph, by blocks and dense.
-fn matrix(pattern: &Pattern, edges: &[[u32; 2]], random: &mut Random) -> (BlockMatrix, DMatrix<f64>) {
-    let count = pattern.count();
-    let (mut blocks, mut dense) = (BlockMatrix::default(), DMatrix::identity(6 * count, 6 * count));
-    blocks.clear(pattern);
-    (0..count as u32).for_each(|body| *blocks.diagonal_mut(pattern, body) += Block::identity());
-    for &[a, b] in edges {
-        let rows = [a, b].map(|body| (body, Block::from_fn(|_, _| random.within(-1.0, 1.0)) * 30.0));
-        for (x, of_x) in rows {
-            *blocks.diagonal_mut(pattern, x) += of_x.tr_mul(&of_x);
-            for (y, of_y) in rows {
-                let mut view = dense.view_mut((6 * x as usize, 6 * y as usize), (6, 6));
-                view += of_x.tr_mul(&of_y);
-            }
-        }
-        blocks.add(pattern, a, b, &rows[0].1.tr_mul(&rows[1].1));
-    }
-    (blocks, dense)
-}
-
-#[test]
-fn the_factor_solves_what_a_dense_one_solves() {
-    let mut random = Random::new(1);
-    for further in [0, 0, 1, 5, 40] {
-        let edges = graph(20, further, &mut random);
-        let pattern = Pattern::new(20, edges.iter().copied(), usize::MAX).unwrap();
-        let (mut blocks, dense) = matrix(&pattern, &edges, &mut random);
-        let b = DVector::from_fn(120, |_, _| random.within(-1.0, 1.0));
-        let expected = dense.cholesky().unwrap().solve(&b);
-        assert!(blocks.factor(&pattern));
-        let mut x = vec![Part::zeros(); 20];
-        for body in 0..20 {
-            x[pattern.place(body) as usize] = b.fixed_rows::<6>(6 * body as usize).into();
-        }
-        blocks.solve(&pattern, &mut x);
-        for body in 0..20 {
-            let error = (x[pattern.place(body) as usize] - expected.fixed_rows::<6>(6 * body as usize)).amax();
-            assert!(error < 1e-9 * expected.amax(), "{further} further edges, body {body}: {error}");
-        }
-    }
-}
-
-#[test]
-fn trees_have_no_fill_and_loops_have_little() {
-    let mut random = Random::new(2);
-    let edges: Vec<[u32; 2]> = (1..50).map(|body| [random.within(0.0, f64::from(body)) as u32, body]).collect();
-    let tree = Pattern::new(50, edges.iter().copied(), usize::MAX).unwrap();
-    assert_eq!(tree.blocks(), 49);
-    let ring = (0..50).map(|body| [body, (body + 1) % 50]);
-    assert_eq!(Pattern::new(50, ring.clone(), usize::MAX).unwrap().blocks(), 49 + 48);
-    assert_eq!(Pattern::new(50, ring, 100), None, "more products than were allowed");
-}
-
-#[test]
-fn a_matrix_that_is_not_positive_definite_is_refused() {
-    let pattern = Pattern::new(2, [[0, 1]].into_iter(), usize::MAX).unwrap();
-    let mut blocks = BlockMatrix::default();
-    blocks.clear(&pattern);
-    *blocks.diagonal_mut(&pattern, 0) = Block::identity();
-    *blocks.diagonal_mut(&pattern, 1) = Block::identity();
-    blocks.add(&pattern, 0, 1, &(Block::identity() * 2.0));
-    assert!(!blocks.factor(&pattern));
-}
 
 /// A contact with points on A and B in their axes, and what is needed to look at it from outside.
 struct Sample {

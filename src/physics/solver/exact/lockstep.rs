@@ -12,7 +12,7 @@ use super::gauss::{Carry, LEAST, OF_SQUARE, Sweeps};
 use super::group::exponential;
 use super::mechanism::Mechanism;
 use super::tableau::Tableau;
-use crate::physics::solver::direct::pattern::{Pattern, Target};
+use crate::physics::solver::linear::{BlockLdl, Triangular};
 
 type Lane = WideF64x4;
 type Vector = Vector3<Lane>;
@@ -53,10 +53,6 @@ struct Screw {
     angular: Vector,
 }
 
-/// LDLᵀ of a block on the diagonal: L below its diagonal, D⁻¹.
-#[derive(Clone, Copy, Debug)]
-struct Pivot([Lane; 6]);
-
 /// Stages and what is needed to find them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lockstep {
@@ -74,10 +70,7 @@ pub(crate) struct Lockstep {
     row_arms: Vec<[Vector; 2]>,
     inverse_inertia: Vec<Matrix>,
     levers: Vec<[Matrix; 2]>,
-    diagonal: Vec<Matrix>,
-    pivots: Vec<Pivot>,
-    below: Vec<Matrix>,
-    column: Vec<Matrix>,
+    factor: BlockLdl<Lane, Triangular>,
     wrenches: Vec<Screw>,
     guess: Vec<Screw>,
     unknowns: Vec<Vector>,
@@ -271,8 +264,8 @@ impl Lockstep {
         }
         let nothing = Matrix::from_element(lane(0.0));
         self.levers.clear();
-        self.diagonal.clear();
-        for (link, arms) in mechanism.links.iter().zip(&self.row_arms) {
+        self.factor.clear(&mechanism.elimination);
+        for (index, (link, arms)) in mechanism.links.iter().zip(&self.row_arms).enumerate() {
             let (mut block, mut levers) = (nothing, [nothing; 2]);
             for (end, member) in [link.a, link.b].into_iter().enumerate() {
                 if let Some(inverse) = self.inverse_inertia.get(member as usize) {
@@ -283,42 +276,17 @@ impl Lockstep {
                 }
             }
             self.levers.push(levers);
-            self.diagonal.push(block);
+            self.factor.diagonal_mut::<3>(index).copy_from(&block);
         }
-        self.below.clear();
-        self.below.resize(mechanism.pattern.blocks(), nothing);
         for coupling in &mechanism.couplings {
             let arm = &self.row_arms[coupling.row.0 as usize][coupling.row.1];
             let mut block = crossed(arm, &self.levers[coupling.column.0 as usize][coupling.column.1]);
             let mass = &mechanism.members[coupling.member as usize].inverse_mass;
             (0..3).for_each(|axis| block[(axis, axis)] += lane(mass[axis]));
-            self.below[coupling.block as usize] += block * lane(coupling.sign);
+            let mut below = self.factor.below_mut::<3>(coupling.block as usize);
+            below += block * lane(coupling.sign);
         }
-        self.factor(&mechanism.pattern);
-    }
-
-    /// As [`super::factor`].
-    fn factor(&mut self, pattern: &Pattern) {
-        self.pivots.clear();
-        let mut targets = pattern.targets().iter();
-        for column in 0..pattern.count() {
-            let pivot = Pivot::new(&self.diagonal[column]);
-            self.pivots.push(pivot);
-            let (first, count) = (pattern.first(column), pattern.rows(column).len());
-            self.column.clear();
-            self.column.extend_from_slice(&self.below[first..first + count]);
-            for (index, original) in self.column.iter().enumerate() {
-                let scaled = pivot.divide(original);
-                self.below[first + index] = scaled;
-                for (other, target) in self.column[..=index].iter().zip(&mut targets) {
-                    let target = match *target {
-                        Target::Diagonal(place) => &mut self.diagonal[place as usize],
-                        Target::Below(block) => &mut self.below[block as usize],
-                    };
-                    *target -= scaled * other.transpose();
-                }
-            }
-        }
+        self.factor.factor(&mechanism.elimination);
     }
 
     /// What is left of the balance of forces, and of joints.
@@ -360,17 +328,8 @@ impl Lockstep {
 
     /// Changes accelerations and forces by what is left; the largest change of an acceleration.
     fn correct(&mut self, mechanism: &Mechanism) -> f64 {
-        let pattern = &mechanism.pattern;
         let x = &mut self.unknowns;
-        pattern.substitute(&self.below, x);
-        for column in (0..pattern.count()).rev() {
-            let mut sum = self.pivots[column].solve(&x[column]);
-            let blocks = &self.below[pattern.first(column)..];
-            for (&row, block) in pattern.rows(column).iter().zip(blocks) {
-                sum -= block.tr_mul(&x[row as usize]);
-            }
-            x[column] = sum;
-        }
+        self.factor.solve(&mechanism.elimination, &mut x[..]);
         for (force, more) in self.forces.iter_mut().zip(&*x) {
             *force += more;
         }
@@ -478,34 +437,4 @@ fn lever(inverse: &Matrix, r: &Vector) -> Matrix {
 #[inline]
 fn crossed(r: &Vector, m: &Matrix) -> Matrix {
     Matrix::from_columns(&[r.cross(&m.column(0)), r.cross(&m.column(1)), r.cross(&m.column(2))])
-}
-
-impl Pivot {
-    #[inline]
-    fn new(m: &Matrix) -> Self {
-        let one = lane(1.0);
-        let d0 = one / m[(0, 0)];
-        let (l10, l20) = (m[(1, 0)] * d0, m[(2, 0)] * d0);
-        let d1 = one / (m[(1, 1)] - l10 * m[(1, 0)]);
-        let rest = m[(2, 1)] - l20 * m[(1, 0)];
-        let l21 = rest * d1;
-        let d2 = one / (m[(2, 2)] - l20 * m[(2, 0)] - l21 * rest);
-        Self([l10, l20, l21, d0, d1, d2])
-    }
-
-    #[inline]
-    fn solve(&self, x: &Vector) -> Vector {
-        let [l10, l20, l21, d0, d1, d2] = self.0;
-        let y = x.y - l10 * x.x;
-        let z = (x.z - l20 * x.x - l21 * y) * d2;
-        let y = y * d1 - l21 * z;
-        Vector::new(x.x * d0 - l10 * y - l20 * z, y, z)
-    }
-
-    #[inline]
-    fn divide(&self, m: &Matrix) -> Matrix {
-        let row = |row: usize| self.solve(&Vector::new(m[(row, 0)], m[(row, 1)], m[(row, 2)]));
-        let (x, y, z) = (row(0), row(1), row(2));
-        Matrix::new(x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z)
-    }
 }

@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 use super::group::{exponential, in_world};
 use crate::physics::constraint::row::bounded;
-use crate::physics::solver::direct::pattern::Pattern;
+use crate::physics::solver::linear::Elimination;
 
 /// What of a body does not change in a step. SI; world axes unless stated.
 #[derive(Clone, Debug)]
@@ -199,7 +199,7 @@ pub(crate) fn links_at(moving: usize, links: &[[u32; 2]]) -> Vec<Vec<(u32, usize
 pub(crate) struct Couplings {
     /// The link at each place.
     pub order: Vec<u32>,
-    pub pattern: Pattern,
+    pub elimination: Elimination,
     pub list: Vec<Coupling>,
 }
 
@@ -210,21 +210,21 @@ impl Couplings {
             let earlier = move |later: usize| ends[..later].iter().map(move |&one| (member, one, ends[later]));
             (1..ends.len()).flat_map(earlier).filter(|(_, one, other)| one.0 != other.0)
         });
-        let pattern = Pattern::new(links, pairs.clone().map(|(_, one, other)| [one.0, other.0]), usize::MAX);
-        let pattern = pattern.unwrap_or_default();
+        let edges = pairs.clone().map(|(_, one, other)| [one.0, other.0]);
+        let elimination = Elimination::new(&vec![3; links], edges, usize::MAX).unwrap_or_default();
         let mut order = vec![0; links];
         for link in 0..links as u32 {
-            order[pattern.place(link) as usize] = link;
+            order[elimination.place(link) as usize] = link;
         }
         let coupling = |(member, one, other): (u32, (u32, usize), (u32, usize))| {
-            let (block, one_is_column) = pattern.block(one.0, other.0);
+            let (block, one_is_column) = elimination.block(one.0, other.0);
             let (column, row) = if one_is_column { (one, other) } else { (other, one) };
-            let place = |(link, end): (u32, usize)| (pattern.place(link), end);
+            let place = |(link, end): (u32, usize)| (elimination.place(link), end);
             let sign = if row.1 == column.1 { 1.0 } else { -1.0 };
             Coupling { row: place(row), column: place(column), member, sign, block }
         };
         let list = pairs.map(coupling).collect();
-        Self { order, pattern, list }
+        Self { order, elimination, list }
     }
 }
 
@@ -278,7 +278,7 @@ pub(crate) struct Mechanism {
     pub(super) tree: Option<Vec<(u32, usize)>>,
     /// Whether links may ask for the same, or for what nothing can do: loops, several fixed points, locked axes.
     pub may_be_singular: bool,
-    pub(super) pattern: Pattern,
+    pub(super) elimination: Elimination,
     pub(super) couplings: Vec<Coupling>,
 }
 
@@ -287,11 +287,11 @@ impl Mechanism {
     /// pattern is for that order. `locked`: axes of some member are locked; `gives`: some link is a spring.
     pub fn plan(moving: usize, locked: bool, gives: bool, links: &[[u32; 2]]) -> (Vec<u32>, Self) {
         let at = links_at(moving, links);
-        let Couplings { order, pattern, list } = Couplings::of(&at, links.len());
+        let Couplings { order, elimination, list } = Couplings::of(&at, links.len());
         // A tree of so many bodies with one fixed point has as many links; any more close a loop.
         let may_be_singular = locked || links.len() > moving;
         let tree = if may_be_singular || gives { None } else { walk(moving, links, &at) };
-        let tree = tree.map(|tree| tree.into_iter().map(|(link, end)| (pattern.place(link), end)).collect());
-        (order, Self { moving, may_be_singular, gives, tree, pattern, couplings: list, ..Self::default() })
+        let tree = tree.map(|tree| tree.into_iter().map(|(link, end)| (elimination.place(link), end)).collect());
+        (order, Self { moving, may_be_singular, gives, tree, elimination, couplings: list, ..Self::default() })
     }
 }

@@ -6,11 +6,10 @@
 //! 2. the last goes by a step of its own ([`contact`]), its joints and contacts by the cone solver;
 //! 3. bodies by themselves move in closed form ([`free`]) if no torque turns them;
 //! 4. pieces ([`mechanism`]) go through the integrator ([`stepper`]; [`lockstep`] and [`gauss`], [`rattle`]), whose
-//!    stages solve J M⁻¹ Jᵀ λ = b ([`rows`], [`factor`]), and are brought back onto their joints ([`projection`]).
+//!    stages solve J M⁻¹ Jᵀ λ = b ([`rows`]), and are brought back onto their joints ([`projection`]).
 
 mod contact;
 mod evaluation;
-mod factor;
 mod free;
 mod gauss;
 mod group;
@@ -27,7 +26,6 @@ use bevy::prelude::*;
 
 pub(crate) use self::contact::PointForce;
 use self::contact::{ContactTerms, Touching};
-pub(super) use self::factor::BlockFactor;
 use self::island::ExactGroup;
 pub(super) use self::mechanism::{Coupling, Couplings, links_at};
 use super::ContactCache;

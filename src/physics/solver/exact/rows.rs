@@ -6,9 +6,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::factor::BlockFactor;
 use super::group::cross_matrix;
 use super::mechanism::Mechanism;
+use crate::physics::solver::linear::{BlockLdl, Triangular};
 
 /// Linear and angular: a velocity, an acceleration, or a force and torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +54,7 @@ pub(crate) struct Rows {
     levers: Vec<[Matrix3<f64>; 2]>,
     /// The mean diagonal of each link's block, 1/kg.
     pub mobility: Vec<Vector3<f64>>,
-    factor: BlockFactor,
+    factor: BlockLdl<f64, Triangular>,
     residual: Vec<Vector3<f64>>,
     motion: Vec<Screw>,
 }
@@ -70,7 +70,7 @@ impl Rows {
         mut soften: impl FnMut(usize, &Vector3<f64>) -> Matrix3<f64>,
     ) {
         let factor = &mut self.factor;
-        factor.clear(&mechanism.pattern);
+        factor.clear(&mechanism.elimination);
         self.levers.clear();
         self.softness.clear();
         self.mobility.clear();
@@ -93,24 +93,27 @@ impl Rows {
             }
             self.mobility.push(own);
             self.levers.push(levers);
-            factor.diagonal[index] = diagonal;
+            factor.diagonal_mut::<3>(index).copy_from(&diagonal);
         }
         for coupling in &mechanism.couplings {
             let weight = &self.weights[coupling.member as usize];
             let arm = &self.arms[coupling.row.0 as usize][coupling.row.1];
             let lever = &self.levers[coupling.column.0 as usize][coupling.column.1];
             let block = Matrix3::from_diagonal(&weight.linear) + cross_product(arm, lever);
-            factor.below[coupling.block as usize] += block * coupling.sign;
+            let mut below = factor.below_mut::<3>(coupling.block as usize);
+            below += block * coupling.sign;
         }
         let [least, most] = SHIFTS;
-        let shift = if mechanism.may_be_singular { (4.0 * turn * turn).clamp(least, most) } else { 0.0 };
-        factor.factor(&mechanism.pattern, shift);
+        if mechanism.may_be_singular {
+            factor.shift(&mechanism.elimination, (4.0 * turn * turn).clamp(least, most));
+        }
+        factor.factor(&mechanism.elimination);
     }
 
     /// x ← (A + E)⁻¹ x, once: for those who come back with what is left.
     #[inline]
     pub fn solve_once(&self, mechanism: &Mechanism, x: &mut [Vector3<f64>]) {
-        self.factor.solve(&mechanism.pattern, x);
+        self.factor.solve(&mechanism.elimination, x);
     }
 
     /// λ ← A⁻¹ b, in a few turns of the method of multipliers from zero where A may be singular.

@@ -11,7 +11,7 @@
 //! joint coordinates, so that loops need none. However few the sweeps, every joint holds to rounding, and a heavy
 //! mechanism takes no more of them than a single body.
 //!
-//! A falls apart into mechanisms, bodies that joints connect; each is factored on its own ([`BlockFactor`]) in `f64`,
+//! A falls apart into mechanisms, bodies that joints connect; each is factored on its own ([`BlockLdl`]) in `f64`,
 //! and solved by turns of the method of multipliers, so that redundant joints share their load. A row with bounds costs
 //! a solve to begin with, and an update the bodies of up to two mechanisms.
 
@@ -23,8 +23,8 @@ use super::pgs;
 use crate::physics::constraint::row::{Bounds, Row, Twist, bounded};
 use crate::physics::disjoint_sets::DisjointSets;
 use crate::physics::scalar::Scalar;
-use crate::physics::solver::direct::pattern::Pattern;
-use crate::physics::solver::exact::{BlockFactor, Coupling, Couplings, links_at};
+use crate::physics::solver::exact::{Coupling, Couplings, links_at};
+use crate::physics::solver::linear::{BlockLdl, Elimination, Triangular};
 
 /// Shift of A, as a share of each block's trace: where the joints of a tree are independent, and where some may follow
 /// from others. What rounding in `f32`, or errors that no motion mends, ask along those must not grow to great forces.
@@ -83,8 +83,8 @@ struct Mechanism {
     bodies: Vec<u32>,
     /// In the order of elimination.
     joints: Vec<Joint>,
-    pattern: Pattern,
-    factor: BlockFactor,
+    elimination: Elimination,
+    factor: BlockLdl<f64, Triangular>,
     couplings: Vec<Coupling>,
     /// Blocks of A: on the diagonal, and of the couplings.
     diagonal: Vec<Matrix3<f64>>,
@@ -340,11 +340,11 @@ impl Mechanism {
             place.1
         };
         let links: Vec<[u32; 2]> = joints.iter().map(|&joint| ends[joint as usize].map(&mut place_of)).collect();
-        let Couplings { order, pattern, list } = Couplings::of(&links_at(bodies.len(), &links), links.len());
+        let Couplings { order, elimination, list } = Couplings::of(&links_at(bodies.len(), &links), links.len());
         let joint = |&link: &u32| Joint { index: joints[link as usize], first_row: 0, places: links[link as usize] };
         let joints = order.iter().map(joint).collect();
         let right = vec![Vector3::zeros(); links.len()];
-        Self { bodies, joints, pattern, couplings: list, right, ..Self::default() }
+        Self { bodies, joints, elimination, couplings: list, right, ..Self::default() }
     }
 
     /// A and its factor.
@@ -352,7 +352,7 @@ impl Mechanism {
         let block = |one: usize, side: usize, other: usize, other_side: usize| {
             Matrix3::from_fn(|i, j| dot(&end(&rows[one + i], side).1, &end(&rows[other + j], other_side).2))
         };
-        self.factor.clear(&self.pattern);
+        self.factor.clear(&self.elimination);
         self.diagonal.clear();
         for joint in &self.joints {
             let first = joint.first_row;
@@ -360,18 +360,22 @@ impl Mechanism {
             let own = block(first, 0, first, 0) + block(first, 1, first, 1);
             self.diagonal.push(own + Matrix3::from_diagonal(&softness));
         }
-        self.factor.diagonal.copy_from_slice(&self.diagonal);
+        for (place, block) in self.diagonal.iter().enumerate() {
+            self.factor.diagonal_mut::<3>(place).copy_from(block);
+        }
         self.coupled.clear();
         for coupling in &self.couplings {
             let ((row, row_side), (column, column_side)) = (coupling.row, coupling.column);
             let first = |joint: u32| self.joints[joint as usize].first_row;
             let block = block(first(row), row_side, first(column), column_side);
             self.coupled.push(block);
-            self.factor.below[coupling.block as usize] += block;
+            let mut below = self.factor.below_mut::<3>(coupling.block as usize);
+            below += block;
         }
         // A tree of so many bodies with one fixed point has as many joints; any more close a loop.
         let may_be_singular = self.joints.len() > self.bodies.len();
-        self.factor.factor(&self.pattern, SHIFTS[usize::from(may_be_singular)]);
+        self.factor.shift(&self.elimination, SHIFTS[usize::from(may_be_singular)]);
+        self.factor.factor(&self.elimination);
     }
 
     /// `forces` ← A⁻¹ `right`.
@@ -385,7 +389,7 @@ impl Mechanism {
             if size(&self.left) <= enough {
                 break;
             }
-            self.factor.solve(&self.pattern, &mut self.left);
+            self.factor.solve(&self.elimination, &mut self.left[..]);
             self.forces.iter_mut().zip(&self.left).for_each(|(force, more)| *force += more);
             for (joint, left) in self.left.iter_mut().enumerate() {
                 *left = self.right[joint] - self.diagonal[joint] * self.forces[joint];

@@ -1,16 +1,15 @@
-//! Block LU of a matrix with 6 × 6 blocks on the pattern of a body graph, whose values need not be symmetric though
-//! its pattern is.
+//! Block LU of a matrix with 6 × 6 blocks, whose values need not be symmetric though its pattern is.
 //!
-//! As the block LDLᵀ of [`super::super::direct::cholesky`], with blocks above the diagonal of their own: column j gives
-//! L_ij = A_ij A_jj⁻¹, and A_ik −= L_ij A_jk for all of its i and k. Within a block on the diagonal pivots are chosen,
-//! between blocks they are not.
+//! As [`BlockLdl`](super::BlockLdl), with blocks above the diagonal of their own: column j gives L_ij = A_ij A_jj⁻¹,
+//! and A_ik −= L_ij A_jk for all of its i and k. Within a block on the diagonal pivots are chosen, between blocks they
+//! are not.
 
-use super::super::direct::cholesky::{Block, Part};
-use super::super::direct::pattern::{Pattern, Target};
+use super::elimination::{Elimination, Target};
+use super::{BodyBlock as Block, BodyVector};
 
 /// The matrix, and then its factor.
 #[derive(Clone, Debug, Default)]
-pub(super) struct BlockLu {
+pub(crate) struct BlockLu {
     /// By place: A_jj, then its inverse when its turn came.
     diagonal: Vec<Block>,
     /// A_ij of i > j, then L_ij.
@@ -21,12 +20,12 @@ pub(super) struct BlockLu {
 
 impl BlockLu {
     /// One.
-    pub fn clear(&mut self, pattern: &Pattern) {
+    pub fn clear(&mut self, elimination: &Elimination) {
         self.diagonal.clear();
-        self.diagonal.resize(pattern.count(), Block::identity());
+        self.diagonal.resize(elimination.count(), Block::identity());
         for blocks in [&mut self.below, &mut self.above] {
             blocks.clear();
-            blocks.resize(pattern.blocks(), Block::zeros());
+            blocks.resize(elimination.below(), Block::zeros());
         }
     }
 
@@ -35,7 +34,7 @@ impl BlockLu {
         &mut self.diagonal[place]
     }
 
-    /// Adds the block of rows a and columns b and that of rows b and columns a, where [`Pattern::block`] of a and b
+    /// Adds the block of rows a and columns b and that of rows b and columns a, where [`Elimination::block`] of a and b
     /// said.
     pub fn add_at(&mut self, (index, rows_are_b): (u32, bool), ab: &Block, ba: &Block) {
         let (below, above) = if rows_are_b { (ba, ab) } else { (ab, ba) };
@@ -44,17 +43,17 @@ impl BlockLu {
     }
 
     /// Factors it where it stands. False if a block on the diagonal is singular.
-    pub fn factor(&mut self, pattern: &Pattern) -> bool {
-        let mut targets = pattern.targets().iter();
-        for column in 0..pattern.count() {
+    pub fn factor(&mut self, elimination: &Elimination) -> bool {
+        let mut targets = elimination.targets().iter();
+        for column in 0..elimination.count() {
             let Some(inverse) = self.diagonal[column].try_inverse() else { return false };
             self.diagonal[column] = inverse;
-            let first = pattern.first(column);
-            for i in first..first + pattern.rows(column).len() {
+            let blocks = elimination.blocks(column);
+            for i in blocks.clone() {
                 let scaled = self.below[i] * inverse;
                 self.below[i] = scaled;
                 let above = self.above[i];
-                for (k, target) in (first..=i).zip(&mut targets) {
+                for (k, target) in (blocks.start..=i).zip(&mut targets) {
                     match *target {
                         Target::Diagonal(place) => self.diagonal[place as usize] -= scaled * above,
                         Target::Below(block) => {
@@ -69,14 +68,18 @@ impl BlockLu {
         true
     }
 
-    /// Solves A x = b by the factor, b and x in the order of the pattern.
-    pub fn solve(&self, pattern: &Pattern, x: &mut [Part]) {
-        pattern.substitute(&self.below, x);
-        for column in (0..pattern.count()).rev() {
+    /// Solves A x = b by the factor, b and x in the order of elimination.
+    pub fn solve(&self, elimination: &Elimination, x: &mut [BodyVector]) {
+        for column in 0..elimination.count() {
+            let known = x[column];
+            for block in elimination.blocks(column) {
+                x[elimination.row(block)] -= self.below[block] * known;
+            }
+        }
+        for column in (0..elimination.count()).rev() {
             let mut left = x[column];
-            let blocks = &self.above[pattern.first(column)..];
-            for (&row, block) in pattern.rows(column).iter().zip(blocks) {
-                left -= block * x[row as usize];
+            for block in elimination.blocks(column) {
+                left -= self.above[block] * x[elimination.row(block)];
             }
             x[column] = self.diagonal[column] * left;
         }

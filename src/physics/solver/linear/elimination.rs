@@ -1,0 +1,217 @@
+//! The symbolic half: the order of elimination, and which blocks of the factor are not zero.
+//!
+//! Block rows, one a node of a graph, are eliminated by least degree (Tinney & Walker 1967; George & Liu 1989): the node
+//! with the fewest neighbours left goes first, and its neighbours become neighbours of each other. A tree is eliminated
+//! from its leaves, without fill.
+
+use std::ops::Range;
+
+use super::layout::{MOST_ROWS, Mixed};
+
+/// Order of elimination and the blocks of each column of the factor.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Elimination {
+    /// Where in the order each node stands.
+    place: Vec<u32>,
+    sizes: Sizes,
+    /// Column k has blocks `starts[k]..starts[k + 1]`.
+    starts: Vec<u32>,
+    /// The row of each block, by place, ascending within a column.
+    rows: Vec<u32>,
+    /// For each column, and in it each block i and each block k up to it: the block that L_i A_kᵀ is subtracted from.
+    targets: Vec<Target>,
+}
+
+/// Rows of the blocks.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) enum Sizes {
+    /// 3 in all.
+    Three,
+    /// 6 in all.
+    #[default]
+    Six,
+    /// Any, from 1 to 6.
+    Mixed(Mixed),
+}
+
+/// A block of the matrix on its diagonal or below it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Target {
+    /// Of that row and column.
+    Diagonal(u32),
+    /// The block of that index.
+    Below(u32),
+}
+
+impl Elimination {
+    /// Of a graph whose nodes have so many rows each; none if its factorisation takes more than `most` products of
+    /// blocks.
+    pub fn new(rows: &[u8], edges: impl Iterator<Item = [u32; 2]>, most: usize) -> Option<Self> {
+        assert!(rows.iter().all(|&rows| (1..=MOST_ROWS).contains(&usize::from(rows))), "blocks have 1 to 6 rows");
+        let mut elimination = Self::of_graph(rows.len(), edges, most)?;
+        elimination.set_sizes(rows);
+        Some(elimination)
+    }
+
+    fn of_graph(count: usize, edges: impl Iterator<Item = [u32; 2]>, most: usize) -> Option<Self> {
+        let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); count];
+        for [a, b] in edges {
+            link(&mut neighbours, a, b);
+            link(&mut neighbours, b, a);
+        }
+        let mut place = vec![u32::MAX; count];
+        let mut columns = Vec::with_capacity(count);
+        let mut products = 0;
+        for step in 0..count as u32 {
+            let left = (0..count as u32).filter(|&node| place[node as usize] == u32::MAX);
+            let node = left.min_by_key(|&node| neighbours[node as usize].len())?;
+            place[node as usize] = step;
+            let column = std::mem::take(&mut neighbours[node as usize]);
+            products += column.len() * (column.len() + 3) / 2;
+            if products > most {
+                return None;
+            }
+            for (index, &one) in column.iter().enumerate() {
+                neighbours[one as usize].retain(|&other| other != node);
+                for &other in &column[..index] {
+                    link(&mut neighbours, one, other);
+                    link(&mut neighbours, other, one);
+                }
+            }
+            columns.push(column);
+        }
+        Some(Self::of_columns(place, columns))
+    }
+
+    fn of_columns(place: Vec<u32>, mut columns: Vec<Vec<u32>>) -> Self {
+        let mut elimination = Self { place, starts: vec![0], ..Self::default() };
+        for column in &mut columns {
+            column.iter_mut().for_each(|node| *node = elimination.place[*node as usize]);
+            column.sort_unstable();
+            elimination.rows.extend_from_slice(column);
+            elimination.starts.push(elimination.rows.len() as u32);
+        }
+        for column in &columns {
+            for (index, &row) in column.iter().enumerate() {
+                let below = column[..index].iter().map(|&other| Target::Below(elimination.find(other, row)));
+                let below: Vec<_> = below.collect();
+                elimination.targets.extend(below);
+                elimination.targets.push(Target::Diagonal(row));
+            }
+        }
+        elimination
+    }
+
+    fn set_sizes(&mut self, rows: &[u8]) {
+        self.sizes = match rows.first() {
+            Some(3) if rows.iter().all(|&rows| rows == 3) => Sizes::Three,
+            Some(6) | None if rows.iter().all(|&rows| rows == 6) => Sizes::Six,
+            _ => Sizes::Mixed(self.lay_out(rows)),
+        };
+    }
+
+    fn lay_out(&self, of_nodes: &[u8]) -> Mixed {
+        let mut rows = vec![0; of_nodes.len()];
+        for (&place, &own) in self.place.iter().zip(of_nodes) {
+            rows[place as usize] = own;
+        }
+        let size = |place: usize| u32::from(rows[place]);
+        let columns = (0..self.count()).flat_map(|column| self.blocks(column).map(move |block| (column, block)));
+        let below = columns.map(|(column, block)| size(column) * size(self.row(block)));
+        Mixed {
+            diagonal: starts(rows.iter().map(|&rows| u32::from(rows).pow(2))),
+            below: starts(below),
+            vector: starts(rows.iter().map(|&rows| u32::from(rows))),
+            rows: rows.clone(),
+        }
+    }
+
+    /// The block of a column and a row after it, both by place.
+    fn find(&self, column: u32, row: u32) -> u32 {
+        let blocks = self.blocks(column as usize);
+        let offset = self.rows[blocks.clone()].partition_point(|&other| other < row);
+        (blocks.start + offset) as u32
+    }
+
+    /// Block rows.
+    pub fn count(&self) -> usize {
+        self.place.len()
+    }
+
+    /// Products of blocks in a factorisation.
+    pub fn products(&self) -> usize {
+        self.rows.len() + self.targets.len()
+    }
+
+    /// Where a node stands in the order.
+    pub fn place(&self, node: u32) -> u32 {
+        self.place[node as usize]
+    }
+
+    /// The block below the diagonal of two neighbours, and whether its row is that of `b`.
+    pub fn block(&self, a: u32, b: u32) -> (u32, bool) {
+        let (a, b) = (self.place(a), self.place(b));
+        (self.find(a.min(b), a.max(b)), a < b)
+    }
+
+    /// Blocks below the diagonal.
+    pub fn below(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Rows of the block row at a place.
+    pub(super) fn rows_at(&self, place: usize) -> usize {
+        match &self.sizes {
+            Sizes::Three => 3,
+            Sizes::Six => 6,
+            Sizes::Mixed(mixed) => usize::from(mixed.rows[place]),
+        }
+    }
+
+    /// Numbers in all blocks on the diagonal, and in those below it.
+    pub(super) fn values(&self) -> (usize, usize) {
+        match &self.sizes {
+            Sizes::Three => (9 * self.count(), 9 * self.below()),
+            Sizes::Six => (36 * self.count(), 36 * self.below()),
+            Sizes::Mixed(mixed) => (mixed.diagonal[self.count()] as usize, mixed.below[self.below()] as usize),
+        }
+    }
+
+    pub(super) fn sizes(&self) -> &Sizes {
+        &self.sizes
+    }
+
+    /// Indices of a column's blocks.
+    #[inline]
+    pub(super) fn blocks(&self, column: usize) -> Range<usize> {
+        self.starts[column] as usize..self.starts[column + 1] as usize
+    }
+
+    /// The row of a block, by place.
+    #[inline]
+    pub(super) fn row(&self, block: usize) -> usize {
+        self.rows[block] as usize
+    }
+
+    /// What the products of all columns' blocks are subtracted from, in their order.
+    pub(super) fn targets(&self) -> &[Target] {
+        &self.targets
+    }
+}
+
+/// Where each of so many numbers begins, and the end.
+fn starts(sizes: impl Iterator<Item = u32>) -> Vec<u32> {
+    let sums = sizes.scan(0, |sum, size| {
+        *sum += size;
+        Some(*sum)
+    });
+    std::iter::once(0).chain(sums).collect()
+}
+
+/// Adds `b` to the neighbours of `a`.
+fn link(neighbours: &mut [Vec<u32>], a: u32, b: u32) {
+    let list = &mut neighbours[a as usize];
+    if !list.contains(&b) {
+        list.push(b);
+    }
+}

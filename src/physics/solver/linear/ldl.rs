@@ -1,0 +1,219 @@
+//! Block LDLᵀ of a symmetric matrix: A = L D Lᵀ, L with ones on its diagonal, D by blocks, in the order of
+//! [`Elimination`].
+//!
+//! Column j: D_j is the remainder of A_jj; L_ij = A_ij D_j⁻¹; then A_ik −= L_ij D_j L_kjᵀ = L_ij A_kjᵀ for all i ≥ k of
+//! the column (right-looking). On a tree that is two products of blocks a column.
+
+use std::marker::PhantomData;
+
+use nalgebra::{SMatrix, SMatrixViewMut};
+
+use super::elimination::{Elimination, Sizes, Target};
+use super::layout::{BlockVector, Layout, Number, Uniform};
+use super::pivot::Pivot;
+
+/// The matrix, and then its factor.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BlockLdl<N, P> {
+    /// By place: A_jj, then what [`Pivot`] makes of D_j.
+    diagonal: Vec<N>,
+    /// A_ij, then L_ij.
+    below: Vec<N>,
+    /// A_ij of the column at hand.
+    column: Vec<N>,
+    pivots: PhantomData<P>,
+}
+
+impl<N: Number, P: Pivot<N>> BlockLdl<N, P> {
+    /// Sets all blocks to zero.
+    pub fn clear(&mut self, elimination: &Elimination) {
+        let (diagonal, below) = elimination.values();
+        self.diagonal.clear();
+        self.diagonal.resize(diagonal, N::zero());
+        self.below.clear();
+        self.below.resize(below, N::zero());
+    }
+
+    /// The block on the diagonal at a place in the order, where all blocks have R rows.
+    #[inline]
+    pub fn diagonal_mut<const R: usize>(&mut self, place: usize) -> SMatrixViewMut<'_, N, R, R> {
+        SMatrixViewMut::from_slice(&mut self.diagonal[Uniform::<R>.diagonal(place)])
+    }
+
+    /// The block below the diagonal of that index, where all blocks have R rows.
+    #[inline]
+    pub fn below_mut<const R: usize>(&mut self, block: usize) -> SMatrixViewMut<'_, N, R, R> {
+        let layout = Uniform::<R>;
+        SMatrixViewMut::from_slice(&mut self.below[layout.below(block)..layout.below(block + 1)])
+    }
+
+    #[cfg(test)]
+    /// The columns of the block on the diagonal at a place in the order.
+    pub fn diagonal_at(&mut self, elimination: &Elimination, place: usize) -> &mut [N] {
+        match elimination.sizes() {
+            Sizes::Three => &mut self.diagonal[Uniform::<3>.diagonal(place)],
+            Sizes::Six => &mut self.diagonal[Uniform::<6>.diagonal(place)],
+            Sizes::Mixed(mixed) => &mut self.diagonal[mixed.diagonal(place)],
+        }
+    }
+
+    #[cfg(test)]
+    /// The columns of the block below the diagonal of that index.
+    pub fn below_at(&mut self, elimination: &Elimination, block: usize) -> &mut [N] {
+        match elimination.sizes() {
+            Sizes::Three => &mut self.below[Uniform::<3>.below(block)..Uniform::<3>.below(block + 1)],
+            Sizes::Six => &mut self.below[Uniform::<6>.below(block)..Uniform::<6>.below(block + 1)],
+            Sizes::Mixed(mixed) => &mut self.below[mixed.below(block)..mixed.below(block + 1)],
+        }
+    }
+
+    /// Adds a block and its transpose below and above the diagonal, where [`Elimination::block`] of its two nodes said.
+    pub fn add<const R: usize>(&mut self, (block, is_transposed): (u32, bool), values: &SMatrix<N, R, R>) {
+        let mut own = self.below_mut::<R>(block as usize);
+        if is_transposed {
+            own += values.transpose();
+        } else {
+            own += values;
+        }
+    }
+
+    /// Adds that share of its trace to the diagonal of each block on the diagonal.
+    pub fn shift(&mut self, elimination: &Elimination, share: N) {
+        let mut rest = &mut self.diagonal[..];
+        for place in 0..elimination.count() {
+            let n = elimination.rows_at(place);
+            let block;
+            (block, rest) = std::mem::take(&mut rest).split_at_mut(n * n);
+            let trace = block.iter().step_by(n + 1).fold(N::zero(), |sum, &value| sum + value);
+            let shift = share * trace;
+            block.iter_mut().step_by(n + 1).for_each(|value| *value += shift);
+        }
+    }
+
+    /// Factors it where it stands. False if a block on the diagonal is refused.
+    pub fn factor(&mut self, elimination: &Elimination) -> bool {
+        match elimination.sizes() {
+            Sizes::Three => self.factor_as(elimination, Uniform::<3>),
+            Sizes::Six => self.factor_as(elimination, Uniform::<6>),
+            Sizes::Mixed(mixed) => self.factor_as(elimination, mixed),
+        }
+    }
+
+    /// Solves A x = b by the factor, b and x in the order of elimination.
+    #[inline]
+    pub fn solve<X: BlockVector<N> + ?Sized>(&self, elimination: &Elimination, x: &mut X) {
+        match elimination.sizes() {
+            Sizes::Three => self.solve_as(elimination, Uniform::<3>, x),
+            Sizes::Six => self.solve_as(elimination, Uniform::<6>, x),
+            Sizes::Mixed(mixed) => self.solve_as(elimination, mixed, x),
+        }
+    }
+
+    #[inline]
+    fn factor_as<L: Layout>(&mut self, elimination: &Elimination, layout: L) -> bool {
+        let mut targets = elimination.targets().iter();
+        for column in 0..elimination.count() {
+            let n = layout.rows(column);
+            let pivot = layout.diagonal(column);
+            let (done, diagonal) = self.diagonal.split_at_mut(pivot.end);
+            let pivot_end = pivot.end;
+            let pivot = &mut done[pivot];
+            if !P::factor(pivot, n) {
+                return false;
+            }
+            let blocks = elimination.blocks(column);
+            let (first, end) = (layout.below(blocks.start), layout.below(blocks.end));
+            // All targets belong to later columns.
+            let (below, later) = self.below.split_at_mut(end);
+            let below = &mut below[first..];
+            self.column.clear();
+            self.column.extend_from_slice(below);
+            for block in blocks.clone() {
+                let values = layout.below(block) - first..layout.below(block + 1) - first;
+                let scaled = &mut below[values.clone()];
+                let rows = layout.rows(elimination.row(block));
+                P::divide(scaled, &self.column[values], pivot, rows, n);
+                for (other, target) in (blocks.start..=block).zip(&mut targets) {
+                    let original = &self.column[layout.below(other) - first..layout.below(other + 1) - first];
+                    let columns = layout.rows(elimination.row(other));
+                    let target = match *target {
+                        Target::Diagonal(place) => {
+                            let values = layout.diagonal(place as usize);
+                            &mut diagonal[values.start - pivot_end..][..values.len()]
+                        }
+                        Target::Below(block) => {
+                            let block = block as usize;
+                            &mut later[layout.below(block) - end..layout.below(block + 1) - end]
+                        }
+                    };
+                    subtract_product(target, scaled, original, [rows, n, columns], P::IS_FUSED);
+                }
+            }
+        }
+        true
+    }
+
+    #[inline]
+    fn solve_as<L: Layout, X: BlockVector<N> + ?Sized>(&self, elimination: &Elimination, layout: L, x: &mut X) {
+        for column in 0..elimination.count() {
+            let mut known = L::zeros();
+            let known = &mut known.as_mut()[..layout.rows(column)];
+            known.copy_from_slice(x.block(column, layout.vector(column)));
+            for block in elimination.blocks(column) {
+                let row = elimination.row(block);
+                let values = &self.below[layout.below(block)..layout.below(block + 1)];
+                let n = layout.rows(row);
+                let mut sums = L::zeros();
+                let sums = &mut sums.as_mut()[..n];
+                for (column, factor) in known.iter().enumerate() {
+                    for (sum, value) in sums.iter_mut().zip(&values[column * n..(column + 1) * n]) {
+                        *sum += *value * *factor;
+                    }
+                }
+                for (x, sum) in x.block(row, layout.vector(row)).iter_mut().zip(&*sums) {
+                    *x -= *sum;
+                }
+            }
+        }
+        for column in (0..elimination.count()).rev() {
+            let n = layout.rows(column);
+            let mut sums = L::zeros();
+            let sums = &mut sums.as_mut()[..n];
+            sums.copy_from_slice(x.block(column, layout.vector(column)));
+            P::solve(&self.diagonal[layout.diagonal(column)], sums, n);
+            for block in elimination.blocks(column) {
+                let row = elimination.row(block);
+                let values = &self.below[layout.below(block)..layout.below(block + 1)];
+                let rows = layout.rows(row);
+                let below = x.block(row, layout.vector(row));
+                for (sum, column) in sums.iter_mut().zip(values.chunks_exact(rows)) {
+                    let product = column.iter().zip(&*below).fold(N::zero(), |sum, (value, x)| sum + *value * *x);
+                    *sum -= product;
+                }
+            }
+            x.block(column, layout.vector(column)).copy_from_slice(sums);
+        }
+    }
+}
+
+/// target −= a bᵀ for blocks of rows × inner and columns × inner.
+#[inline]
+fn subtract_product<N: Number>(target: &mut [N], a: &[N], b: &[N], sizes: [usize; 3], is_fused: bool) {
+    let [rows, inner, columns] = sizes;
+    for column in 0..columns {
+        let target = &mut target[column * rows..(column + 1) * rows];
+        if is_fused {
+            for k in 0..inner {
+                let factor = -b[k * columns + column];
+                for (sum, value) in target.iter_mut().zip(&a[k * rows..(k + 1) * rows]) {
+                    *sum = value.simd_mul_add(factor, *sum);
+                }
+            }
+        } else {
+            for (row, target) in target.iter_mut().enumerate() {
+                let first = a[row] * b[column];
+                *target -= (1..inner).fold(first, |sum, k| sum + a[k * rows + row] * b[k * columns + column]);
+            }
+        }
+    }
+}
