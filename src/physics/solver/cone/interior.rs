@@ -11,32 +11,19 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::constants::{
+    FAR_CENTRING, FAR_GAP, INTERIOR_STEPS, LEAST_CENTRING, NEWTON_AGAIN, NEWTON_PRODUCT, SHORT_STEP, SHORT_STEPS,
+    SOFTNESS, TO_BOUNDARY,
+};
+use super::iterate::Iterate;
 use super::law::Law;
-use super::point::Point;
+use super::point::ConePoint;
+use super::problem::ConeOutcome;
 use super::second_order_cone::{Scaling, product, quotient, reach};
-use super::{ConeSolver, Outcome};
-
-/// Most steps.
-const STEPS: u32 = 30;
-/// ε of [`super::newton`].
-const SOFTNESS: f64 = 1e-8;
-/// How near to the cone's side a step may go.
-const INSIDE: f64 = 0.99;
-/// Least that one step asks of the product; and what it asks while y is far from û.
-const LEAST_TARGET: f64 = 1e-3;
-const SLOW_TARGET: f64 = 0.5;
-/// y is far from û where the gap's energy is more than this share of the product.
-const FAR: f64 = 0.1;
-/// Steps shorter than this, so many in a row, are the end.
-const SHORT: (f64, u32) = (0.01, 3);
-/// Newton steps on the law itself are tried once the product is down to this share, and then at each tenth of the
-/// residual.
-const NEAR: f64 = 1e-3;
-const AGAIN: f64 = 0.1;
 
 /// Kept from solve to solve.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Buffers {
+pub(super) struct InteriorBuffers {
     /// y of each point.
     slack: Vec<Vector3<f64>>,
     /// x's and y's change.
@@ -58,26 +45,30 @@ struct Aim {
     is_corrector: bool,
 }
 
-impl ConeSolver {
+impl Iterate {
     /// From inside the cones towards a solution, with Newton steps on the way. True once within the tolerance.
-    pub(super) fn walk_inside(&mut self, tolerance: f64, outcome: &mut Outcome) -> bool {
+    pub(super) fn interior_point(
+        &mut self,
+        buffers: &mut InteriorBuffers,
+        tolerance: f64,
+        outcome: &mut ConeOutcome,
+    ) -> bool {
         let cones = self.points.iter().filter(|point| is_cone(point)).count();
         if cones == 0 {
             return false;
         }
-        let mut buffers = std::mem::take(&mut self.interior);
-        let typical = self.begin(&mut buffers) / cones as f64;
+        let typical = self.begin(buffers) / cones as f64;
         let (mut first, mut next, mut short) = (None, f64::INFINITY, 0);
         let mut is_done = false;
-        for _ in 0..STEPS {
+        for _ in 0..INTERIOR_STEPS {
             self.refresh();
             let residual = self.residual();
-            let (gap, mean) = self.progress(&buffers, cones);
+            let (gap, mean) = self.progress(buffers, cones);
             let first = *first.get_or_insert(mean);
-            if residual.largest < next && mean < NEAR * first {
-                next = AGAIN * residual.largest;
+            if residual.largest < next && mean < NEWTON_PRODUCT * first {
+                next = NEWTON_AGAIN * residual.largest;
                 buffers.kept.clone_from(&self.impulses);
-                is_done = self.polish(tolerance, outcome);
+                is_done = self.newton(tolerance, outcome);
                 if is_done {
                     break;
                 }
@@ -86,10 +77,10 @@ impl ConeSolver {
             }
             outcome.steps += 1;
             outcome.interior += 1;
-            let is_far = gap * gap * typical.exp() > FAR * mean;
-            let share = self.inner_step(&mut buffers, mean, cones, is_far);
-            short = if share < SHORT.0 { short + 1 } else { 0 };
-            if short > SHORT.1 || !share.is_finite() {
+            let is_far = gap * gap * typical.exp() > FAR_GAP * mean;
+            let share = self.inner_step(buffers, mean, cones, is_far);
+            short = if share < SHORT_STEP { short + 1 } else { 0 };
+            if short > SHORT_STEPS || !share.is_finite() {
                 break;
             }
         }
@@ -98,12 +89,11 @@ impl ConeSolver {
             let residual = self.residual();
             self.note(residual, outcome);
         }
-        self.interior = buffers;
         is_done
     }
 
     /// x and y in the middle of their cones, as large as the free velocities. The sum of log ρ.
-    fn begin(&mut self, buffers: &mut Buffers) -> f64 {
+    fn begin(&mut self, buffers: &mut InteriorBuffers) -> f64 {
         let movable = self.points.iter().zip(&self.free).filter(|(point, _)| point.is_movable());
         let speed = movable.map(|(_, free)| free.norm_squared()).fold(0.0, f64::max).sqrt();
         buffers.slack.clear();
@@ -122,7 +112,7 @@ impl ConeSolver {
     }
 
     /// The largest |y − T⁻¹û| and the mean of x·y.
-    fn progress(&self, buffers: &Buffers, cones: usize) -> (f64, f64) {
+    fn progress(&self, buffers: &InteriorBuffers, cones: usize) -> (f64, f64) {
         let (mut gap, mut sum) = (0.0, 0.0);
         for (((point, impulse), velocity), slack) in
             self.points.iter().zip(&self.impulses).zip(&self.velocities).zip(&buffers.slack)
@@ -136,7 +126,7 @@ impl ConeSolver {
     }
 
     /// Prediction, correction, and as much of it as stays inside: the share taken.
-    fn inner_step(&mut self, buffers: &mut Buffers, mean: f64, cones: usize, is_far: bool) -> f64 {
+    fn inner_step(&mut self, buffers: &mut InteriorBuffers, mean: f64, cones: usize, is_far: bool) -> f64 {
         let prediction = Aim { product: 0.0, is_corrector: false };
         if !self.direction(buffers, prediction) {
             return f64::NAN;
@@ -151,7 +141,7 @@ impl ConeSolver {
             }
         }
         let ratio = after / (cones as f64 * mean);
-        let least = if is_far { SLOW_TARGET } else { LEAST_TARGET };
+        let least = if is_far { FAR_CENTRING } else { LEAST_CENTRING };
         let target = ratio.max(0.0).powi(3).clamp(least, 1.0) * mean;
         self.direction(buffers, Aim { product: target, is_corrector: true });
         let share = self.share(buffers);
@@ -165,14 +155,14 @@ impl ConeSolver {
     }
 
     /// How much of the changes stays inside, at most all.
-    fn share(&self, buffers: &Buffers) -> f64 {
+    fn share(&self, buffers: &InteriorBuffers) -> f64 {
         let mut share = 1.0;
         for ((point, impulse), (slack, [x, y])) in
             self.points.iter().zip(&self.impulses).zip(buffers.slack.iter().zip(&buffers.change))
         {
             if is_cone(point) {
                 let most = reach(&to_cone(point.law, impulse), x).min(reach(slack, y));
-                share = f64::min(share, INSIDE * most);
+                share = f64::min(share, TO_BOUNDARY * most);
             }
         }
         share
@@ -180,7 +170,7 @@ impl ConeSolver {
 
     /// Changes of λ, x and y for an aim. False where the linear system is singular. The correction takes the
     /// prediction's factor.
-    fn direction(&mut self, buffers: &mut Buffers, aim: Aim) -> bool {
+    fn direction(&mut self, buffers: &mut InteriorBuffers, aim: Aim) -> bool {
         let Self { points, linear, elimination, impulses, velocities, .. } = self;
         if !aim.is_corrector {
             linear.stiffness.clear();
@@ -188,9 +178,9 @@ impl ConeSolver {
             buffers.change.clear();
             buffers.change.resize(points.len(), [Vector3::zeros(); 2]);
         }
-        linear.push.clear();
+        linear.offset.clear();
         for (index, ((point, impulse), velocity)) in points.iter().zip(&*impulses).zip(&*velocities).enumerate() {
-            let (stiffness, push) = match point.law {
+            let (stiffness, offset) = match point.law {
                 _ if !point.is_movable() => (Matrix3::zeros(), Vector3::zeros()),
                 Law::Joint => {
                     let stiffness = point.mass / SOFTNESS;
@@ -204,17 +194,17 @@ impl ConeSolver {
                 buffers.softening.push(softening.unwrap_or_else(Matrix3::identity));
                 linear.stiffness.push(buffers.softening[index] * stiffness);
             }
-            linear.push.push(buffers.softening[index] * push);
+            linear.offset.push(buffers.softening[index] * offset);
         }
         if !aim.is_corrector && !linear.factor(points, elimination, true) {
             return false;
         }
-        linear.push_all(points, elimination);
+        linear.apply_offsets(points, elimination);
         linear.solve(points, elimination);
         buffers.step.clear();
         for (index, point) in points.iter().enumerate() {
-            let motion = point.across(&linear.solution);
-            let step = linear.push[index] - linear.stiffness[index] * motion;
+            let motion = point.relative(&linear.solution);
+            let step = linear.offset[index] - linear.stiffness[index] * motion;
             buffers.step.push(step);
             if is_cone(point) {
                 let softened = motion + SOFTNESS / point.mass * step;
@@ -258,7 +248,7 @@ fn cone_terms(
 }
 
 /// A contact of a body that moves.
-fn is_cone(point: &Point) -> bool {
+fn is_cone(point: &ConePoint) -> bool {
     point.is_movable() && point.law != Law::Joint
 }
 

@@ -67,6 +67,16 @@ impl Law {
         Vector3::new(velocity.x + self.shift(velocity), velocity.y, velocity.z)
     }
 
+    /// Q (1 + μ n tᵀ), t = u_t/|u_t|: a derivative by û as one by u.
+    pub fn with_shift(self, stiffness: Matrix3<f64>, velocity: &Vector3<f64>) -> Matrix3<f64> {
+        let speed = velocity.y.hypot(velocity.z);
+        if speed == 0.0 {
+            return stiffness;
+        }
+        let along = Vector3::new(0.0, velocity.y, velocity.z) * (self.friction() / speed);
+        stiffness + stiffness.column(0) * along.transpose()
+    }
+
     /// P_K.
     pub fn project(self, vector: &Vector3<f64>) -> Vector3<f64> {
         match self {

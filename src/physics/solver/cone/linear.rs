@@ -7,86 +7,81 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::super::linear::{BlockLdl, BlockLu, BodyVector as Part, Elimination, Inverse};
-use super::point::Point;
+use super::super::linear::{BlockLdl, BlockLu, BodyVector, Elimination, Inverse};
+use super::point::ConePoint;
 
-/// Blocks, factor and right-hand side.
+/// D and h of the points, the factor, and the two sides.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LinearSystem {
     /// D of each point.
     pub stiffness: Vec<Matrix3<f64>>,
     /// h of each point: r = Ĵᵀh.
-    pub push: Vec<Vector3<f64>>,
+    pub offset: Vec<Vector3<f64>>,
     /// r, and then x, by place in the elimination.
-    pub solution: Vec<Part>,
+    pub solution: Vec<BodyVector>,
     is_symmetric: bool,
     symmetric: BlockLdl<f64, Inverse>,
     general: BlockLu,
-    wanted: Vec<Part>,
-    defect: Vec<Part>,
+    wanted: Vec<BodyVector>,
+    defect: Vec<BodyVector>,
 }
 
 impl LinearSystem {
     /// Empties it.
     pub fn clear(&mut self) {
         self.stiffness.clear();
-        self.push.clear();
+        self.offset.clear();
     }
 
     /// Factors 1 + ĴᵀD Ĵ. False if it is singular to rounding.
-    pub fn factor(&mut self, points: &[Point], elimination: &Elimination, is_symmetric: bool) -> bool {
+    pub fn factor(&mut self, points: &[ConePoint], elimination: &Elimination, is_symmetric: bool) -> bool {
         self.is_symmetric = is_symmetric;
-        let stiff = || points.iter().zip(&self.stiffness).filter(|(_, stiffness)| **stiffness != Matrix3::zeros());
         if is_symmetric {
-            let matrix = &mut self.symmetric;
-            matrix.clear(elimination);
-            (0..elimination.count()).for_each(|place| matrix.diagonal_mut::<6>(place).fill_with_identity());
-            for (point, stiffness) in stiff() {
-                for (index, side) in point.sides.iter().enumerate() {
-                    if let Some(side) = side {
-                        let mut own = matrix.diagonal_mut::<6>(side.place as usize);
-                        own += point.between(stiffness, index, index);
-                    }
-                }
-                if let Some(block) = point.block {
-                    matrix.add(block, &point.between(stiffness, 0, 1));
-                }
-            }
-            matrix.factor(elimination)
+            self.symmetric.clear(elimination);
+            (0..elimination.count()).for_each(|place| self.symmetric.diagonal_mut::<6>(place).fill_with_identity());
         } else {
-            let matrix = &mut self.general;
-            matrix.clear(elimination);
-            for (point, stiffness) in stiff() {
-                for (index, side) in point.sides.iter().enumerate() {
-                    if let Some(side) = side {
-                        *matrix.diagonal_at(side.place as usize) += point.between(stiffness, index, index);
-                    }
-                }
-                if let Some(block) = point.block {
-                    matrix.add_at(block, &point.between(stiffness, 0, 1), &point.between(stiffness, 1, 0));
+            self.general.clear(elimination);
+        }
+        for (point, stiffness) in points.iter().zip(&self.stiffness).filter(|(_, it)| **it != Matrix3::zeros()) {
+            for (index, side) in point.sides.iter().enumerate() {
+                let Some(side) = side else { continue };
+                let own = point.coupling(stiffness, index, index);
+                if is_symmetric {
+                    let mut block = self.symmetric.diagonal_mut::<6>(side.place as usize);
+                    block += own;
+                } else {
+                    *self.general.diagonal_at(side.place as usize) += own;
                 }
             }
-            matrix.factor(elimination)
+            if let Some(block) = point.block {
+                let across = point.coupling(stiffness, 0, 1);
+                if is_symmetric {
+                    self.symmetric.add(block, &across);
+                } else {
+                    self.general.add_at(block, &across, &point.coupling(stiffness, 1, 0));
+                }
+            }
         }
+        if is_symmetric { self.symmetric.factor(elimination) } else { self.general.factor(elimination) }
     }
 
-    /// The right-hand side Ĵᵀh of the present pushes.
-    pub fn push_all(&mut self, points: &[Point], elimination: &Elimination) {
+    /// The right-hand side Ĵᵀh of the present offsets.
+    pub fn apply_offsets(&mut self, points: &[ConePoint], elimination: &Elimination) {
         self.solution.clear();
-        self.solution.resize(elimination.count(), Part::zeros());
-        for (point, push) in points.iter().zip(&self.push) {
-            point.push(&mut self.solution, push);
+        self.solution.resize(elimination.count(), BodyVector::zeros());
+        for (point, offset) in points.iter().zip(&self.offset) {
+            point.apply(&mut self.solution, offset);
         }
     }
 
     /// Solves for the present right-hand side, with one refinement.
-    pub fn solve(&mut self, points: &[Point], elimination: &Elimination) {
+    pub fn solve(&mut self, points: &[ConePoint], elimination: &Elimination) {
         self.wanted.clone_from(&self.solution);
         self.back_substitute(elimination, false);
         self.defect.clear();
         self.defect.extend(self.wanted.iter().zip(&self.solution).map(|(wanted, x)| wanted - x));
         for (point, stiffness) in points.iter().zip(&self.stiffness) {
-            point.push(&mut self.defect, &-(stiffness * point.across(&self.solution)));
+            point.apply(&mut self.defect, &-(stiffness * point.relative(&self.solution)));
         }
         self.back_substitute(elimination, true);
         for (x, correction) in self.solution.iter_mut().zip(&self.defect) {

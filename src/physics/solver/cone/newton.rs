@@ -1,4 +1,4 @@
-//! Semismooth Newton steps on the natural map.
+//! Semismooth Newton iterations on the natural map.
 //!
 //! F(λ) = λ − P_K(λ − ρ û) = 0, with A = P_K' where it lands and S = ∂û/∂u = 1 + μ n tᵀ, t = u_t/|u_t|:
 //!
@@ -11,23 +11,16 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::law::{Law, Mode};
-use super::point::Point;
-use super::{ConeSolver, Outcome};
+use super::constants::{NEWTON_FIRST_LOSS, NEWTON_GAIN, NEWTON_ITERATIONS, SOFTNESS};
+use super::iterate::Iterate;
+use super::law::Mode;
+use super::point::ConePoint;
+use super::problem::ConeOutcome;
 
-/// ε: small against the smallest share 1/ρ that mass ratios of 10⁶ leave, large against rounding.
-const SOFTNESS: f64 = 1e-8;
-/// Most steps; from a near guess it takes two or three.
-const STEPS: u32 = 12;
-/// From the second step on, each has to bring the norm of the residual down to this share; the first may raise it by
-/// no more than the other.
-const LEAST_GAIN: f64 = 0.7;
-const MOST_LOSS: f64 = 1e3;
-
-impl ConeSolver {
-    /// Steps as long as they help. True once within the tolerance; else λ is again what it was unless the last is
+impl Iterate {
+    /// Iterates as long as that helps. True once within the tolerance; else λ is again what it was unless the last is
     /// better.
-    pub(super) fn polish(&mut self, tolerance: f64, outcome: &mut Outcome) -> bool {
+    pub(super) fn newton(&mut self, tolerance: f64, outcome: &mut ConeOutcome) -> bool {
         let start = self.residual();
         self.note(start, outcome);
         if start.largest <= tolerance {
@@ -35,9 +28,9 @@ impl ConeSolver {
         }
         self.kept.clone_from(&self.impulses);
         let mut before = start.norm;
-        for step in 0..STEPS {
+        for step in 0..NEWTON_ITERATIONS {
             outcome.steps += 1;
-            if !self.newton_step() {
+            if !self.newton_iteration() {
                 break;
             }
             let residual = self.residual();
@@ -45,7 +38,7 @@ impl ConeSolver {
             if residual.largest <= tolerance {
                 return true;
             }
-            let most = if step == 0 { MOST_LOSS } else { LEAST_GAIN };
+            let most = if step == 0 { NEWTON_FIRST_LOSS } else { NEWTON_GAIN };
             if residual.norm >= most * before || residual.norm.is_nan() {
                 break;
             }
@@ -59,28 +52,28 @@ impl ConeSolver {
     }
 
     /// λ += dλ. False where the linear system is singular.
-    fn newton_step(&mut self) -> bool {
+    fn newton_iteration(&mut self) -> bool {
         let Self { points, linear, elimination, impulses, velocities, .. } = self;
         linear.clear();
         let mut is_symmetric = true;
         for ((point, impulse), velocity) in points.iter().zip(&*impulses).zip(&*velocities) {
-            let (stiffness, push, slips) = if point.is_movable() {
+            let (stiffness, offset, slips) = if point.is_movable() {
                 linearised(point, impulse, velocity)
             } else {
                 (Matrix3::zeros(), Vector3::zeros(), false)
             };
             is_symmetric &= !slips;
             linear.stiffness.push(stiffness);
-            linear.push.push(push);
+            linear.offset.push(offset);
         }
         if !linear.factor(points, elimination, is_symmetric) {
             return false;
         }
-        linear.push_all(points, elimination);
+        linear.apply_offsets(points, elimination);
         linear.solve(points, elimination);
-        let terms = linear.push.iter().zip(&linear.stiffness);
-        for ((point, impulse), (push, stiffness)) in points.iter().zip(impulses).zip(terms) {
-            *impulse += push - stiffness * point.across(&linear.solution);
+        let terms = linear.offset.iter().zip(&linear.stiffness);
+        for ((point, impulse), (offset, stiffness)) in points.iter().zip(impulses).zip(terms) {
+            *impulse += offset - stiffness * point.relative(&linear.solution);
         }
         self.refresh();
         true
@@ -88,8 +81,12 @@ impl ConeSolver {
 }
 
 /// D, h, and whether D is not symmetric.
-fn linearised(point: &Point, impulse: &Vector3<f64>, velocity: &Vector3<f64>) -> (Matrix3<f64>, Vector3<f64>, bool) {
-    let Point { law, mass, .. } = *point;
+fn linearised(
+    point: &ConePoint,
+    impulse: &Vector3<f64>,
+    velocity: &Vector3<f64>,
+) -> (Matrix3<f64>, Vector3<f64>, bool) {
+    let ConePoint { law, mass, .. } = *point;
     let wanted = impulse - mass * law.shifted(velocity);
     let mode = law.mode(&wanted);
     match mode {
@@ -100,19 +97,9 @@ fn linearised(point: &Point, impulse: &Vector3<f64>, velocity: &Vector3<f64>) ->
         }
         Mode::Slip { .. } => {
             let regular = |along: f64| 1.0 / (1.0 - along + SOFTNESS * along);
-            let push = -(mode.function(law, regular) * (impulse - law.project(&wanted)));
+            let offset = -(mode.function(law, regular) * (impulse - law.project(&wanted)));
             let stiffness = mode.function(law, |along| mass * along * regular(along));
-            (with_shift(law, stiffness, velocity), push, true)
+            (law.with_shift(stiffness, velocity), offset, true)
         }
     }
-}
-
-/// Q (1 + μ n tᵀ).
-pub(super) fn with_shift(law: Law, stiffness: Matrix3<f64>, velocity: &Vector3<f64>) -> Matrix3<f64> {
-    let speed = velocity.y.hypot(velocity.z);
-    if speed == 0.0 {
-        return stiffness;
-    }
-    let along = Vector3::new(0.0, velocity.y, velocity.z) * (law.friction() / speed);
-    stiffness + stiffness.column(0) * along.transpose()
 }

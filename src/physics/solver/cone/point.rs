@@ -2,15 +2,15 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use super::super::linear::{BodyBlock as Block, BodyVector as Part, Elimination};
+use super::super::linear::{BodyBlock, BodyVector, Elimination};
 use super::law::Law;
-use super::{ConeContact, ConeJoint, Motion};
+use super::problem::{ConeContact, ConeJoint, Velocity};
 
 type Jacobian = SMatrix<f64, 3, 6>;
 
 /// A contact or a joint.
 #[derive(Clone, Debug)]
-pub(super) struct Point {
+pub(super) struct ConePoint {
     pub law: Law,
     /// ρ, kg: of a contact, the effective mass along its normal, of a joint the mean over directions; infinite where
     /// nothing moves.
@@ -18,14 +18,14 @@ pub(super) struct Point {
     /// Its axes in the world, as columns: of a contact, the normal and two tangents.
     pub frame: Matrix3<f64>,
     /// A and B, where they move.
-    pub sides: [Option<Side>; 2],
+    pub sides: [Option<PointSide>; 2],
     /// Where its block of A and B is, as [`Elimination::block`] says it.
     pub block: Option<(u32, bool)>,
 }
 
-/// One body's part.
+/// One body of a point.
 #[derive(Clone, Debug)]
-pub(super) struct Side {
+pub(super) struct PointSide {
     pub body: u32,
     /// In the order of elimination.
     pub place: u32,
@@ -35,7 +35,7 @@ pub(super) struct Side {
     jacobian: Jacobian,
 }
 
-impl Point {
+impl ConePoint {
     /// Of a contact.
     pub fn of_contact(contact: &ConeContact, roots: &[[Matrix3<f64>; 2]]) -> Self {
         let law = if contact.friction > 0.0 { Law::Friction(contact.friction) } else { Law::Frictionless };
@@ -61,10 +61,10 @@ impl Point {
             let mut jacobian = Jacobian::zeros();
             jacobian.fixed_columns_mut::<3>(0).copy_from(&(axes * linear));
             jacobian.fixed_columns_mut::<3>(3).copy_from(&(-axes * arm.cross_matrix() * angular));
-            Some(Side { body, place: 0, arm, sign, jacobian })
+            Some(PointSide { body, place: 0, arm, sign, jacobian })
         };
         let sides = [side(0, -1.0), side(1, 1.0)];
-        let square = |side: &Side| match law {
+        let square = |side: &PointSide| match law {
             Law::Joint => side.jacobian.norm_squared() / 3.0,
             Law::Frictionless | Law::Friction(_) => side.jacobian.row(0).norm_squared(),
         };
@@ -77,7 +77,7 @@ impl Point {
         self.mass.is_finite()
     }
 
-    /// A guess of the impulse made one that may be.
+    /// The guessed impulse, projected on what the law allows.
     pub fn allowed(&self, impulse: &Vector3<f64>) -> Vector3<f64> {
         if self.is_movable() { self.law.project(impulse) } else { Vector3::zeros() }
     }
@@ -90,8 +90,8 @@ impl Point {
         }
     }
 
-    /// Finds its places in the elimination.
-    pub fn place(&mut self, elimination: &Elimination) {
+    /// Finds its places in the order of elimination.
+    pub fn locate(&mut self, elimination: &Elimination) {
         self.block = self.edge().map(|[a, b]| elimination.block(a, b));
         for side in self.sides.iter_mut().flatten() {
             side.place = elimination.place(side.body);
@@ -99,7 +99,7 @@ impl Point {
     }
 
     /// J v, in the world's axes.
-    pub fn velocity(&self, velocities: &[Motion]) -> Vector3<f64> {
+    pub fn velocity(&self, velocities: &[Velocity]) -> Vector3<f64> {
         self.sides.iter().flatten().fold(Vector3::zeros(), |sum, side| {
             let [linear, angular] = &velocities[side.body as usize];
             sum + side.sign * (linear + angular.cross(&side.arm))
@@ -107,37 +107,37 @@ impl Point {
     }
 
     /// z += Ĵᵀλ.
-    pub fn push(&self, motion: &mut [Part], impulse: &Vector3<f64>) {
+    pub fn apply(&self, scaled: &mut [BodyVector], impulse: &Vector3<f64>) {
         for side in self.sides.iter().flatten() {
             if self.law == Law::Frictionless {
-                motion[side.place as usize] += side.jacobian.row(0).transpose() * impulse.x;
+                scaled[side.place as usize] += side.jacobian.row(0).transpose() * impulse.x;
             } else {
-                motion[side.place as usize] += side.jacobian.tr_mul(impulse);
+                scaled[side.place as usize] += side.jacobian.tr_mul(impulse);
             }
         }
     }
 
     /// Ĵ z.
-    pub fn across(&self, motion: &[Part]) -> Vector3<f64> {
+    pub fn relative(&self, scaled: &[BodyVector]) -> Vector3<f64> {
         let mut sum = Vector3::zeros();
         for side in self.sides.iter().flatten() {
             if self.law == Law::Frictionless {
-                sum.x += (side.jacobian.row(0) * motion[side.place as usize]).x;
+                sum.x += (side.jacobian.row(0) * scaled[side.place as usize]).x;
             } else {
-                sum += side.jacobian * motion[side.place as usize];
+                sum += side.jacobian * scaled[side.place as usize];
             }
         }
         sum
     }
 
     /// Ĵ_iᵀ D Ĵ_k of two of its sides.
-    pub fn between(&self, stiffness: &Matrix3<f64>, i: usize, k: usize) -> Block {
+    pub fn coupling(&self, stiffness: &Matrix3<f64>, i: usize, k: usize) -> BodyBlock {
         match (&self.sides[i], &self.sides[k]) {
             (Some(i), Some(k)) if self.law == Law::Frictionless => {
                 (stiffness.m11 * i.jacobian.row(0)).tr_mul(&k.jacobian.row(0))
             }
             (Some(i), Some(k)) => i.jacobian.tr_mul(&(stiffness * k.jacobian)),
-            _ => Block::zeros(),
+            _ => BodyBlock::zeros(),
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::{ConeBody, ConeContact, ConeJoint, ConeSolver, Motion, Outcome, PerPoint};
+use super::problem::{ConeOutcome, Velocity};
+use super::{ConeBody, ConeContact, ConeJoint, ConeSolver, PerPoint};
 use crate::physics::testing::Random;
 
 type V = Vector3<f64>;
@@ -20,7 +21,7 @@ pub const TOLERANCE: f64 = 1e-10;
 pub struct Problem {
     pub bodies: Vec<ConeBody>,
     pub places: Vec<V>,
-    pub free: Vec<Motion>,
+    pub free: Vec<Velocity>,
     pub contacts: Vec<ConeContact>,
     pub joints: Vec<ConeJoint>,
     pub bias: PerPoint,
@@ -80,7 +81,7 @@ impl Problem {
     }
 
     /// Velocities, impulses and outcome from a guess.
-    pub fn solve(&self, solver: &mut ConeSolver, impulses: &mut PerPoint) -> (Vec<Motion>, Outcome) {
+    pub fn solve(&self, solver: &mut ConeSolver, impulses: &mut PerPoint) -> (Vec<Velocity>, ConeOutcome) {
         solver.set(&self.bodies, &self.contacts, &self.joints);
         let mut velocities = self.free.clone();
         let outcome = solver.solve(&mut velocities, &self.bias, impulses, TOLERANCE);

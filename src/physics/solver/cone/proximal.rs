@@ -13,95 +13,75 @@
 
 use nalgebra::Vector3;
 
-use super::super::linear::BodyVector as Part;
+use super::super::linear::BodyVector;
+use super::constants::{
+    ENOUGH_RESIDUAL, ENOUGH_STEPS, FIRST_SOFTNESS, FLOOR_DECAY, HALVINGS, JOINT_SOFTNESS, LEAST_SOFTNESS,
+    MOST_SOFTNESS, MOST_STEPS, NEARLY_RIGID, PATIENCE, PROXIMAL_ACCURACY, PROXIMAL_ITERATIONS, PROXIMAL_LOSS,
+    SOFTNESS_FALL, SOFTNESS_RISE,
+};
+use super::iterate::Iterate;
 use super::law::{Law, Mode};
-use super::newton::with_shift;
-use super::{ConeSolver, End, Outcome};
-
-/// Most steps for one point; more than that and a softer problem is the cheaper way.
-const STEPS: u32 = 15;
-/// Most halvings of a step.
-const HALVINGS: u32 = 5;
-/// A point is reached when what is left of G moves no contact by more than this share of the residual.
-const REACHED: f64 = 0.05;
-/// ε of joints over that of contacts: they neither part nor slide, so that no step is too long for them, and redundant
-/// ones need the less points the smaller it is.
-const OF_JOINTS: f64 = 0.01;
-/// What ε is multiplied by after a point that was reached, and after one that was not.
-const HARDEN: f64 = 0.3;
-const SOFTEN: f64 = 5.0;
-/// The least ε, and how fast that which failed is tried again.
-const LEAST: f64 = 1e-6;
-const FORGET: f64 = 0.8;
-/// Above this the compliance is so large that any step is good.
-const MOST: f64 = 10.0;
-/// A point may raise the residual by this much, no more.
-const MOST_LOSS: f64 = 10.0;
-/// So many points without a residual less by a tenth, and it ends.
-const PATIENCE: u32 = 60;
-/// Below this ε, Newton steps on the rigid problem may do.
-const NEAR: f64 = 0.02;
-
-/// So many steps of all kinds, and it ends, too.
-const MOST_STEPS: u32 = 600;
-/// After so many steps of all kinds a residual, m/s, is enough: in heaps with loops of joints each further digit
-/// may take a hundred.
-const ENOUGH_STEPS: u32 = 150;
-const ENOUGH: f64 = 1e-8;
+use super::problem::{ConeEnd, ConeOutcome};
 
 /// Kept from solve to solve.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Buffers {
-    change: Vec<Part>,
-    start: Vec<Part>,
-    direction: Vec<Part>,
+pub(super) struct ProximalBuffers {
+    change: Vec<BodyVector>,
+    start: Vec<BodyVector>,
+    direction: Vec<BodyVector>,
     /// G.
-    defect: Vec<Part>,
+    defect: Vec<BodyVector>,
     /// λ⁺.
     impulses: Vec<Vector3<f64>>,
 }
 
-impl ConeSolver {
+impl Iterate {
     /// Proximal points from the best λ so far, with Newton steps between. True once within the tolerance.
-    pub(super) fn approach(&mut self, softness: f64, stages: u32, tolerance: f64, outcome: &mut Outcome) -> bool {
-        if outcome.end == End::NoRigidSolution {
+    pub(super) fn proximal_points(
+        &mut self,
+        buffers: &mut ProximalBuffers,
+        most: u32,
+        tolerance: f64,
+        outcome: &mut ConeOutcome,
+    ) -> bool {
+        if outcome.end == ConeEnd::NoRigidSolution {
             return false;
         }
         self.impulses.clone_from(&self.best);
         self.refresh();
-        let (mut softness, mut floor) = (softness, LEAST);
+        let (mut softness, mut floor) = (FIRST_SOFTNESS, LEAST_SOFTNESS);
         let (mut goal, mut waited) = (0.9 * outcome.residual, 0);
-        for _ in 0..stages {
+        for _ in 0..most {
             outcome.stages += 1;
             let before = self.residual();
-            let is_reached = self.proximal_point(softness, REACHED * before.largest, outcome);
-            std::mem::swap(&mut self.impulses, &mut self.proximal.impulses);
+            let is_reached = self.proximal_point(buffers, softness, PROXIMAL_ACCURACY * before.largest, outcome);
+            std::mem::swap(&mut self.impulses, &mut buffers.impulses);
             self.refresh();
             let residual = self.residual();
             self.note(residual, outcome);
             if residual.largest <= tolerance {
                 return true;
             }
-            let is_kept = (is_reached && residual.norm <= MOST_LOSS * before.norm) || softness >= MOST;
+            let is_kept = (is_reached && residual.norm <= PROXIMAL_LOSS * before.norm) || softness >= MOST_SOFTNESS;
             if is_kept {
                 if self.is_jammed() {
-                    outcome.end = End::NoRigidSolution;
+                    outcome.end = ConeEnd::NoRigidSolution;
                     return false;
                 }
-                if softness < NEAR && residual.norm < before.norm && self.polish(tolerance, outcome) {
+                if softness < NEARLY_RIGID && residual.norm < before.norm && self.newton(tolerance, outcome) {
                     return true;
                 }
-                softness = (HARDEN * softness).max(floor);
-                floor = (FORGET * floor).max(LEAST);
+                softness = (SOFTNESS_FALL * softness).max(floor);
+                floor = (FLOOR_DECAY * floor).max(LEAST_SOFTNESS);
             } else {
-                std::mem::swap(&mut self.impulses, &mut self.proximal.impulses);
+                std::mem::swap(&mut self.impulses, &mut buffers.impulses);
                 self.refresh();
-                softness *= SOFTEN;
+                softness *= SOFTNESS_RISE;
                 floor = softness;
             }
             waited = if outcome.residual < goal { 0 } else { waited + 1 };
             goal = goal.min(0.9 * outcome.residual);
-            let is_enough = outcome.steps > ENOUGH_STEPS && outcome.residual <= ENOUGH;
+            let is_enough = outcome.steps > ENOUGH_STEPS && outcome.residual <= ENOUGH_RESIDUAL;
             if waited > PATIENCE || outcome.steps > MOST_STEPS || is_enough || outcome.residual <= self.rounding() {
                 break;
             }
@@ -110,16 +90,24 @@ impl ConeSolver {
     }
 
     /// One: λ⁺ is left in the buffers. True if it is reached.
-    fn proximal_point(&mut self, softness: f64, wanted: f64, outcome: &mut Outcome) -> bool {
-        let mut buffers = std::mem::take(&mut self.proximal);
+    fn proximal_point(
+        &mut self,
+        buffers: &mut ProximalBuffers,
+        softness: f64,
+        wanted: f64,
+        outcome: &mut ConeOutcome,
+    ) -> bool {
         buffers.change.clear();
-        buffers.change.resize(self.elimination.count(), Part::zeros());
+        buffers.change.resize(self.elimination.count(), BodyVector::zeros());
         let mut is_reached = false;
-        for step in 0..=STEPS {
-            let is_symmetric = self.evaluate(&mut buffers, softness, true);
-            let effects = self.points.iter().map(|point| point.across(&buffers.defect).norm_squared());
+        for step in 0..=PROXIMAL_ITERATIONS {
+            let is_symmetric = self.evaluate(buffers, softness, true);
+            let effects = self.points.iter().map(|point| point.relative(&buffers.defect).norm_squared());
             is_reached = effects.fold(0.0, f64::max) <= wanted * wanted;
-            if is_reached || step == STEPS || !self.linear.factor(&self.points, &self.elimination, is_symmetric) {
+            if is_reached
+                || step == PROXIMAL_ITERATIONS
+                || !self.linear.factor(&self.points, &self.elimination, is_symmetric)
+            {
                 break;
             }
             outcome.steps += 1;
@@ -127,15 +115,14 @@ impl ConeSolver {
             self.linear.solution.extend(buffers.defect.iter().map(|defect| -defect));
             self.linear.solve(&self.points, &self.elimination);
             buffers.direction.clone_from(&self.linear.solution);
-            self.search(&mut buffers, softness);
+            self.line_search(buffers, softness);
         }
-        self.proximal = buffers;
         is_reached
     }
 
     /// Goes along the direction as far as |G| falls, or where it is least of what is tried.
-    fn search(&mut self, buffers: &mut Buffers, softness: f64) {
-        let size = |defect: &[Part]| defect.iter().map(Part::norm_squared).sum::<f64>().sqrt();
+    fn line_search(&mut self, buffers: &mut ProximalBuffers, softness: f64) {
+        let size = |defect: &[BodyVector]| defect.iter().map(BodyVector::norm_squared).sum::<f64>().sqrt();
         let before = size(&buffers.defect);
         buffers.start.clone_from(&buffers.change);
         let (mut share, mut best) = (1.0, (f64::INFINITY, 0.0));
@@ -155,8 +142,8 @@ impl ConeSolver {
     }
 
     /// λ⁺ and G at y, and, if asked, D; whether all of these are symmetric.
-    fn evaluate(&mut self, buffers: &mut Buffers, softness: f64, with_derivative: bool) -> bool {
-        let Buffers { change, defect, impulses, .. } = buffers;
+    fn evaluate(&mut self, buffers: &mut ProximalBuffers, softness: f64, with_derivative: bool) -> bool {
+        let ProximalBuffers { change, defect, impulses, .. } = buffers;
         defect.clone_from(change);
         impulses.clear();
         if with_derivative {
@@ -164,18 +151,18 @@ impl ConeSolver {
         }
         let mut is_symmetric = true;
         for ((point, impulse), velocity) in self.points.iter().zip(&self.impulses).zip(&self.velocities) {
-            let velocity = velocity + point.across(change);
-            let softness = if point.law == Law::Joint { OF_JOINTS * softness } else { softness };
+            let velocity = velocity + point.relative(change);
+            let softness = if point.law == Law::Joint { JOINT_SOFTNESS * softness } else { softness };
             let weight = if point.is_movable() { point.mass / softness } else { 0.0 };
             let wanted = impulse - weight * point.law.shifted(&velocity);
             let next = point.law.project(&wanted);
-            point.push(defect, &(impulse - next));
+            point.apply(defect, &(impulse - next));
             impulses.push(next);
             if with_derivative {
                 let mode = point.law.mode(&wanted);
                 let mut stiffness = mode.function(point.law, |along| weight * along);
                 if mode != Mode::Open && point.law.shift(&velocity) > 0.0 {
-                    stiffness = with_shift(point.law, stiffness, &velocity);
+                    stiffness = point.law.with_shift(stiffness, &velocity);
                     is_symmetric = false;
                 }
                 self.linear.stiffness.push(stiffness);
@@ -185,7 +172,7 @@ impl ConeSolver {
     }
 }
 
-impl Buffers {
+impl ProximalBuffers {
     /// y = start + share × direction.
     fn go(&mut self, share: f64) {
         for ((change, start), direction) in self.change.iter_mut().zip(&self.start).zip(&self.direction) {

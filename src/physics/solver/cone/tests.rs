@@ -2,14 +2,15 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
+use super::problem::{ConeEnd, ConeOutcome, Velocity};
 use super::problems::*;
-use super::{ConeSolver, End, Motion, Outcome, PerPoint};
+use super::{ConeSolver, PerPoint};
 use crate::physics::testing::Random;
 
 type V = Vector3<f64>;
 
 /// Solves from no guess and holds that what is reported is so.
-fn solved(problem: &Problem) -> (Vec<Motion>, PerPoint, Outcome) {
+fn solved(problem: &Problem) -> (Vec<Velocity>, PerPoint, ConeOutcome) {
     let mut impulses = problem.no_impulses();
     let (velocities, outcome) = problem.solve(&mut ConeSolver::default(), &mut impulses);
     let recomputed = residual(problem, &velocities, &impulses);
@@ -18,9 +19,9 @@ fn solved(problem: &Problem) -> (Vec<Motion>, PerPoint, Outcome) {
     (velocities, impulses, outcome)
 }
 
-fn converged(problem: &Problem) -> (Vec<Motion>, PerPoint) {
+fn converged(problem: &Problem) -> (Vec<Velocity>, PerPoint) {
     let (velocities, impulses, outcome) = solved(problem);
-    assert_eq!(outcome.end, End::Converged, "{outcome:?}");
+    assert_eq!(outcome.end, ConeEnd::Converged, "{outcome:?}");
     (velocities, impulses)
 }
 
@@ -29,7 +30,7 @@ fn largest(impulses: &PerPoint) -> f64 {
 }
 
 /// v of impulses, body by body: v = v_free + M⁻¹Jᵀλ.
-fn moved(problem: &Problem, impulses: &PerPoint) -> Vec<Motion> {
+fn moved(problem: &Problem, impulses: &PerPoint) -> Vec<Velocity> {
     let mut velocities = problem.free.clone();
     let contacts = problem.contacts.iter().map(|contact| (contact.bodies, contact.arms)).zip(&impulses.contacts);
     let joints = problem.joints.iter().map(|joint| (joint.bodies, joint.arms)).zip(&impulses.joints);
@@ -45,7 +46,7 @@ fn moved(problem: &Problem, impulses: &PerPoint) -> Vec<Motion> {
 }
 
 /// Velocity of B's point relative to A's.
-fn between(velocities: &[Motion], bodies: &[Option<u32>; 2], arms: &[V; 2]) -> V {
+fn between(velocities: &[Velocity], bodies: &[Option<u32>; 2], arms: &[V; 2]) -> V {
     let of = |side: usize| {
         bodies[side].map_or(V::zeros(), |body| {
             let [linear, angular] = velocities[body as usize];
@@ -57,7 +58,7 @@ fn between(velocities: &[Motion], bodies: &[Option<u32>; 2], arms: &[V; 2]) -> V
 
 /// The residual, with the impulses' own motion instead of the one returned, in the world's axes; that both are one is
 /// checked.
-fn residual(problem: &Problem, velocities: &[Motion], impulses: &PerPoint) -> f64 {
+fn residual(problem: &Problem, velocities: &[Velocity], impulses: &PerPoint) -> f64 {
     let own = moved(problem, impulses);
     for (own, [linear, angular]) in own.iter().zip(velocities) {
         let off = (own[0] - linear).norm() + (own[1] - angular).norm();
@@ -199,7 +200,7 @@ fn sliding_columns_and_shaken_structures_converge_in_a_bounded_number_of_steps()
     ];
     for (index, problem) in moving.iter().enumerate() {
         let (_, _, outcome) = solved(problem);
-        assert_eq!(outcome.end, End::Converged, "{index}: {outcome:?}");
+        assert_eq!(outcome.end, ConeEnd::Converged, "{index}: {outcome:?}");
         assert!(outcome.steps < 200, "{index}: {outcome:?}");
     }
 }
@@ -220,10 +221,10 @@ fn a_solution_is_found_again_at_once_and_a_near_one_in_less_than_half() {
     let (mut solver, mut impulses) = (ConeSolver::default(), problem.no_impulses());
     let (_, cold) = problem.solve(&mut solver, &mut impulses);
     let (_, again) = problem.solve(&mut solver, &mut impulses);
-    assert_eq!((again.end, again.steps), (End::Converged, 0), "{again:?}");
+    assert_eq!((again.end, again.steps), (ConeEnd::Converged, 0), "{again:?}");
     let near = column(30, 0.6).shaken(0.3001, 1);
     let (_, warm) = near.solve(&mut solver, &mut impulses);
-    assert_eq!(warm.end, End::Converged);
+    assert_eq!(warm.end, ConeEnd::Converged);
     assert!(2 * warm.steps <= cold.steps, "{warm:?}, cold {cold:?}");
 }
 
@@ -304,16 +305,16 @@ fn small_planar_problems_have_a_solution_that_enumeration_finds_too() {
     assert_eq!(compared, 60);
 }
 
-fn apart(a: &[Motion], b: &[Motion]) -> f64 {
+fn apart(a: &[Velocity], b: &[Velocity]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a[0] - b[0]).norm() + (a[1] - b[1]).norm()).sum()
 }
 
 /// The motions of all modes of a planar problem whose conditions hold.
-fn enumerated(problem: &Problem) -> Vec<Vec<Motion>> {
+fn enumerated(problem: &Problem) -> Vec<Vec<Velocity>> {
     let count = problem.contacts.len();
     let axes: Vec<[V; 2]> =
         problem.contacts.iter().map(|contact| [contact.normal, V::z().cross(&contact.normal)]).collect();
-    let velocity = |motions: &[Motion], index: usize, axis: usize| {
+    let velocity = |motions: &[Velocity], index: usize, axis: usize| {
         let contact = &problem.contacts[index];
         (between(motions, &contact.bodies, &contact.arms) + problem.bias.contacts[index]).dot(&axes[index][axis])
     };
@@ -381,7 +382,7 @@ fn joints_alone_are_what_the_dense_system_gives() {
     problem.joint(None, Some(0), V::new(0.0, 0.1, 0.0));
     let (velocities, _) = converged(&problem);
     let rows = 3 * problem.joints.len();
-    let velocity = |motions: &[Motion], row: usize| {
+    let velocity = |motions: &[Velocity], row: usize| {
         let joint = &problem.joints[row / 3];
         between(motions, &joint.bodies, &joint.arms)[row % 3]
     };
@@ -407,7 +408,7 @@ fn a_rod_that_digs_in_is_solved_and_stays_finite() {
     for friction in [0.5, 1.3, 1.4, 3.0, 10.0] {
         let problem = painleve(friction);
         let (velocities, _) = converged(&problem);
-        let energy = |motion: &Motion, free: &Motion| {
+        let energy = |motion: &Velocity, free: &Velocity| {
             let inertia = problem.bodies[0].inverse_inertia.try_inverse().expect("a rod that turns");
             motion[0].norm_squared() - free[0].norm_squared() + motion[1].dot(&(inertia * motion[1]))
         };
@@ -419,7 +420,7 @@ fn a_rod_that_digs_in_is_solved_and_stays_finite() {
 fn newton_steps_converge_quadratically_on_a_slipping_point() {
     // Without refinement of the linear solution it takes twice as many.
     let (_, _, outcome) = solved(&painleve(0.5));
-    assert!(outcome.end == End::Converged && outcome.steps <= 3, "{outcome:?}");
+    assert!(outcome.end == ConeEnd::Converged && outcome.steps <= 3, "{outcome:?}");
 }
 
 #[test]
@@ -432,7 +433,7 @@ fn what_has_no_solution_is_said_and_ends() {
         problem.contact(None, Some(ball), V::new(0.5, 0.0, 0.0), -V::x(), friction);
         problem.bias.contacts = vec![V::new(-1.0, 0.0, 0.0), V::new(1.0, 0.0, 0.0)];
         let (velocities, impulses, outcome) = solved(&problem);
-        assert_eq!(outcome.end, End::NoRigidSolution, "{friction}: {outcome:?}");
+        assert_eq!(outcome.end, ConeEnd::NoRigidSolution, "{friction}: {outcome:?}");
         assert!(outcome.steps < 500 && outcome.residual >= 0.5);
         assert!(largest(&impulses).is_finite() && velocities[0][0].norm() < 10.0);
     }
@@ -442,14 +443,14 @@ fn what_has_no_solution_is_said_and_ends() {
     problem.joint(None, Some(0), V::new(0.0, 0.1, 0.0));
     *problem.bias.joints.last_mut().expect("a joint") = V::new(0.0, 0.0, 1e-3);
     let (_, impulses, outcome) = solved(&problem);
-    assert!(outcome.end != End::Converged && outcome.steps < 500, "{outcome:?}");
+    assert!(outcome.end != ConeEnd::Converged && outcome.steps < 500, "{outcome:?}");
     assert!(outcome.residual < 1.1e-3 && largest(&impulses) < 1e6, "{outcome:?}");
 }
 
 #[test]
 fn what_cannot_move_and_what_is_not_there_are_no_trouble() {
     let (_, _, outcome) = solved(&Problem::default());
-    assert_eq!((outcome.end, outcome.steps), (End::Converged, 0));
+    assert_eq!((outcome.end, outcome.steps), (ConeEnd::Converged, 0));
     let mut problem = column(2, 0.6);
     problem.bodies[0].inverse_mass = V::zeros();
     problem.bodies[0].inverse_inertia = nalgebra::Matrix3::zeros();

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::super::mechanism::{Link, Member, Motion, stretch};
 use super::flight::TOUCHING;
 use super::sites::{Site, point_velocity};
-use crate::physics::solver::cone::{ConeBody, ConeContact, ConeJoint, ConeSolver, End, PerPoint};
+use crate::physics::solver::cone::{ConeBody, ConeContact, ConeEnd, ConeJoint, ConeSolver, PerPoint};
 
 /// What a point may be off its law by, m/s, and after too much work.
 const TOLERANCES: [f64; 2] = [1e-10, 1e-5];
@@ -136,7 +136,7 @@ impl Kernel {
         self.residual = outcome.residual;
         self.steps += outcome.steps;
         self.work += u64::from(outcome.steps) * (self.contacts.len() + self.joints.len()) as u64;
-        self.failures += u32::from(matches!(outcome.end, End::Bounded | End::NoRigidSolution));
+        self.failures += u32::from(matches!(outcome.end, ConeEnd::Bounded | ConeEnd::NoRigidSolution));
         for (motion, [linear, angular]) in motion.iter_mut().zip(&self.velocities) {
             (motion.linear, motion.angular) = (*linear, *angular);
         }

@@ -1,0 +1,96 @@
+//! The present impulses, with the velocities that follow from them and the linear system that changes them.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::super::linear::{BodyVector, Elimination};
+use super::constants::ROUNDINGS;
+use super::linear::LinearSystem;
+use super::point::ConePoint;
+use super::problem::ConeOutcome;
+
+/// The iterate of all methods.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Iterate {
+    /// Contacts, then joints.
+    pub points: Vec<ConePoint>,
+    pub elimination: Elimination,
+    /// L of each body, linear and angular.
+    pub roots: Vec<[Matrix3<f64>; 2]>,
+    pub linear: LinearSystem,
+    /// c, in the frame of each point, as are the next four.
+    pub free: Vec<Vector3<f64>>,
+    /// λ.
+    pub impulses: Vec<Vector3<f64>>,
+    /// u.
+    pub velocities: Vec<Vector3<f64>>,
+    /// λ to go back to.
+    pub kept: Vec<Vector3<f64>>,
+    /// λ of the least residual so far.
+    pub best: Vec<Vector3<f64>>,
+    /// z, by place in the order of elimination.
+    pub scaled: Vec<BodyVector>,
+}
+
+/// Largest and root of the sum of squares of |r|, m/s; infinite where a number is not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Residual {
+    pub largest: f64,
+    pub norm: f64,
+}
+
+impl Iterate {
+    /// z = Ĵᵀλ, then u = Ĵ z + c.
+    pub fn refresh(&mut self) {
+        self.scaled.clear();
+        self.scaled.resize(self.elimination.count(), BodyVector::zeros());
+        for (point, impulse) in self.points.iter().zip(&self.impulses) {
+            point.apply(&mut self.scaled, impulse);
+        }
+        self.velocities.clear();
+        self.velocities
+            .extend(self.points.iter().zip(&self.free).map(|(point, free)| free + point.relative(&self.scaled)));
+    }
+
+    /// How far λ and u are from the laws.
+    pub fn residual(&self) -> Residual {
+        let (mut largest, mut sum) = (0.0, 0.0);
+        for ((point, impulse), velocity) in self.points.iter().zip(&self.impulses).zip(&self.velocities) {
+            if point.is_movable() {
+                let square = point.law.natural_map(impulse, velocity, point.mass).norm_squared();
+                largest = f64::max(largest, square);
+                sum += square;
+            }
+        }
+        if f64::is_finite(sum) {
+            Residual { largest: largest.sqrt(), norm: sum.sqrt() }
+        } else {
+            Residual { largest: f64::INFINITY, norm: f64::INFINITY }
+        }
+    }
+
+    /// Notes λ if it is the best so far.
+    pub fn note(&mut self, residual: Residual, outcome: &mut ConeOutcome) {
+        if residual.largest < outcome.residual {
+            outcome.residual = residual.largest;
+            self.best.clone_from(&self.impulses);
+        }
+    }
+
+    /// What rounding makes of a residual, m/s.
+    pub fn rounding(&self) -> f64 {
+        let movable = self.points.iter().zip(&self.impulses).filter(|(point, _)| point.is_movable());
+        ROUNDINGS * f64::EPSILON * movable.map(|(point, impulse)| impulse.norm() / point.mass).fold(0.0, f64::max)
+    }
+
+    /// Whether λ says that no motion obeys the points: with λ ∈ K, λ·û ≥ 0 for all û ∈ K*, so that −λ·c ≤ z·Ĵᵀλ + Σ
+    /// μ|u_t| λ_n for the z sought; impulses that press (λ·c < 0) and yet move nothing (Ĵᵀλ ≈ 0) leave none (Farkas).
+    pub fn is_jammed(&self) -> bool {
+        let mut pressing = 0.0;
+        for (((point, impulse), free), velocity) in
+            self.points.iter().zip(&self.impulses).zip(&self.free).zip(&self.velocities)
+        {
+            pressing -= impulse.dot(free) + point.law.shift(velocity) * impulse.x;
+        }
+        pressing > 1e4 * self.scaled.iter().map(BodyVector::norm_squared).sum::<f64>()
+    }
+}

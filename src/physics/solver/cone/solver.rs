@@ -1,0 +1,118 @@
+//! The methods of the module's docs, one after the other.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::super::linear::Elimination;
+use super::constants::PROXIMAL_POINTS;
+use super::interior::InteriorBuffers;
+use super::iterate::Iterate;
+use super::point::{ConePoint, root};
+use super::problem::{ConeBody, ConeContact, ConeEnd, ConeJoint, ConeOutcome, PerPoint, Velocity};
+use super::proximal::ProximalBuffers;
+
+/// Solves one island's points. Keeps its buffers and, as long as the same bodies touch, its structure.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ConeSolver {
+    iterate: Iterate,
+    contacts: usize,
+    edges: Vec<[u32; 2]>,
+    proximal: ProximalBuffers,
+    interior: InteriorBuffers,
+}
+
+impl ConeSolver {
+    /// Sets bodies and points. Indices of bodies are into `bodies`; the structure is made anew only where their pairs
+    /// are others than before.
+    pub fn set(&mut self, bodies: &[ConeBody], contacts: &[ConeContact], joints: &[ConeJoint]) {
+        let Self { edges, iterate: Iterate { points, elimination, roots, .. }, .. } = self;
+        roots.clear();
+        roots.extend(
+            bodies
+                .iter()
+                .map(|body| [Matrix3::from_diagonal(&body.inverse_mass.map(f64::sqrt)), root(&body.inverse_inertia)]),
+        );
+        self.contacts = contacts.len();
+        points.clear();
+        points.extend(contacts.iter().map(|contact| ConePoint::of_contact(contact, roots)));
+        points.extend(joints.iter().map(|joint| ConePoint::of_joint(joint, roots)));
+        if elimination.count() != bodies.len() || !points.iter().filter_map(ConePoint::edge).eq(edges.iter().copied()) {
+            edges.clear();
+            edges.extend(points.iter().filter_map(ConePoint::edge));
+            let found = Elimination::new(&vec![6; bodies.len()], edges.iter().copied(), usize::MAX);
+            *elimination = found.expect("no bound on the work");
+        }
+        for point in points {
+            point.locate(elimination);
+        }
+    }
+
+    /// Solves for impulses that bring every point within `tolerance` m/s of its law, relative to the fastest point
+    /// where that is faster than 1 m/s.
+    ///
+    /// `velocities` are v_free, one a body, and v on return. `bias` is b, m/s: the motion of an immovable side (its
+    /// point's velocity times +1 at B, −1 at A), and along n what the contact is to gain (a contact that may close a
+    /// gap g within the step h has +g/h, one that is to bounce −e times its approach). `impulses` (N·s, on B) are the
+    /// guess, and the solution on return; zeros if there is none.
+    pub fn solve(
+        &mut self,
+        velocities: &mut [Velocity],
+        bias: &PerPoint,
+        impulses: &mut PerPoint,
+        tolerance: f64,
+    ) -> ConeOutcome {
+        let iterate = &mut self.iterate;
+        iterate.free.clear();
+        iterate.impulses.clear();
+        let biases = bias.contacts.iter().chain(&bias.joints);
+        let guesses = impulses.contacts.iter().chain(&impulses.joints);
+        for ((point, bias), guess) in iterate.points.iter().zip(biases).zip(guesses) {
+            iterate.free.push(point.law.relevant(&point.frame.tr_mul(&(bias + point.velocity(velocities)))));
+            iterate.impulses.push(point.allowed(&point.frame.tr_mul(guess)));
+        }
+        let fastest = iterate.free.iter().map(Vector3::norm_squared).fold(1.0, f64::max).sqrt();
+        let outcome = self.run(tolerance * fastest);
+        let iterate = &self.iterate;
+        let results = impulses.contacts.iter_mut().chain(&mut impulses.joints);
+        for ((point, impulse), result) in iterate.points.iter().zip(&iterate.impulses).zip(results) {
+            *result = point.frame * impulse;
+        }
+        for (body, (velocity, [linear, angular])) in velocities.iter_mut().zip(&iterate.roots).enumerate() {
+            let scaled = &iterate.scaled[iterate.elimination.place(body as u32) as usize];
+            velocity[0] += linear * scaled.fixed_rows::<3>(0);
+            velocity[1] += angular * scaled.fixed_rows::<3>(3);
+        }
+        outcome
+    }
+
+    /// The methods of the module's docs, in their order, until one does it.
+    fn run(&mut self, tolerance: f64) -> ConeOutcome {
+        let mut outcome =
+            ConeOutcome { end: ConeEnd::Bounded, residual: f64::INFINITY, steps: 0, interior: 0, stages: 0 };
+        let Self { iterate, contacts, proximal, interior, .. } = self;
+        let is_guessed = iterate.impulses.iter().any(|impulse| *impulse != Vector3::zeros());
+        iterate.refresh();
+        iterate.best.clone_from(&iterate.impulses);
+        outcome.residual = iterate.residual().largest;
+        let has_contacts = *contacts > 0;
+        let done = iterate.newton(tolerance, &mut outcome)
+            || (is_guessed && iterate.proximal_points(proximal, PROXIMAL_POINTS[0], tolerance, &mut outcome))
+            || (has_contacts && iterate.interior_point(interior, tolerance, &mut outcome))
+            || iterate.proximal_points(proximal, PROXIMAL_POINTS[1], tolerance, &mut outcome);
+        if !done {
+            // A guess may be worse than none.
+            iterate.impulses.fill(Vector3::zeros());
+            iterate.refresh();
+            let none = iterate.residual();
+            iterate.note(none, &mut outcome);
+            iterate.impulses.clone_from(&iterate.best);
+            iterate.refresh();
+            outcome.residual = iterate.residual().largest;
+        }
+        if outcome.residual <= tolerance {
+            outcome.end = ConeEnd::Converged;
+        } else if outcome.residual <= iterate.rounding() {
+            outcome.end = ConeEnd::Rounding;
+        }
+        outcome
+    }
+}
