@@ -6,6 +6,7 @@ use bevy::prelude::*;
 use plumb::physics::{ContactForces, Diagnostics};
 use plumb::prelude::*;
 
+use crate::matrix::{ENGINES, Engine};
 use crate::rig::*;
 
 fn methods() -> [SolverSettings; 3] {
@@ -168,7 +169,7 @@ fn soft_joints_stretch_by_their_compliance() {
 /// Contacts that last and the exact method have manifolds; only force-level sweeps can have the 2009 engine's points.
 #[test]
 fn extreme_vertices_are_of_force_level_methods_alone() {
-    for settings in every_method() {
+    for settings in ENGINES.map(Engine::settings) {
         let asked = SolverSettings { contacts: ContactModel::ExtremeVertices, ..settings };
         let is_force_level =
             !matches!(settings.method, Method::SoftStep | Method::SequentialImpulses | Method::Xpbd | Method::Exact);
@@ -181,69 +182,5 @@ fn extreme_vertices_are_of_force_level_methods_alone() {
             assert_eq!(asked.with_method(settings.method), settings);
         }
         assert_eq!(SolverSettings::classic().with_method(settings.method).validate(), Ok(()));
-    }
-}
-
-/// A soft joint from an immovable point to a body's anchor.
-fn pull(world: &mut World, from: DVec3, body: Entity, anchor: DVec3, max_force: f64) -> Entity {
-    let hand = world.spawn((RigidBody::Static, Position(from))).id();
-    let softness = Softness { frequency: 4.0, damping_ratio: 1.0, max_force };
-    let joint = BallJoint::new(hand, body).with_anchors(DVec3::ZERO, anchor).with_softness(softness);
-    world.spawn((joint, JointLoad::default())).id()
-}
-
-/// A spring far beyond its largest force pulls with that, as a vector: along its stretch, no harder aslant than along
-/// an axis.
-#[test]
-fn the_largest_force_of_a_spring_bounds_its_norm() {
-    for settings in every_method() {
-        for along in [DVec3::ONE, DVec3::new(3.0, -2.0, 1.0), DVec3::Y] {
-            let along = along.normalize();
-            let mut world = weightless(settings);
-            let ball = body(&mut world, Collider::sphere(0.5), DVec3::ZERO);
-            world.entity_mut(ball).insert(Mass(2.0));
-            let joint = pull(&mut world, along * 1e3, ball, DVec3::ZERO, 5.0);
-            run(&mut world, 0.2);
-            let load = world.get::<JointLoad>(joint).unwrap();
-            // The ball moves along the stretch: nothing but rounding in `f32`, 6e-8 in each of some dozen products.
-            let message = format!("{:?}, {:?}: {} N", settings.method, settings.integrator, load.force);
-            assert!((load.force - along * 5.0).length() < 5.0 * 1e-5, "{message}");
-            assert!((load.lambda - 5.0).abs() < 5.0 * 1e-5, "{message}");
-            // v = F t/m; methods that kick by halves are one of them behind: h/2 of 0.2 s.
-            let speed = 5.0 * 0.2 / 2.0;
-            assert_near(velocity(&world, ball), along * speed, speed * (1e-4 + 0.5 / 60.0 / 0.2));
-        }
-    }
-}
-
-/// So does one that hangs on a body's end and turns it, and one on what rests on the ground.
-#[test]
-fn the_largest_force_bounds_springs_on_what_turns_and_on_what_rests() {
-    for settings in every_method() {
-        let mut world = weightless(settings);
-        let rod = body(&mut world, Collider::cuboid(1.0, 0.2, 0.1), DVec3::ZERO);
-        world.entity_mut(rod).insert(Mass(1.0));
-        let turning = pull(&mut world, DVec3::new(400.0, 500.0, -300.0), rod, DVec3::X * 0.5, 2.0);
-        let mut least = f64::INFINITY;
-        for _ in 0..30 {
-            step(&mut world);
-            let lambda = world.get::<JointLoad>(turning).unwrap().lambda;
-            // A mean over a step in which the direction turns a little is a little less.
-            assert!(lambda < 2.0 * (1.0 + 1e-5), "{:?}, {:?}: {lambda} N", settings.method, settings.integrator);
-            least = least.min(lambda);
-        }
-        assert!(least > 1.98, "{:?}, {:?}: {least} N", settings.method, settings.integrator);
-
-        let mut world = world_with(SolverSettings { sleep_speed: None, ..settings });
-        ground(&mut world);
-        let cube = body(&mut world, Collider::cuboid(1.0, 1.0, 1.0), DVec3::Y * 0.5);
-        world.entity_mut(cube).insert(Mass(2.0));
-        let along = DVec3::new(2.0, 1.0, -2.0) / 3.0;
-        // 3 N aslant: friction holds with 0.6 (19.6 N − 1 N).
-        let resting = pull(&mut world, along * 1e3, cube, DVec3::ZERO, 3.0);
-        run(&mut world, 1.0);
-        let load = world.get::<JointLoad>(resting).unwrap().force;
-        // The cube has its centre half a metre of a kilometre above where the spring was laid out.
-        assert!((load - along * 3.0).length() < 3e-3, "{:?}: {load} N", settings.method);
     }
 }

@@ -6,21 +6,6 @@ use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use plumb::physics::{Shape, hash_state};
 use plumb::prelude::*;
 
-/// Every method, each with the settings of its kind.
-pub fn every_method() -> Vec<SolverSettings> {
-    let force_level = [
-        Method::ProjectedGaussSeidel,
-        Method::PrimedGaussSeidel,
-        Method::NonsmoothConjugateGradient,
-        Method::JointSpace,
-    ];
-    let force_level = force_level.map(|method| SolverSettings { method, ..SolverSettings::steady() });
-    let exact = [Integrator::Gauss, Integrator::Rattle];
-    let exact = exact.map(|integrator| SolverSettings { integrator, ..SolverSettings::accurate() });
-    let others = [SolverSettings::game(), SolverSettings::sequential_impulses(), SolverSettings::xpbd()];
-    others.into_iter().chain(force_level).chain(exact).collect()
-}
-
 /// Starts a compute pool of four threads on any machine. The first pool of a process stays, so
 /// every test that makes an app of its own calls this before.
 pub fn start_pool() {
