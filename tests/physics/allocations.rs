@@ -25,7 +25,7 @@ const OF_SCOPE: [u64; 2] = [2, 4];
 fn settled(scene: &str, parameters: &[(&str, f64)], threads: u32, steps: u32) -> World {
     let parameters: Vec<_> = parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
     let mut world = std::mem::take(headless_app().world_mut());
-    world.insert_resource(SolverSettings { threads, sleep_speed: None, ..SolverSettings::game() });
+    world.insert_resource(SolverSettings { threads, ..awake_game() });
     load(scene, &parameters).unwrap().spawn(&mut world);
     (0..steps).for_each(|_| step(&mut world));
     world

@@ -15,7 +15,7 @@ pub(super) const CONTACT_TOLERANCE: f64 = 1e-9;
 /// and not where the pair bounces: a speculative contact takes the approach away that a bounce needs.
 pub(super) fn speculative_gap(plane: &Body, body: &Body, normal: &Vector3<f64>, settings: &SolverSettings) -> f64 {
     let bounces = plane.material.pair(body.material).restitution > 0.0;
-    if settings.contacts != ContactModel::Clipping || bounces {
+    if settings.contact_model() != ContactModel::Clipping || bounces {
         return 0.0;
     }
     let approach = (plane.linear - body.linear).dot(normal).max(0.0) + body.angular.norm() * body.radius;

@@ -101,7 +101,7 @@ impl Block {
                 continue;
             }
             let first = self.points.len();
-            let keeps_axis = settings.contacts == ContactModel::Clipping && are_searched(a, b);
+            let keeps_axis = settings.contact_model() == ContactModel::Clipping && are_searched(a, b);
             self.buffers.search.last = if keeps_axis { last_axes.0.get(&pair).copied() } else { None };
             let touching = touch(a, b, settings, &mut self.buffers, &mut self.points);
             if keeps_axis {
@@ -159,7 +159,7 @@ pub(super) fn touch(
     buffers: &mut Buffers,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
-    match settings.contacts {
+    match settings.contact_model() {
         ContactModel::Clipping => contact_pair::touch(a, b, gap_of(a, b, settings), &mut buffers.search, points),
         ContactModel::ExtremeVertices => touch_at_extremes(a, b, settings, &mut buffers.axes, points),
     }
@@ -173,7 +173,8 @@ fn touch_at_extremes(
     buffers: &mut AxisBuffers,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
-    let search = AxisSearch { epsilon: settings.axis_epsilon, merge_opposites: settings.merge_opposite_axes };
+    let search =
+        AxisSearch { epsilon: settings.sweeps.axis_epsilon, merge_opposites: settings.sweeps.merge_opposite_axes };
     let origin = a.position;
     let (shape_a, shape_b) = (Placed::new(a, &origin)?, Placed::new(b, &origin)?);
     let overlap = sat::overlap(&shape_a, &shape_b, &search, buffers)?;
