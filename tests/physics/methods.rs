@@ -3,7 +3,9 @@
 
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
-use plumb::physics::{ContactForces, Diagnostics};
+use bevy::reflect::enums::DynamicEnum;
+use bevy::reflect::{GetPath, ReflectMut};
+use plumb::physics::{ContactForces, Diagnostics, SETTINGS};
 use plumb::prelude::*;
 
 use crate::matrix::{ENGINES, Engine};
@@ -166,21 +168,55 @@ fn soft_joints_stretch_by_their_compliance() {
     }
 }
 
-/// Contacts that last and the exact method have manifolds; only force-level sweeps can have the 2009 engine's points.
-#[test]
-fn extreme_vertices_are_of_force_level_methods_alone() {
-    for settings in ENGINES.map(Engine::settings) {
-        let asked = SolverSettings { contacts: ContactModel::ExtremeVertices, ..settings };
-        let is_force_level =
-            !matches!(settings.method, Method::SoftStep | Method::SequentialImpulses | Method::Xpbd | Method::Exact);
-        if is_force_level {
-            assert_eq!(asked.validate(), Ok(()), "{:?}", settings.method);
-            assert_eq!(SolverSettings::classic().with_method(settings.method).contacts, ContactModel::ExtremeVertices);
-        } else {
-            let said = asked.validate().expect_err("it would be ignored").to_string();
-            assert!(said.starts_with("contacts: ExtremeVertices is out of range") && !said.contains('\n'), "{said}");
-            assert_eq!(asked.with_method(settings.method), settings);
-        }
-        assert_eq!(SolverSettings::classic().with_method(settings.method).validate(), Ok(()));
+/// Another value of a setting, in its range.
+fn vary(settings: &mut SolverSettings, path: &str) {
+    let value = settings.reflect_path_mut(path).expect("the table has paths of the type");
+    if let Some(value) = value.try_downcast_mut::<f64>() {
+        *value = 0.5 * *value + 0.01;
+    } else if let Some(value) = value.try_downcast_mut::<u32>() {
+        *value = 1 - (*value).min(1) + *value / 2;
+    } else if let Some(value) = value.try_downcast_mut::<bool>() {
+        *value = !*value;
+    } else if let Some(value) = value.try_downcast_mut::<Option<f64>>() {
+        *value = if value.is_none() { Some(0.05) } else { None };
+    } else if let ReflectMut::Enum(value) = value.reflect_mut() {
+        let names = value.get_represented_enum_info().unwrap().variant_names();
+        value.apply(&DynamicEnum::new(names[(value.variant_index() + 1) % names.len()], ()));
     }
+}
+
+#[test]
+fn no_method_reads_what_the_table_says_it_does_not() {
+    let ends = |settings: SolverSettings| {
+        let mut world = world_with(settings);
+        ground(&mut world);
+        let tilted = body(&mut world, Collider::cuboid(1.0, 0.5, 0.8), DVec3::new(0.0, 0.6, 0.0));
+        world.get_mut::<Rotation>(tilted).unwrap().0 = DQuat::from_rotation_z(0.3);
+        world.get_mut::<Velocity>(tilted).unwrap().linear = DVec3::new(1.0, -1.0, 0.5);
+        let cubes = [0.5, 1.499].map(|y| body(&mut world, Collider::cuboid(1.0, 1.0, 1.0), DVec3::new(4.0, y, 0.0)));
+        let rods = [2.0, 3.2].map(|y| body(&mut world, Collider::sphere(0.4), DVec3::new(-3.0, y, 0.0)));
+        world.spawn(BallJoint::new(rods[0], rods[1]).with_anchors(DVec3::Y * 0.6, -DVec3::Y * 0.6));
+        run(&mut world, 1.0);
+        [tilted, cubes[0], cubes[1], rods[0], rods[1]]
+            .map(|body| (world.get::<Position>(body).unwrap().0, world.get::<Velocity>(body).unwrap().linear))
+    };
+    let mut unread = 0;
+    for settings in ENGINES.map(Engine::settings) {
+        let before = ends(settings);
+        for setting in SETTINGS.iter().filter(|setting| !setting.is_read(&settings)) {
+            let mut varied = settings;
+            vary(&mut varied, setting.path);
+            assert_ne!(varied, settings, "{} did not vary", setting.path);
+            assert_eq!(varied.validate(), Ok(()), "{}", setting.path);
+            assert_eq!(ends(varied), before, "{:?} reads {}", settings.method, setting.path);
+            unread += 1;
+        }
+        let differs = |path| {
+            let mut varied = settings;
+            vary(&mut varied, path);
+            ends(varied) != before
+        };
+        assert!(differs("restitution_speed") || differs("drag"), "{:?}: the scene shows nothing", settings.method);
+    }
+    assert!(unread > 50, "{unread} are next to none");
 }

@@ -6,6 +6,19 @@ use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use plumb::physics::{Shape, hash_state};
 use plumb::prelude::*;
 
+/// The default preset without sleep.
+pub fn awake_game() -> SolverSettings {
+    let mut game = SolverSettings::game();
+    game.impulse.sleep_speed = None;
+    game
+}
+
+/// The same with full effort for what rests, if so asked.
+pub fn with_effort(mut settings: SolverSettings, fitted_effort: bool) -> SolverSettings {
+    settings.impulse.fitted_effort = fitted_effort;
+    settings
+}
+
 /// Starts a compute pool of four threads on any machine. The first pool of a process stays, so
 /// every test that makes an app of its own calls this before.
 pub fn start_pool() {

@@ -86,7 +86,7 @@ pub(super) fn plugin(app: &mut App) {
 fn pairs_are_swept(settings: Res<SolverSettings>) -> bool {
     match settings.method {
         Method::Exact => true,
-        method => !method.keeps_contacts() && settings.broad_phase == BroadPhase::SweepAndSort,
+        method => !method.keeps_contacts() && settings.sweeps.broad_phase == BroadPhase::SweepAndSort,
     }
 }
 

@@ -20,7 +20,8 @@ fn expected(engine: Engine) -> f64 {
 
 /// Every method, and the other integrator of the exact one: they bound a spring each by itself.
 fn ways() -> impl Iterator<Item = (Engine, SolverSettings)> {
-    let rattle = SolverSettings { integrator: Integrator::Rattle, ..Accurate.settings() };
+    let exact = ExactSettings { integrator: ExactIntegrator::Rattle };
+    let rattle = SolverSettings { exact, ..Accurate.settings() };
     ENGINES.into_iter().map(|engine| (engine, engine.settings())).chain([(Accurate, rattle)])
 }
 
@@ -42,7 +43,7 @@ fn a_spring_pulls_with_its_largest_force_and_no_more() {
         let tolerance = expected(engine) * LARGEST;
         for along in [DVec3::X, DVec3::ONE, DVec3::new(3.0, -2.0, 1.0)] {
             let along = along.normalize();
-            let case = format!("{engine:?}, {:?}, along {along}", settings.integrator);
+            let case = format!("{engine:?}, {:?}, along {along}", settings.exact.integrator);
             let mut world = weightless(settings);
             let ball = body(&mut world, Collider::sphere(0.5), DVec3::ZERO);
             world.entity_mut(ball).insert(Mass(MASS));
@@ -54,7 +55,8 @@ fn a_spring_pulls_with_its_largest_force_and_no_more() {
                 assert!((load.lambda - LARGEST).abs() <= tolerance, "{case}: {} N", load.lambda);
             }
             // Within its reach it pulls at its bound all the time; kicks by halves are one of them behind.
-            let behind = if settings.integrator == Integrator::Rattle { 0.5 * LARGEST / settings.hz } else { 0.0 };
+            let behind =
+                if settings.exact.integrator == ExactIntegrator::Rattle { 0.5 * LARGEST / settings.hz } else { 0.0 };
             let gained = velocity(&world, ball) * MASS;
             assert!((gained - LARGEST * along).length() <= tolerance + behind, "{case}: {gained} Ns in a second");
         }
@@ -74,12 +76,13 @@ fn the_largest_force_bounds_springs_on_what_turns_and_on_what_rests() {
             step(&mut world);
             let lambda = world.get::<JointLoad>(turning).unwrap().lambda;
             // A mean over a step in which the direction turns a little is a little less.
-            assert!(lambda < 2.0 * (1.0 + 1e-5), "{:?}, {:?}: {lambda} N", settings.method, settings.integrator);
+            assert!(lambda < 2.0 * (1.0 + 1e-5), "{:?}, {:?}: {lambda} N", settings.method, settings.exact.integrator);
             least = least.min(lambda);
         }
-        assert!(least > 1.98, "{:?}, {:?}: {least} N", settings.method, settings.integrator);
+        assert!(least > 1.98, "{:?}, {:?}: {least} N", settings.method, settings.exact.integrator);
 
-        let mut world = world_with(SolverSettings { sleep_speed: None, ..settings });
+        let impulse = ImpulseSettings { sleep_speed: None, ..settings.impulse };
+        let mut world = world_with(SolverSettings { impulse, ..settings });
         ground(&mut world);
         let cube = body(&mut world, Collider::cuboid(1.0, 1.0, 1.0), DVec3::Y * 0.5);
         world.entity_mut(cube).insert(Mass(2.0));
