@@ -11,8 +11,7 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
 use super::classic::extreme_vertices;
-use super::classic::placed::Placed;
-use super::classic::sat::{self, AxisBuffers, AxisSearch};
+use super::classic::sat::AxisBuffers;
 use super::gap::contact_gap;
 use super::manifold::{CandidatePairs, ContactPoint, Contacts, Manifold, Overlap, Pair};
 use super::narrow::contact_pair::{self, PairSearch};
@@ -148,26 +147,6 @@ pub(super) fn touch(
 ) -> Option<Overlap> {
     match settings.contacts {
         ContactModel::Clipping => contact_pair::touch(a, b, contact_gap(a, b, settings), &mut buffers.search, points),
-        ContactModel::ExtremeVertices => touch_at_extremes(a, b, settings, &mut buffers.axes, points),
+        ContactModel::ExtremeVertices => extreme_vertices::touch(a, b, settings, &mut buffers.axes, points),
     }
-}
-
-/// The 2009 engine's way.
-fn touch_at_extremes(
-    a: &Body,
-    b: &Body,
-    settings: &SolverSettings,
-    buffers: &mut AxisBuffers,
-    points: &mut Vec<ContactPoint>,
-) -> Option<Overlap> {
-    let search = AxisSearch { epsilon: settings.axis_epsilon, merge_opposites: settings.merge_opposite_axes };
-    let origin = a.position;
-    let (shape_a, shape_b) = (Placed::new(a, &origin)?, Placed::new(b, &origin)?);
-    let overlap = sat::overlap(&shape_a, &shape_b, &search, buffers)?;
-    let first = points.len();
-    extreme_vertices::contact_points(&shape_a, &shape_b, &overlap, points);
-    for point in &mut points[first..] {
-        point.point += origin;
-    }
-    Some(overlap)
 }
