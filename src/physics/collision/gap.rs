@@ -31,7 +31,7 @@ pub(super) fn contact_gap(a: &Body, b: &Body, settings: &SolverSettings) -> f64 
         return SPECULATIVE_MARGIN * a.radius.min(b.radius) + fastest_approach(a, b) * h;
     }
     let is_over_plane = matches!(a.geometry, Some(Geometry::HalfSpace));
-    if !is_over_plane || settings.contacts != ContactModel::Clipping || may_bounce(a, b) {
+    if !is_over_plane || settings.contact_model() != ContactModel::Clipping || may_bounce(a, b) {
         return 0.0;
     }
     let normal = a.rotation * Vector3::y();

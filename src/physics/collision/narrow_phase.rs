@@ -98,7 +98,7 @@ impl Block {
                 continue;
             }
             let first = self.points.len();
-            let keeps_axis = settings.contacts == ContactModel::Clipping && are_searched(a, b);
+            let keeps_axis = settings.contact_model() == ContactModel::Clipping && are_searched(a, b);
             self.buffers.search.last = if keeps_axis { last_axes.0.get(&pair).copied() } else { None };
             let touching = touch(a, b, settings, &mut self.buffers, &mut self.points);
             if keeps_axis {
@@ -145,7 +145,7 @@ pub(super) fn touch(
     buffers: &mut Buffers,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
-    match settings.contacts {
+    match settings.contact_model() {
         ContactModel::Clipping => contact_pair::touch(a, b, contact_gap(a, b, settings), &mut buffers.search, points),
         ContactModel::ExtremeVertices => extreme_vertices::touch(a, b, settings, &mut buffers.axes, points),
     }

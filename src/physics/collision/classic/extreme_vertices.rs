@@ -23,7 +23,8 @@ pub(crate) fn touch(
     buffers: &mut AxisBuffers,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
-    let search = AxisSearch { epsilon: settings.axis_epsilon, merge_opposites: settings.merge_opposite_axes };
+    let search =
+        AxisSearch { epsilon: settings.sweeps.axis_epsilon, merge_opposites: settings.sweeps.merge_opposite_axes };
     let origin = a.position;
     let (shape_a, shape_b) = (Placed::new(a, &origin)?, Placed::new(b, &origin)?);
     let overlap = sat::overlap(&shape_a, &shape_b, &search, buffers)?;

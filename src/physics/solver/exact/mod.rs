@@ -97,7 +97,7 @@ fn solve_exactly(
         let (bodies, joints, cache) = (&*bodies, &*joints, &*cache);
         threads::for_each_block(settings.threads, list, |group| {
             group.gather(&islands, bodies, joints, &contacts, settings.friction);
-            group.step(bodies, settings.integrator, &terms, cache);
+            group.step(bodies, settings.exact.integrator, &terms, cache);
         });
     }
     cache.clear();

@@ -78,7 +78,7 @@ pub(super) struct Exactly {
 impl Exactly {
     /// As the settings want it.
     pub fn of(settings: &SolverSettings) -> Self {
-        let rest = settings.fitted_effort && settings.method == Method::SoftStep;
+        let rest = settings.impulse.fitted_effort && settings.method == Method::SoftStep;
         Self { trees: method::solves_trees(settings.method), rest }
     }
 }
