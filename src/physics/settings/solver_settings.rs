@@ -346,7 +346,7 @@ impl SettingsError {
 
 #[cfg(test)]
 mod tests {
-    use bevy::reflect::{PartialReflect, ReflectRef, TypeInfo, Typed};
+    use bevy::reflect::{ReflectRef, TypeInfo, Typed};
 
     use super::*;
 
