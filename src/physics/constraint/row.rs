@@ -30,6 +30,9 @@ pub(crate) struct Twist<N> {
     pub angular: Vector3<N>,
 }
 
+/// Force and torque, or linear and angular impulse, on one body: what is dual to a twist.
+pub(crate) type Wrench<N> = Twist<N>;
+
 /// What a row needs to know of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BodyTerms<N> {
@@ -85,6 +88,22 @@ pub(crate) struct Row<N> {
 impl<N: SimdRealField + Copy> Twist<N> {
     pub fn zero() -> Self {
         Self { linear: Vector3::zeros(), angular: Vector3::zeros() }
+    }
+
+    /// The power of a wrench along it.
+    pub fn dot(&self, wrench: &Wrench<N>) -> N {
+        self.linear.dot(&wrench.linear) + self.angular.dot(&wrench.angular)
+    }
+
+    /// It and a share of another.
+    pub fn plus(&self, other: &Self, share: N) -> Self {
+        Self { linear: self.linear + other.linear * share, angular: self.angular + other.angular * share }
+    }
+}
+
+impl<N: SimdRealField + Copy> Default for Twist<N> {
+    fn default() -> Self {
+        Self::zero()
     }
 }
 
