@@ -27,7 +27,9 @@ fn mark<const INDEX: usize>(mut marks: ResMut<Marks>) {
 fn settled(scene: &str, parameters: &[(&str, f64)], threads: u32) -> App {
     let parameters: Vec<_> = parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
     let mut app = headless_app();
-    app.insert_resource(SolverSettings { threads, sleep_speed: None, ..SolverSettings::game() });
+    let mut settings = SolverSettings { threads, ..SolverSettings::game() };
+    settings.impulse.sleep_speed = None;
+    app.insert_resource(settings);
     app.insert_resource(Marks([Instant::now(); PHASES.len() + 1]));
     app.add_systems(
         PhysicsSchedule,

@@ -14,10 +14,11 @@ pub mod scene;
 pub mod prelude {
     pub use crate::physics::{
         BallJoint, BodyQuarantined, BroadPhase, Collider, Collision, CollisionLayers, ContactEnded, ContactModel,
-        ContactStarted, ConvexHull, Damping, Density, ExternalForce, FrictionModel, Gravity, GravityScale, Inertia,
-        Integrator, JointLoad, LockedAxes, Mass, Method, ObserveContacts, PhysicsPlugin, Position, Precision,
-        Quarantined, RenderOrigin, ReportCollisions, RigidBody, Rotation, Sleeping, Softness, SolverSettings,
-        StepStats, SurfaceMaterial, Velocity, headless_app, step,
+        ContactStarted, ConvexHull, Damping, Density, ExactIntegrator, ExactSettings, ExternalForce, FrictionModel,
+        Gravity, GravityScale, ImpulseSettings, Inertia, Integrator, JointLoad, LockedAxes, Mass, Method,
+        ObserveContacts, PhysicsPlugin, Position, Precision, Quarantined, RenderOrigin, ReportCollisions, RigidBody,
+        Rotation, Sleeping, Softness, SolverSettings, StepStats, SurfaceMaterial, SweepSettings, Velocity,
+        headless_app, step,
     };
     pub use crate::physics::{PhysicsSchedule, PhysicsSystems};
 }

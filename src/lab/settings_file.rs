@@ -1,4 +1,4 @@
-//! Settings from a RON file: `(hz: 120, substeps: 8)`, all other fields at the default preset's.
+//! Settings from a RON file: `(hz: 120, substeps: 8)`, all others at the default preset's.
 
 use std::fmt;
 use std::io;
@@ -10,7 +10,7 @@ use ron::ser::PrettyConfig;
 use serde::de::{Deserializer, Error as _, IgnoredAny, MapAccess, Visitor};
 
 use super::whole_file::write_whole;
-use crate::physics::{SettingsError, SolverSettings};
+use crate::physics::{Method, SettingsError, SolverSettings, WrittenSettings};
 
 /// Why there are no settings, in one line that names the place.
 #[derive(Debug, thiserror::Error)]
@@ -33,14 +33,14 @@ pub enum SettingsFileError {
         /// What the parser said.
         problem: String,
     },
-    /// A value out of its range.
+    /// A value out of its range, or of a setting that the method does not read.
     #[error("{}:{place}: {reason}", path.display())]
-    OutOfRange {
+    Refused {
         /// The file.
         path: PathBuf,
         /// Line and column.
         place: Position,
-        /// Which field.
+        /// Which setting.
         reason: SettingsError,
     },
 }
@@ -48,24 +48,29 @@ pub enum SettingsFileError {
 /// Reads and checks settings.
 ///
 /// # Errors
-/// The file cannot be read or understood, or a value is out of its range.
+/// The file cannot be read or understood, has a setting that its method does not read, or a value out of its range.
 pub fn read_settings(path: &Path) -> Result<SolverSettings, SettingsFileError> {
+    Ok(read_written(path, None)?.settings)
+}
+
+/// The same, with another method if one is given, and with what the user wrote.
+pub(super) fn read_written(path: &Path, method: Option<Method>) -> Result<WrittenSettings, SettingsFileError> {
     let text = std::fs::read_to_string(path)
         .map_err(|reason| SettingsFileError::Unreadable { path: path.to_owned(), reason })?;
-    let settings: SolverSettings = options().from_str(&text).map_err(|error| SettingsFileError::Malformed {
+    let mut written: WrittenSettings = options().from_str(&text).map_err(|error| SettingsFileError::Malformed {
         path: path.to_owned(),
         place: error.span.start,
         problem: error.code.to_string(),
     })?;
-    settings.validate().map_err(|reason| SettingsFileError::OutOfRange {
+    written.settings.method = method.unwrap_or(written.settings.method);
+    written.check().map_err(|reason| SettingsFileError::Refused {
         path: path.to_owned(),
-        place: place_of(reason.field, &text),
+        place: place_of(reason.name(), &text),
         reason,
     })?;
-    Ok(settings)
+    Ok(written)
 }
-
-/// Writes settings to a file that [`read_settings`] reads, one a line.
+/// Writes those settings that the method reads to a file that [`read_settings`] reads, one a line.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -79,14 +84,14 @@ pub fn settings_text(settings: &SolverSettings) -> String {
     text + "\n"
 }
 
-/// All settings on one line, as a settings file may have them.
+/// All settings that the method reads on one line, as a settings file may have them.
 pub(super) fn settings_to_ron(settings: &SolverSettings) -> String {
     options().to_string(settings).expect("numbers and names always have a text")
 }
 
 /// Settings from such a line.
 pub(super) fn settings_from_ron(text: &str) -> Result<SolverSettings, ron::error::SpannedError> {
-    options().from_str(text)
+    options().from_str::<WrittenSettings>(text).map(|written| written.settings)
 }
 
 /// `correction_speed: 3.0` beside `Some(3.0)`.

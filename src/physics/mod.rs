@@ -57,8 +57,8 @@ pub use plugin::{PhysicsPlugin, headless_app, step};
 pub use readings::{ContactForce, ContactForces, Diagnostics, JointForce, JointForces};
 pub use schedule::{PhysicsSchedule, PhysicsSystems};
 pub use settings::{
-    BroadPhase, ContactModel, FrictionModel, Gravity, Integrator, Method, Precision, SettingValue, SettingsError,
-    SolverSettings,
+    BroadPhase, Choice, Choices, ContactModel, ExactIntegrator, ExactSettings, FrictionModel, Gravity, ImpulseSettings,
+    Integrator, Method, Precision, SETTINGS, Setting, SettingsError, SolverSettings, SweepSettings, WrittenSettings,
 };
 pub use shape::{Collider, ConvexHull, HullError, MassProperties, Shape};
 pub use state_hash::hash_state;

@@ -290,7 +290,7 @@ fn wake_near(
         sleep.settings = Some(*settings);
         sleep.start_over();
     }
-    if settings.method.keeps_contacts() && settings.sleep_speed.is_some() {
+    if settings.method.keeps_contacts() && settings.impulse.sleep_speed.is_some() {
         sleep.disturb_by_kinematic(&bodies, &joints, &near);
         if !bodies.asleep.is_empty() {
             sleep.disturb_by_pairs(&bodies, &near, &graph);
@@ -332,7 +332,7 @@ fn fall_asleep(
     settings: Res<SolverSettings>,
     stats: Res<StepStats>,
 ) {
-    let limit = settings.sleep_speed.filter(|_| settings.method.keeps_contacts());
+    let limit = settings.impulse.sleep_speed.filter(|_| settings.method.keeps_contacts());
     let Some(limit) = limit else { return };
     let delay = (DELAY * settings.hz).ceil() as u64;
     sleep.find_resting(&bodies, &islands, limit, stats.steps, delay);

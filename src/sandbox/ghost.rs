@@ -15,7 +15,7 @@ use super::{CurrentScene, SandboxAction};
 use crate::lab::Simulation;
 use crate::lab::chart::SERIES;
 use crate::lab::truth;
-use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
+use crate::physics::{PhysicsSchedule, PhysicsSystems};
 use crate::physics::{Position, RenderOrigin, RigidBody, SolverSettings, StepStats};
 use crate::scene::SceneSpec;
 

@@ -9,8 +9,8 @@ use egui_plot::{GridInput, GridMark, HoverPosition, Line, Plot, PlotPoints};
 use super::CurrentScene;
 use super::ghost::{self, GhostDistance};
 use super::panel::{Quantity, palette};
-use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::physics::{Diagnostics, StepStats};
+use crate::physics::{PhysicsSchedule, PhysicsSystems};
 
 /// Simulation time on view, s.
 const WINDOW: f64 = 10.0;

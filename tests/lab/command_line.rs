@@ -119,10 +119,11 @@ fn json_of_a_scene_without_an_answer_says_so() {
 fn settings_add_up_from_preset_file_and_flags() {
     let settings = |arguments: &[&str]| {
         let all = [&["run", "pendulum", "--seconds", "0.02", "--json"], arguments].concat();
-        serde_json::from_value::<SolverSettings>(json(&all)["settings"].clone()).unwrap()
+        json(&all)["settings"].clone()
     };
-    assert_eq!(settings(&[]), SolverSettings::default());
-    assert_eq!(settings(&["--preset", "classic"]), SolverSettings::classic());
+    let as_json = |settings| serde_json::to_value(settings).unwrap();
+    assert_eq!(settings(&[]), as_json(SolverSettings::default()));
+    assert_eq!(settings(&["--preset", "classic"]), as_json(SolverSettings::classic()));
     let flags = "--preset classic --method pgs --hz 120 --substeps 3 --iterations 7 --precision f64 --threads 2";
     let expected = SolverSettings {
         hz: 120.0,
@@ -132,7 +133,7 @@ fn settings_add_up_from_preset_file_and_flags() {
         threads: 2,
         ..SolverSettings::classic()
     };
-    assert_eq!(settings(&flags.split_whitespace().collect::<Vec<_>>()), expected);
+    assert_eq!(settings(&flags.split_whitespace().collect::<Vec<_>>()), as_json(expected));
 
     let text = "// mine\n(hz: 100, slop: 0.004, correction_speed: None, restitution_speed: Some(1), friction: off)";
     let (_folder, path) = file("mine.ron", text);
@@ -144,14 +145,15 @@ fn settings_add_up_from_preset_file_and_flags() {
         friction: plumb::physics::FrictionModel::Off,
         ..SolverSettings::default()
     };
-    assert_eq!(settings(&["--settings", &path, "--hz", "50"]), expected);
+    assert_eq!(settings(&["--settings", &path, "--hz", "50"]), as_json(expected));
 }
 
 #[test]
 fn settings_that_json_prints_can_be_read_back_from_ron() {
     let text = ron::to_string(&SolverSettings::classic()).unwrap();
     let (_folder, path) = file("classic.ron", &text);
-    assert_eq!(plumb::lab::read_settings(Path::new(&path)).unwrap(), SolverSettings::classic());
+    let read = plumb::lab::read_settings(Path::new(&path)).unwrap();
+    assert_eq!(ron::to_string(&read).unwrap(), text);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use bevy::math::DVec3;
 use plumb::lab::verdict::{Verdict, judge};
 use plumb::lab::{Metrics, Plan, Sample, measure};
-use plumb::physics::{FrictionModel, Integrator, Precision, SolverSettings};
+use plumb::physics::{FrictionModel, ImpulseSettings, Integrator, Precision, SolverSettings, SweepSettings};
 use plumb::scene::SceneSpec;
 
 /// Runs a user's scene at 100 Hz.
@@ -106,7 +106,11 @@ fn joint_error_is_the_largest_gap_between_the_anchors() {
 #[test]
 fn a_scene_at_rest_measures_its_energy_against_weight_times_height() {
     // With springs that give way.
-    let settings = SolverSettings { precision: Precision::F64, fitted_effort: false, ..SolverSettings::default() };
+    let settings = SolverSettings {
+        precision: Precision::F64,
+        impulse: ImpulseSettings { fitted_effort: false, sleep_speed: Some(0.02) },
+        ..SolverSettings::default()
+    };
     let plan = Plan::new("stack", &[("n".into(), 2.0)], settings, Some(0.5)).unwrap();
     let mut lowest = [0.0_f64; 2];
     let metrics = measure(&plan, |sample| {
@@ -142,14 +146,15 @@ const CUBE: &str = "shape: Cuboid(size: (1, 1, 1))";
 
 /// Contacts without what keeps them from the plain laws.
 fn plain(substeps: u32, integrator: Integrator) -> SolverSettings {
+    let steady = SolverSettings::steady();
     SolverSettings {
         precision: Precision::F64,
         iterations: 200,
         substeps,
-        integrator,
+        sweeps: SweepSettings { integrator, ..steady.sweeps },
         slop: 0.0,
         restitution_speed: Some(0.0),
-        ..SolverSettings::steady()
+        ..steady
     }
 }
 
@@ -205,7 +210,8 @@ fn what_a_solve_leaves_undone_shows_in_the_contacts_laws() {
         (name: "light", shape: Sphere(radius: 0.5), position: (0, 0.5, 0)),
         (name: "heavy", shape: Sphere(radius: 0.5), mass: 50000, position: (0, 1.5, 0))"#;
     let residual = |iterations| {
-        let settings = SolverSettings { iterations, warm_starting: false, ..plain(1, Integrator::Euler) };
+        let mut settings = SolverSettings { iterations, ..plain(1, Integrator::Euler) };
+        settings.sweeps.warm_starting = false;
         measured(heavy_on_light, settings, 1).contact_residual.unwrap().worst
     };
     let (few, many) = (residual(2), residual(20_000));

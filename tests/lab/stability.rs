@@ -61,7 +61,8 @@ fn fitted_effort_does_no_worse_than_full_effort() {
     for map in &ATLAS {
         for (x, y) in places(map) {
             let [fitted, full] = [true, false].map(|fitted_effort| {
-                let base = SolverSettings { fitted_effort, ..SolverSettings::game() };
+                let mut base = SolverSettings::game();
+                base.impulse.fitted_effort = fitted_effort;
                 judged(&map.point("game", base, x, y).plan().unwrap())
             });
             let cell = format!("{} at {x}, {y}", map.name);
@@ -146,7 +147,8 @@ fn the_default_holds_any_load_on_a_chain() {
 /// Islands at rest are solved directly: there is no border.
 #[test]
 fn the_default_holds_any_load_at_rest() {
-    let default = SolverSettings { sleep_speed: None, ..SolverSettings::default() };
+    let mut default = SolverSettings::default();
+    default.impulse.sleep_speed = None;
     for (scene, parameter, value) in [("sandwich", "r", 1e4), ("sandwich", "r", 1e6), ("stack", "n", 60.0)] {
         let (verdict, reason) = border(default, scene, parameter, 4.0, [value; 2]).verdict(value);
         assert_eq!(verdict, Verdict::Holds, "{scene} {parameter}={value}: {reason}");
@@ -155,7 +157,8 @@ fn the_default_holds_any_load_at_rest() {
 
 #[test]
 fn the_soft_step_at_full_effort_holds_what_its_maps_claim() {
-    let full = SolverSettings { fitted_effort: false, ..SolverSettings::default() };
+    let mut full = SolverSettings::default();
+    full.impulse.fitted_effort = false;
     border(full, "sandwich", "r", 4.0, [300.0, 1e4]).check();
     border(full, "stack", "n", 5.0, [20.0, 60.0]).check();
     border(full, "top", "spin", 3.0, [10.0, 1000.0]).check();

@@ -83,7 +83,9 @@ fn arch_and_house_of_cards_do_not_creep_in_a_minute() {
 }
 
 fn awake() -> SolverSettings {
-    SolverSettings { sleep_speed: None, ..SolverSettings::game() }
+    let mut game = SolverSettings::game();
+    game.impulse.sleep_speed = None;
+    game
 }
 
 /// The decks of the outer pairs hang on to 0.319 of their weight (see the scene).
@@ -168,7 +170,8 @@ fn a_pile_comes_to_rest_in_its_tray() {
 /// Softness lets none of them lean: a column of soft contacts buckles from 20 cubes on, one of rigid cubes does not.
 #[test]
 fn a_swept_column_of_forty_cubes_a_little_out_of_line_stands() {
-    let settings = SolverSettings { fitted_effort: false, sleep_speed: None, ..SolverSettings::game() };
+    let mut settings = awake();
+    settings.impulse.fitted_effort = false;
     let parameters = [("n", 40.0), ("jitter", 0.001)].map(|(name, value)| (name.to_owned(), value));
     let scene = load("stack", &parameters).unwrap();
     let starts: Vec<DVec3> = scene.bodies.iter().map(|body| body.position).collect();

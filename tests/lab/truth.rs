@@ -303,7 +303,8 @@ fn a_ball_rests_on_the_wall_it_was_thrown_at() {
 
 #[test]
 fn far_is_compared_with_its_twin_at_the_origin() {
-    let settings = SolverSettings { iterations: 3, fitted_effort: false, ..SolverSettings::default() };
+    let mut settings = SolverSettings { iterations: 3, ..SolverSettings::default() };
+    settings.impulse.fitted_effort = false;
     let error = |twin_settings: SolverSettings, off: DVec3| {
         let mut run = Simulation::new(scene("far", &[("d", 1024.0)]), settings);
         let mut truth = truth::of(run.scene(), &twin_settings).unwrap();

@@ -34,7 +34,7 @@ fn by(settings: SolverSettings, scene: &str, parameters: &[(&str, f64)], steps: 
 }
 
 fn settled(scene: &str, parameters: &[(&str, f64)], threads: u32, steps: u32) -> World {
-    let settings = SolverSettings { threads, sleep_speed: None, ..SolverSettings::game() };
+    let settings = SolverSettings { threads, ..awake_game() };
     by(settings, scene, parameters, steps)
 }
 
@@ -123,7 +123,8 @@ fn expected(engine: Engine) -> bool {
 fn no_method_allocates_in_a_steady_step() {
     start_pool();
     for engine in ENGINES {
-        let settings = SolverSettings { sleep_speed: None, ..engine.settings() };
+        let mut settings = engine.settings();
+        settings.impulse.sleep_speed = None;
         // In which contacts come and go now and then, in those of `classic` most.
         for (what, touches, least, mut world) in [
             ("chain", false, 90, by(settings, "chain", &[], 60)),

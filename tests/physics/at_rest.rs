@@ -10,10 +10,9 @@ use rand_pcg::Pcg64Mcg;
 use crate::rig::*;
 
 /// Nothing sleeps, so that all that stands still is held by the solver.
-const AWAKE: Option<f64> = None;
 
 fn game() -> World {
-    let mut world = world_with(SolverSettings { sleep_speed: AWAKE, ..SolverSettings::game() });
+    let mut world = world_with(awake_game());
     ground(&mut world);
     world
 }
@@ -159,7 +158,7 @@ fn what_rests_follows_gravity_mass_and_friction() {
 
 #[test]
 fn what_rests_goes_along_with_its_floor() {
-    let mut world = world_with(SolverSettings { sleep_speed: AWAKE, ..SolverSettings::game() });
+    let mut world = world_with(awake_game());
     let floor = world.spawn((RigidBody::Kinematic, Collider::cuboid(10.0, 1.0, 10.0), Position(-DVec3::Y * 0.5))).id();
     let cubes = column(&mut world, 3, 0.0);
     run(&mut world, 1.0);
@@ -213,7 +212,7 @@ fn a_joined_pair_that_leans_on_the_ground_stays() {
 #[test]
 fn effort_that_is_not_fitted_gives_the_same_to_what_sweeps_can_bear() {
     let places = [true, false].map(|fitted_effort| {
-        let mut world = world_with(SolverSettings { fitted_effort, sleep_speed: AWAKE, ..SolverSettings::game() });
+        let mut world = world_with(with_effort(awake_game(), fitted_effort));
         ground(&mut world);
         let cubes = column(&mut world, 3, 1e-3);
         run(&mut world, 2.0);

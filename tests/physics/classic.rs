@@ -172,7 +172,8 @@ fn slow_slip_makes_no_friction_row() {
 #[test]
 fn lagging_contacts_answer_one_step_late() {
     for (contact_lag, late) in [(0, 0), (1, 1)] {
-        let mut world = world_with(SolverSettings { contact_lag, ..classic() });
+        let mut world =
+            world_with(SolverSettings { sweeps: SweepSettings { contact_lag, ..classic().sweeps }, ..classic() });
         ground(&mut world);
         let ball = body(&mut world, Collider::sphere(0.5), DVec3::Y * 0.7);
         let mut falling = 0.0;

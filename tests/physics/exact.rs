@@ -7,10 +7,10 @@ use plumb::prelude::*;
 
 use crate::rig::*;
 
-const GAUSS: Integrator = Integrator::Gauss;
+const GAUSS: ExactIntegrator = ExactIntegrator::Gauss;
 
-fn exact(integrator: Integrator, hz: f64) -> SolverSettings {
-    SolverSettings { hz, integrator, ..SolverSettings::accurate() }
+fn exact(integrator: ExactIntegrator, hz: f64) -> SolverSettings {
+    SolverSettings { hz, exact: ExactSettings { integrator }, ..SolverSettings::accurate() }
 }
 
 /// A rod of 1 kg and 1 m about its centre of mass, its length along that axis.
@@ -34,7 +34,7 @@ fn join(world: &mut World, a: Entity, b: Entity, anchor_a: DVec3, anchor_b: DVec
 }
 
 /// Three rods from a pivot, level, the last kicked sideways; where they are after half a second.
-fn three_rods(integrator: Integrator, hz: f64) -> Vec<DVec3> {
+fn three_rods(integrator: ExactIntegrator, hz: f64) -> Vec<DVec3> {
     let mut world = world_with(exact(integrator, hz));
     let mut before = (pin(&mut world, DVec3::ZERO), DVec3::ZERO);
     let mut rods = Vec::new();
@@ -59,14 +59,14 @@ fn every_integrator_has_its_order() {
         let places = three_rods(integrator, hz);
         places.iter().zip(&truth).map(|(one, other)| one.distance(*other)).fold(0.0, f64::max)
     };
-    for (integrator, rate, order) in [(Integrator::Rattle, 480.0, 2.0), (GAUSS, 30.0, 8.0)] {
+    for (integrator, rate, order) in [(ExactIntegrator::Rattle, 480.0, 2.0), (GAUSS, 30.0, 8.0)] {
         let found = (error(integrator, rate) / error(integrator, 2.0 * rate)).log2();
         assert!((found - order).abs() < 0.4, "{integrator:?}: order {found}");
     }
 }
 
 /// Energies of a rod that swings from the horizontal, after each of so many steps, less the first.
-fn swinging(integrator: Integrator, steps: u32) -> Vec<f64> {
+fn swinging(integrator: ExactIntegrator, steps: u32) -> Vec<f64> {
     let mut world = world_with(exact(integrator, 60.0));
     world.init_resource::<Diagnostics>();
     let above = pin(&mut world, DVec3::ZERO);
@@ -84,7 +84,7 @@ fn swinging(integrator: Integrator, steps: u32) -> Vec<f64> {
 #[test]
 fn a_symmetric_integrator_bounds_its_energy_for_a_million_steps() {
     let most = |energies: &[f64]| energies.iter().fold(0.0_f64, |most, energy| most.max(energy.abs()));
-    let energies = swinging(Integrator::Rattle, 1_000_000);
+    let energies = swinging(ExactIntegrator::Rattle, 1_000_000);
     let (begun, all) = (most(&energies[..10_000]), most(&energies));
     assert!(begun > 1e-12 && all < 1.05 * begun, "{begun:e} J at first, then {all:e} J");
 }
@@ -172,7 +172,7 @@ fn a_body_by_itself_moves_in_closed_form() {
 #[test]
 fn a_soft_joint_is_a_damped_spring() {
     // Kicks take the damper's force at the velocity before, an error of first order: ζ ω h of what the ball moves.
-    for (integrator, tolerance) in [(GAUSS, 1e-9), (Integrator::Rattle, 1e-3)] {
+    for (integrator, tolerance) in [(GAUSS, 1e-9), (ExactIntegrator::Rattle, 1e-3)] {
         let mut world = world_with(exact(integrator, 240.0));
         let above = pin(&mut world, DVec3::ZERO);
         let ball = body(&mut world, Collider::sphere(0.5), DVec3::ZERO);
@@ -210,7 +210,7 @@ fn joints_report_their_loads_and_follow_moving_supports() {
 
 #[test]
 fn a_steady_step_allocates_nothing() {
-    for integrator in [GAUSS, Integrator::Rattle] {
+    for integrator in [GAUSS, ExactIntegrator::Rattle] {
         let mut world = world_with(exact(integrator, 240.0));
         let mut before = (pin(&mut world, DVec3::ZERO), DVec3::ZERO);
         for index in 0..10 {
@@ -222,13 +222,4 @@ fn a_steady_step_allocates_nothing() {
         let used = allocation_counter::measure(|| steps(&mut world, 50));
         assert_eq!(used.count_total, 0, "{integrator:?}");
     }
-}
-
-#[test]
-fn an_integrator_of_another_method_is_refused() {
-    let wrong = SolverSettings { integrator: Integrator::Euler, ..SolverSettings::accurate() };
-    let said = wrong.validate().unwrap_err().to_string();
-    assert!(said.starts_with("integrator: Euler is out of range") && !said.contains('\n'), "{said}");
-    assert_eq!(wrong.with_method(Method::Exact), SolverSettings::accurate());
-    assert_eq!(SolverSettings::accurate().with_method(Method::Xpbd).validate(), Ok(()));
 }

@@ -7,7 +7,8 @@ use plumb::prelude::*;
 use crate::rig::*;
 
 fn with_integrator(integrator: Integrator) -> SolverSettings {
-    SolverSettings { integrator, ..SolverSettings::classic() }
+    let classic = SolverSettings::classic();
+    SolverSettings { sweeps: SweepSettings { integrator, ..classic.sweeps }, ..classic }
 }
 
 #[test]

@@ -8,7 +8,7 @@ use plumb::prelude::*;
 use crate::rig::*;
 
 fn game(fitted_effort: bool) -> World {
-    let mut world = world_with(SolverSettings { sleep_speed: None, fitted_effort, ..SolverSettings::game() });
+    let mut world = world_with(with_effort(awake_game(), fitted_effort));
     world.init_resource::<Diagnostics>();
     ground(&mut world);
     world
@@ -103,7 +103,7 @@ fn a_spring_pulls_no_more_than_it_may() {
 #[test]
 fn what_is_joined_and_flies_into_something_gives_all_its_momentum_on() {
     // Two balls on a joint hit a third, without gravity: momentum is kept, energy is not gained.
-    let mut world = weightless(SolverSettings { sleep_speed: None, ..SolverSettings::game() });
+    let mut world = weightless(awake_game());
     let ball = |world: &mut World, x: f64, y: f64| body(world, Collider::sphere(0.5), DVec3::new(x, y, 0.0));
     let [one, two] = [ball(&mut world, 0.0, 0.0), ball(&mut world, -1.1, 0.3)];
     let third = ball(&mut world, 3.0, 0.2);
@@ -138,7 +138,7 @@ fn what_rests_on_joints_moves_on_when_effort_is_fitted_no_more() {
     world.spawn(BallJoint::new(bodies[0], bodies[1]).with_anchors(DVec3::X * 0.6, -DVec3::X * 0.6));
     run(&mut world, 0.5);
     assert_eq!(world.resource::<StepStats>().resting, 2);
-    world.resource_mut::<SolverSettings>().fitted_effort = false;
+    world.resource_mut::<SolverSettings>().impulse.fitted_effort = false;
     for body in bodies {
         world.get_mut::<Velocity>(body).unwrap().linear = DVec3::Y * 3.0;
     }

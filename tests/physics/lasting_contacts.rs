@@ -88,7 +88,7 @@ fn lasting_contacts_are_those_that_a_search_from_nothing_finds() {
 #[test]
 fn the_tree_finds_for_force_level_methods_what_a_search_from_nothing_finds() {
     compare_with_search_from_nothing(SolverSettings {
-        broad_phase: BroadPhase::BoundingTree,
+        sweeps: SolverSettings::game().sweeps,
         ..SolverSettings::steady()
     });
 }
@@ -116,7 +116,7 @@ fn compare_with_search_from_nothing(settings: SolverSettings) {
 #[test]
 fn the_broad_phase_can_be_changed_at_any_time() {
     let swept = SolverSettings::steady();
-    let tree = SolverSettings { broad_phase: BroadPhase::BoundingTree, ..swept };
+    let tree = SolverSettings { sweeps: SolverSettings::game().sweeps, ..swept };
     let mut toggled = Heap::new(SolverSettings::game());
     let mut afresh = Heap::new(SolverSettings::steady());
     for round in 0..16 {

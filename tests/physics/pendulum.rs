@@ -55,7 +55,7 @@ fn a_pendulum_swings_as_its_equation_says() {
     let fine = SolverSettings { hz: 1000.0, ..SolverSettings::classic() };
     for (name, settings, tolerance) in [
         ("game", SolverSettings::game(), 5e-4),
-        ("game, full effort", SolverSettings { fitted_effort: false, ..SolverSettings::game() }, 5e-5),
+        ("game, full effort", with_effort(SolverSettings::game(), false), 5e-5),
         ("steady", SolverSettings::steady(), 0.02),
         ("classic", SolverSettings::classic(), 0.08),
         ("classic at 1000 Hz", fine, 0.005),

@@ -108,7 +108,7 @@ fn what_leans_falls_to_the_side_where_its_centre_is() {
     let tipping = 0.25_f64.atan();
     for fitted_effort in [true, false] {
         for (lean, falls) in [(tipping - 0.01, false), (tipping + 0.01, true)] {
-            let mut world = world_with(SolverSettings { fitted_effort, ..SolverSettings::game() });
+            let mut world = world_with(with_effort(SolverSettings::game(), fitted_effort));
             ground(&mut world);
             let turn = DQuat::from_rotation_z(-lean);
             // Its lower right edge is on the ground.

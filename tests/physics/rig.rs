@@ -6,19 +6,17 @@ use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use plumb::physics::{Shape, hash_state};
 use plumb::prelude::*;
 
-/// Every method, each with the settings of its kind.
-pub fn every_method() -> Vec<SolverSettings> {
-    let force_level = [
-        Method::ProjectedGaussSeidel,
-        Method::PrimedGaussSeidel,
-        Method::NonsmoothConjugateGradient,
-        Method::JointSpace,
-    ];
-    let force_level = force_level.map(|method| SolverSettings { method, ..SolverSettings::steady() });
-    let exact = [Integrator::Gauss, Integrator::Rattle];
-    let exact = exact.map(|integrator| SolverSettings { integrator, ..SolverSettings::accurate() });
-    let others = [SolverSettings::game(), SolverSettings::sequential_impulses(), SolverSettings::xpbd()];
-    others.into_iter().chain(force_level).chain(exact).collect()
+/// The default preset without sleep.
+pub fn awake_game() -> SolverSettings {
+    let mut game = SolverSettings::game();
+    game.impulse.sleep_speed = None;
+    game
+}
+
+/// The same with full effort for what rests, if so asked.
+pub fn with_effort(mut settings: SolverSettings, fitted_effort: bool) -> SolverSettings {
+    settings.impulse.fitted_effort = fitted_effort;
+    settings
 }
 
 /// Starts a compute pool of four threads on any machine. The first pool of a process stays, so

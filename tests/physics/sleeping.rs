@@ -12,10 +12,6 @@ use crate::rig::*;
 
 const GAME: fn() -> SolverSettings = SolverSettings::game;
 
-fn awake_game() -> SolverSettings {
-    SolverSettings { sleep_speed: None, ..GAME() }
-}
-
 fn block(world: &mut World, x: f64, y: f64) -> Entity {
     body(world, Collider::cuboid(1.0, 1.0, 1.0), DVec3::new(x, y, 0.0))
 }
@@ -567,7 +563,7 @@ fn what_nothing_holds_sleeps_only_where_nothing_moves_it() {
 
 #[test]
 fn nobody_sleeps_where_contacts_do_not_last_or_sleep_is_off() {
-    let on = |settings| SolverSettings { sleep_speed: Some(0.02), ..settings };
+    let on = |settings| SolverSettings { impulse: GAME().impulse, ..settings };
     for settings in [SolverSettings::classic(), SolverSettings::steady(), on(SolverSettings::steady()), awake_game()] {
         let mut world = world_with(settings);
         ground(&mut world);

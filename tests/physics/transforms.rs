@@ -207,7 +207,7 @@ fn settings_out_of_range_stop_the_clock_and_spoil_nothing() {
         SolverSettings { hz: -60.0, ..good },
         SolverSettings { hz: f64::NAN, ..good },
         SolverSettings { substeps: 0, ..good },
-        SolverSettings { baumgarte: f64::INFINITY, ..good },
+        SolverSettings { sweeps: SweepSettings { baumgarte: f64::INFINITY, ..good.sweeps }, ..good },
     ] {
         *app.world_mut().resource_mut::<SolverSettings>() = bad;
         app.update();

@@ -29,7 +29,8 @@ fn a_ghost_of_the_same_method_stays_with_its_body() {
     let mut stage = open("chain");
     assert_eq!(distance(&mut stage), None);
     // The first of the series is the default preset, but that nothing sleeps in it.
-    let default = SolverSettings { sleep_speed: None, ..SolverSettings::default() };
+    let mut default = SolverSettings::default();
+    default.impulse.sleep_speed = None;
     assert_eq!((plumb::lab::chart::SERIES[0].base)(), default);
     stage.world().insert_resource(GhostChoice::Method(0));
     stage.frames(60);
@@ -71,7 +72,7 @@ fn the_reference_answer_shows_how_far_off_a_method_is() {
     // A rest position is its own answer; its motion is what the ghost tells.
     // At fitted effort there would be next to none.
     let mut stage = open("stack");
-    stage.world().resource_mut::<SolverSettings>().fitted_effort = false;
+    stage.world().resource_mut::<SolverSettings>().impulse.fitted_effort = false;
     stage.world().insert_resource(GhostChoice::Reference);
     stage.frames(30);
     let top = stage.position("cube 9");

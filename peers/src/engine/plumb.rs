@@ -3,7 +3,7 @@
 use bevy::app::App;
 use bevy::prelude::Entity;
 use plumb::lab::BodyState;
-use plumb::physics::{Position, Precision, Rotation, SolverSettings, Velocity, headless_app, step};
+use plumb::physics::{ImpulseSettings, Position, Precision, Rotation, SolverSettings, Velocity, headless_app, step};
 
 use super::{Engine, Method, Settings};
 use crate::scene::Scene;
@@ -44,14 +44,13 @@ pub const FULL_EFFORT: &str = "full-effort";
 
 /// A preset at the asked rate, with sleep off as in the other engines. Substeps are the preset's own unless asked for.
 pub fn settings(preset: &str, asked: &Settings) -> SolverSettings {
-    let fitted_effort = preset != FULL_EFFORT;
+    let fits_effort = preset != FULL_EFFORT;
     let preset = SolverSettings::preset(preset).unwrap_or_default();
     SolverSettings {
-        fitted_effort: preset.fitted_effort && fitted_effort,
+        impulse: ImpulseSettings { fitted_effort: preset.impulse.fitted_effort && fits_effort, sleep_speed: None },
         hz: asked.hz,
         substeps: asked.substeps.unwrap_or(preset.substeps),
         threads: asked.threads,
-        sleep_speed: None,
         ..preset
     }
 }

@@ -12,8 +12,9 @@ pub struct Series {
 }
 
 /// The same without sleep.
-fn awake(settings: SolverSettings) -> SolverSettings {
-    SolverSettings { sleep_speed: None, ..settings }
+fn awake(mut settings: SolverSettings) -> SolverSettings {
+    settings.impulse.sleep_speed = None;
+    settings
 }
 
 /// All curves, in the order of their colours. Nothing sleeps in them: what a method does with a scene at rest is to be
@@ -26,15 +27,19 @@ pub const SERIES: [Series; 11] = [
     Series { name: "steady f32", base: SolverSettings::steady },
     Series {
         name: "steady f64 Verlet",
-        base: || SolverSettings {
-            integrator: Integrator::VelocityVerlet,
-            precision: Precision::F64,
-            ..SolverSettings::steady()
+        base: || {
+            let mut settings = SolverSettings { precision: Precision::F64, ..SolverSettings::steady() };
+            settings.sweeps.integrator = Integrator::VelocityVerlet;
+            settings
         },
     },
     Series {
         name: "game, full effort f32",
-        base: || SolverSettings { fitted_effort: false, ..awake(SolverSettings::game()) },
+        base: || {
+            let mut settings = awake(SolverSettings::game());
+            settings.impulse.fitted_effort = false;
+            settings
+        },
     },
     Series {
         name: "steady cg_pgs f32",

@@ -7,9 +7,9 @@ use serde::Deserialize;
 use serde::de::IntoDeserializer;
 use serde::de::value::StrDeserializer;
 
-use crate::lab::read_settings;
+use crate::lab::settings_file::read_written;
 use crate::lab::sweep::Shard;
-use crate::physics::{Method, Precision, SolverSettings};
+use crate::physics::{Method, Precision, SETTINGS, SolverSettings, WrittenSettings};
 use crate::scene;
 
 use super::outcome::CommandError;
@@ -167,43 +167,42 @@ pub(super) struct SettingsArguments {
     /// Start from the settings in this RON file
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
-    /// How constraints are solved: soft_step, sequential_impulses, xpbd, pgs, cg_pgs, nncg, joint_space or exact
-    #[arg(long, value_name = "METHOD", value_parser = named::<Method>)]
+    #[arg(long, value_name = "METHOD", value_parser = named::<Method>, help = help("method"))]
     method: Option<Method>,
-    /// Steps per second
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, allow_negative_numbers = true, help = help("hz"))]
     hz: Option<f64>,
-    /// Equal parts that a step is cut into
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, help = help("substeps"))]
     substeps: Option<u32>,
-    /// Sweeps over all rows in each substep
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, help = help("iterations"))]
     iterations: Option<u32>,
-    /// Scalar of rows and solver: f32 or f64
-    #[arg(long, value_name = "SCALAR", value_parser = named::<Precision>)]
+    #[arg(long, value_name = "SCALAR", value_parser = named::<Precision>, help = help("precision"))]
     precision: Option<Precision>,
-    /// Most threads a step uses; results do not depend on it
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, help = help("threads"))]
     threads: Option<u32>,
 }
 
+/// What a setting is, in the words of its doc comment; of a choice, also what there is to choose from.
+fn help(path: &str) -> String {
+    let setting = SETTINGS.iter().find(|setting| setting.path == path).expect("a setting of the table");
+    let choices = setting.choices.iter().map(|choice| format!("\n- {}: {}", choice.name, choice.help()));
+    setting.help() + &choices.collect::<String>()
+}
+
 impl SettingsArguments {
-    /// The settings they add up to, in range.
+    /// The settings they add up to, all read and in range.
     pub fn resolve(&self) -> Result<SolverSettings, CommandError> {
-        let base = match &self.settings {
-            Some(path) => read_settings(path)?,
-            None => self.preset.unwrap_or_default(),
+        let mut written = match &self.settings {
+            Some(path) => read_written(path, self.method)?,
+            None => WrittenSettings::from_preset(self.preset.unwrap_or_default()),
         };
-        let settings = SolverSettings {
-            hz: self.hz.unwrap_or(base.hz),
-            substeps: self.substeps.unwrap_or(base.substeps),
-            iterations: self.iterations.unwrap_or(base.iterations),
-            precision: self.precision.unwrap_or(base.precision),
-            threads: self.threads.unwrap_or(base.threads),
-            ..base.with_method(self.method.unwrap_or(base.method))
-        };
-        settings.validate()?;
-        Ok(settings)
+        written.write("method", self.method, |settings| &mut settings.method);
+        written.write("hz", self.hz, |settings| &mut settings.hz);
+        written.write("substeps", self.substeps, |settings| &mut settings.substeps);
+        written.write("iterations", self.iterations, |settings| &mut settings.iterations);
+        written.write("precision", self.precision, |settings| &mut settings.precision);
+        written.write("threads", self.threads, |settings| &mut settings.threads);
+        written.check()?;
+        Ok(written.settings)
     }
 }
 

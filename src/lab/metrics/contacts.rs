@@ -72,12 +72,18 @@ impl Substep {
     fn of(settings: &SolverSettings) -> Self {
         let length = settings.step() / f64::from(settings.substeps);
         let is_at_end = settings.method == Method::Exact;
-        let (acts, moves) = match settings.integrator {
+        let (acts, moves) = match settings.sweeps.integrator {
             _ if is_at_end => (0.5 * length, 0.0),
             Integrator::VelocityVerlet => (0.5 * length, 0.0),
-            _ => (length, length),
+            Integrator::Euler => (length, length),
         };
-        Self { length, acts, moves, is_present: settings.contact_lag == 0, is_at_end }
+        Self {
+            length,
+            acts,
+            moves,
+            is_present: settings.method == Method::Exact || settings.sweeps.contact_lag == 0,
+            is_at_end,
+        }
     }
 }
 

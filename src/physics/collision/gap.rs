@@ -3,18 +3,21 @@
 //! Contacts are found once a step, at the poses of its start. One that is found only when it overlaps is found up to a
 //! step's way too late; one across a gap has a negative depth, and its row lets the gap close and no more.
 //!
-//! | whose contacts | gap | why |
-//! | --- | --- | --- |
-//! | extreme vertices | 0 | the 2009 engine's: what overlaps touches |
-//! | force-level rows, over a half-space, without restitution | how far the body falls to the plane in the step | a plane has one normal; what bounces needs the approach that a row across the gap would take away |
-//! | force-level rows, all others | 0 | the normal across a gap between bodies that pass beside each other would stop them |
-//! | contacts that last | [`SPECULATIVE_MARGIN`] of the smaller radius, and what both can close in the step | the manifold is used until the pair has moved against each other |
-//! | `exact` | the same margin of each radius, and what each can move in the step, forces included | what is in reach goes by another step than what is not, and that must be known before |
+//! - **Extreme vertices**: 0. The 2009 engine's contacts are of what overlaps.
+//! - **Force-level rows, over a half-space, without restitution**: how far the body falls to the plane in the step. A
+//!   plane has one normal. What bounces needs the approach that a row across the gap would take away.
+//! - **Force-level rows, all others**: 0. The normal across a gap between bodies that pass beside each other would stop
+//!   them.
+//! - **Contacts that last**: [`SPECULATIVE_MARGIN`] of the smaller radius, and what both can close in the step. The
+//!   manifold is used until the pair has moved against each other.
+//! - **`exact`**: the same margin of each radius, and what each can move in the step, forces included. What is in reach
+//!   goes by another step than what is not, and that must be known before.
 
 use nalgebra::Vector3;
 
 use crate::physics::body::Body;
 use crate::physics::collision::constants::{LONGEST_ARM, SPECULATIVE_MARGIN};
+use crate::physics::contact::may_bounce;
 use crate::physics::settings::{ContactModel, Method, SolverSettings};
 use crate::physics::shape::Geometry;
 
@@ -28,8 +31,7 @@ pub(super) fn contact_gap(a: &Body, b: &Body, settings: &SolverSettings) -> f64 
         return SPECULATIVE_MARGIN * a.radius.min(b.radius) + fastest_approach(a, b) * h;
     }
     let is_over_plane = matches!(a.geometry, Some(Geometry::HalfSpace));
-    let bounces = a.material.pair(b.material).restitution > 0.0;
-    if !is_over_plane || bounces || settings.contacts != ContactModel::Clipping {
+    if !is_over_plane || settings.contact_model() != ContactModel::Clipping || may_bounce(a, b) {
         return 0.0;
     }
     let normal = a.rotation * Vector3::y();

@@ -16,7 +16,7 @@ pub(crate) struct LaggedContacts {
 impl LaggedContacts {
     /// The contacts that the solver uses in this step.
     pub fn active<'a>(&'a self, settings: &SolverSettings, present: &'a Contacts) -> &'a Contacts {
-        if settings.contact_lag == 0 { present } else { &self.active }
+        if settings.contact_lag() == 0 { present } else { &self.active }
     }
 
     /// Forgets the contacts of a body whose pose jumped.
@@ -44,7 +44,7 @@ impl LaggedContacts {
 
 pub(super) fn swap_contacts(settings: Res<SolverSettings>, present: Res<Contacts>, mut lagged: ResMut<LaggedContacts>) {
     let LaggedContacts { active, next } = &mut *lagged;
-    if settings.contact_lag == 0 {
+    if settings.contact_lag() == 0 {
         if !next.manifolds.is_empty() {
             *next = Contacts::default();
         }

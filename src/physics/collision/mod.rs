@@ -34,7 +34,9 @@ pub(crate) use lag::LaggedContacts;
 pub(crate) use manifold::{ContactPoint, Contacts, FeatureId, Manifold, Pair};
 pub(crate) use narrow::contact_pair::{PairSearch, touch};
 pub use probe::PlacedCollider;
-pub(crate) use slots::{ContactGeometry, ContactGraph, ContactState, GEOMETRY, GONE, POINTS, Slot};
+pub(crate) use slots::graph::{ContactGraph, GONE};
+pub(crate) use slots::record::{ContactGeometry, ContactState, GEOMETRY, POINTS};
+pub(crate) use slots::slot::Slot;
 
 use bevy::prelude::*;
 
@@ -64,13 +66,13 @@ pub(super) fn plugin(app: &mut App) {
                     .run_if(not(pairs_are_swept)),
                 near_pairs::update_pairs.in_set(PhysicsSystems::BroadPhase).run_if(contacts_last),
                 narrow_phase::find_contacts.in_set(PhysicsSystems::NarrowPhase).run_if(not(contacts_last)),
-                slots::update_graph.in_set(PhysicsSystems::NarrowPhase).run_if(contacts_last),
+                slots::graph::update_graph.in_set(PhysicsSystems::NarrowPhase).run_if(contacts_last),
                 hold_back::hold_back
                     .after(PhysicsSystems::Solve)
                     .before(PhysicsSystems::WriteBack)
                     .run_if(contacts_last),
                 lag::swap_contacts.after(PhysicsSystems::NarrowPhase).before(PhysicsSystems::Islands),
-                slots::export_contacts
+                slots::export::export_contacts
                     .after(PhysicsSystems::NarrowPhase)
                     .before(PhysicsSystems::Islands)
                     .run_if(contacts_last)
@@ -84,7 +86,7 @@ pub(super) fn plugin(app: &mut App) {
 fn pairs_are_swept(settings: Res<SolverSettings>) -> bool {
     match settings.method {
         Method::Exact => true,
-        method => !method.keeps_contacts() && settings.broad_phase == BroadPhase::SweepAndSort,
+        method => !method.keeps_contacts() && settings.sweeps.broad_phase == BroadPhase::SweepAndSort,
     }
 }
 

@@ -11,8 +11,7 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
 use super::classic::extreme_vertices;
-use super::classic::placed::Placed;
-use super::classic::sat::{self, AxisBuffers, AxisSearch};
+use super::classic::sat::AxisBuffers;
 use super::gap::contact_gap;
 use super::manifold::{CandidatePairs, ContactPoint, Contacts, Manifold, Overlap, Pair};
 use super::narrow::contact_pair::{self, PairSearch};
@@ -99,7 +98,7 @@ impl Block {
                 continue;
             }
             let first = self.points.len();
-            let keeps_axis = settings.contacts == ContactModel::Clipping && are_searched(a, b);
+            let keeps_axis = settings.contact_model() == ContactModel::Clipping && are_searched(a, b);
             self.buffers.search.last = if keeps_axis { last_axes.0.get(&pair).copied() } else { None };
             let touching = touch(a, b, settings, &mut self.buffers, &mut self.points);
             if keeps_axis {
@@ -146,28 +145,8 @@ pub(super) fn touch(
     buffers: &mut Buffers,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
-    match settings.contacts {
+    match settings.contact_model() {
         ContactModel::Clipping => contact_pair::touch(a, b, contact_gap(a, b, settings), &mut buffers.search, points),
-        ContactModel::ExtremeVertices => touch_at_extremes(a, b, settings, &mut buffers.axes, points),
+        ContactModel::ExtremeVertices => extreme_vertices::touch(a, b, settings, &mut buffers.axes, points),
     }
-}
-
-/// The 2009 engine's way.
-fn touch_at_extremes(
-    a: &Body,
-    b: &Body,
-    settings: &SolverSettings,
-    buffers: &mut AxisBuffers,
-    points: &mut Vec<ContactPoint>,
-) -> Option<Overlap> {
-    let search = AxisSearch { epsilon: settings.axis_epsilon, merge_opposites: settings.merge_opposite_axes };
-    let origin = a.position;
-    let (shape_a, shape_b) = (Placed::new(a, &origin)?, Placed::new(b, &origin)?);
-    let overlap = sat::overlap(&shape_a, &shape_b, &search, buffers)?;
-    let first = points.len();
-    extreme_vertices::contact_points(&shape_a, &shape_b, &overlap, points);
-    for point in &mut points[first..] {
-        point.point += origin;
-    }
-    Some(overlap)
 }

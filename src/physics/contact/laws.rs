@@ -11,6 +11,11 @@ pub(crate) fn surface(a: &Body, b: &Body, friction: FrictionModel) -> SurfaceMat
     if friction == FrictionModel::Off { SurfaceMaterial { friction: 0.0, ..pair } } else { pair }
 }
 
+/// Whether a pair has any restitution.
+pub(crate) fn may_bounce(a: &Body, b: &Body) -> bool {
+    a.material.pair(b.material).restitution > 0.0
+}
+
 /// The approach above which contacts bounce, m/s; infinite where none does.
 pub(crate) fn restitution_threshold(settings: &SolverSettings) -> f64 {
     settings.restitution_speed.unwrap_or(f64::INFINITY)

@@ -36,7 +36,7 @@ pub(crate) struct Intervals {
 impl Substeps {
     /// As the settings want it.
     pub fn of(settings: &SolverSettings) -> Self {
-        Self { step: settings.step(), most: settings.substeps, fitted: settings.fitted_effort }
+        Self { step: settings.step(), most: settings.substeps, fitted: settings.impulse.fitted_effort }
     }
 
     /// For a step of these bodies, all substeps if one turns by over `far`, rad, in a step. Contacts then take

@@ -13,7 +13,7 @@ use super::theme::palette;
 use crate::lab::chart::{Extent, POINTS, SERIES, Subject, front};
 use crate::lab::sweep::{Point, Record, read_records};
 use crate::lab::verdict::Verdict;
-use crate::physics::{SolverSettings, StepStats};
+use crate::physics::{ImpulseSettings, SolverSettings, StepStats};
 use crate::sandbox::{CurrentScene, Notice, SandboxAction};
 
 /// How often the file of a measurement at work is read.
@@ -196,7 +196,8 @@ pub(super) fn show(
     let cost = cost.follow(&settings, &stats);
     if let Some(picked) = draw(ui, &dots, &settings, cost, &mut pressed) {
         // The number of threads is the machine's, not the point's, and nothing sleeps where it is measured.
-        *settings = SolverSettings { threads: settings.threads, sleep_speed: settings.sleep_speed, ..picked };
+        let impulse = ImpulseSettings { sleep_speed: settings.impulse.sleep_speed, ..picked.impulse };
+        *settings = SolverSettings { threads: settings.threads, impulse, ..picked };
         *notice = Notice::Info("took over the settings of a point of the chart".into());
     }
 }
@@ -292,8 +293,8 @@ fn draw(
     pressed: &mut Option<String>,
 ) -> Option<SolverSettings> {
     let alike = |dot: &&Dot| {
-        let SolverSettings { threads, sleep_speed, .. } = dot.settings;
-        dot.settings == SolverSettings { threads, sleep_speed, ..*settings }
+        let own = ["threads", "impulse.sleep_speed"];
+        dot.settings.differences(settings).all(|setting| own.contains(&setting.path))
     };
     let present = dots.iter().find(alike);
     let plot = Plot::new("chart")

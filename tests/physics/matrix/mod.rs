@@ -44,8 +44,8 @@ impl Engine {
         match self {
             Classic => SolverSettings::classic(),
             Steady => SolverSettings::steady(),
-            Primed => SolverSettings::steady().with_method(Method::PrimedGaussSeidel),
-            Nonsmooth => SolverSettings::steady().with_method(Method::NonsmoothConjugateGradient),
+            Primed => SolverSettings { method: Method::PrimedGaussSeidel, ..SolverSettings::steady() },
+            Nonsmooth => SolverSettings { method: Method::NonsmoothConjugateGradient, ..SolverSettings::steady() },
             Game => SolverSettings::game(),
             Sequential => SolverSettings::sequential_impulses(),
             Xpbd => SolverSettings::xpbd(),

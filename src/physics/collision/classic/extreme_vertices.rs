@@ -8,12 +8,36 @@
 use nalgebra::Vector3;
 
 use super::placed::Placed;
+use super::sat::{self, AxisBuffers, AxisSearch};
+use crate::physics::body::Body;
 use crate::physics::collision::constants::EXTREME_SHARE;
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
+use crate::physics::settings::SolverSettings;
 use crate::physics::shape::Geometry;
 
+/// Adds the contact points of two bodies in world axes, if they overlap.
+pub(crate) fn touch(
+    a: &Body,
+    b: &Body,
+    settings: &SolverSettings,
+    buffers: &mut AxisBuffers,
+    points: &mut Vec<ContactPoint>,
+) -> Option<Overlap> {
+    let search =
+        AxisSearch { epsilon: settings.sweeps.axis_epsilon, merge_opposites: settings.sweeps.merge_opposite_axes };
+    let origin = a.position;
+    let (shape_a, shape_b) = (Placed::new(a, &origin)?, Placed::new(b, &origin)?);
+    let overlap = sat::overlap(&shape_a, &shape_b, &search, buffers)?;
+    let first = points.len();
+    contact_points(&shape_a, &shape_b, &overlap, points);
+    for point in &mut points[first..] {
+        point.point += origin;
+    }
+    Some(overlap)
+}
+
 /// Adds the contact points of an overlap, relative to body A: A's first, then B's.
-pub(crate) fn contact_points(a: &Placed, b: &Placed, overlap: &Overlap, points: &mut Vec<ContactPoint>) {
+fn contact_points(a: &Placed, b: &Placed, overlap: &Overlap, points: &mut Vec<ContactPoint>) {
     let Overlap { normal, depth } = *overlap;
     let mut add = |point: Vector3<f64>, feature| points.push(ContactPoint { point, depth, feature });
     // Two balls have no vertices and touch in one point, not in one of each.

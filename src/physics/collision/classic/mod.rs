@@ -2,7 +2,7 @@
 //! and extreme vertices for points.
 
 pub(super) mod extreme_vertices;
-pub(super) mod placed;
+mod placed;
 pub(super) mod sat;
 pub(super) mod sweep_and_sort;
 pub(super) mod vector_set;

@@ -119,10 +119,11 @@ impl SweepAndSort {
             block.firsts = index * BUCKETS_A_BLOCK..((index + 1) * BUCKETS_A_BLOCK).min(self.spheres.len());
         }
         let spheres = &self.spheres;
+        let prune_y = settings.method == Method::Exact || settings.sweeps.prune_y;
         for_each_block(settings.threads, &mut self.blocks, |block| {
             block.pairs.clear();
             for first in block.firsts.clone() {
-                pair_bucket(spheres, first, settings.prune_y, joined, &mut block.pairs);
+                pair_bucket(spheres, first, prune_y, joined, &mut block.pairs);
             }
         });
         for block in &self.blocks {

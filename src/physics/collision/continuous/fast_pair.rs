@@ -8,7 +8,7 @@ use super::time_of_impact::{self, advanced};
 use crate::physics::body::Body;
 use crate::physics::collision::manifold::Pair;
 
-/// How a body moves from the start of the step.
+/// State of a body at the start of the step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Start {
     position: Vector3<f64>,
@@ -22,8 +22,8 @@ impl Start {
         Self { position, rotation, linear, angular }
     }
 
-    /// The body at a time, with the steady velocity that takes it to where it is now, a time `left` later.
-    pub fn onwards(&self, body: &Body, time: f64, left: f64) -> Body {
+    /// The body at a time, with the constant velocities that take it to where it is now, a time `left` later.
+    pub fn path_to(&self, body: &Body, time: f64, left: f64) -> Body {
         let Self { position, rotation, linear, angular } = *self;
         let (position, rotation) = advanced(&Body { position, rotation, linear, angular, ..body.clone() }, time);
         let mut turn = (body.rotation * rotation.inverse()).scaled_axis();
@@ -42,9 +42,9 @@ impl Start {
 pub(crate) struct FastPair {
     pub pair: Pair,
     pub starts: [Start; 2],
-    /// Which of them are fast.
+    /// Which of the two are fast.
     pub fast: [bool; 2],
-    /// When they meet if nothing else is met before, s.
+    /// When they meet if neither meets anything before, s.
     pub impact: Option<f64>,
 }
 

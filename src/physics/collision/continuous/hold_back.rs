@@ -1,13 +1,13 @@
-//! What is fast does not get through, whatever turns it aside.
+//! Holds fast bodies back that a solve has taken through others.
 //!
-//! The contacts of a step are found on the way that bodies would take alone. One that is turned aside, by
-//! the first of two walls or by a joint, or that spins on about the corner it struck with, may get
-//! beyond a body that was not in its way. So of pairs in which a body moves farther than it is thick (see
-//! [`time_of_impact`]) the way that it did take is followed after the solve, with its *core* in its place: the
-//! shape with half of its thickness taken off. The way is steady up to the first impact of either, as it was
-//! found, and steady again from there to the pose after the solve. Where the core touches, the body is held back:
-//! what takes it there goes out of its velocity, and the next step finds a contact. Bodies on joints are no
-//! fast pairs: held back by itself, one would tear its joints open, and what closes them again would throw it.
+//! The contacts of a step are found on the paths that bodies would take alone. A body that a contact or a joint turns
+//! aside, or that spins on about the corner it struck with, may get beyond a body that was not in its path. So of each
+//! fast pair (see [`time_of_impact`]) the path that was taken is followed after the solve, with the *core* of each fast
+//! body in its place: the shape with half of its thickness taken off. The path has constant velocities up to the first
+//! impact of either body, as it was found, and constant velocities again from there to the pose after the solve. Where
+//! a core touches, the body is held back: its approach goes out of its velocity, and the next step finds a contact.
+//! Bodies on joints make no fast pairs: one held back by itself would tear its joints open, and what closes them again
+//! would throw it.
 
 use bevy::prelude::*;
 
@@ -18,7 +18,7 @@ use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::constants::CORE_SHARE;
 use crate::physics::collision::manifold::{ContactPoint, Pair};
 use crate::physics::collision::narrow::contact_pair::PairSearch;
-use crate::physics::collision::slots::ContactGraph;
+use crate::physics::collision::slots::graph::ContactGraph;
 use crate::physics::settings::SolverSettings;
 use crate::physics::shape::Geometry;
 
@@ -40,7 +40,8 @@ fn core(body: Body) -> Body {
     Body { geometry: Some(geometry), radius, ..body }
 }
 
-/// Follows the fast pairs of this step, in the order of their slots. Who is held back once is followed no farther.
+/// Follows the fast pairs of this step, in the order of their slots. A body that is held back is there for the pairs
+/// that follow.
 pub(crate) fn hold_back(
     graph: Res<ContactGraph>,
     mut bodies: ResMut<Bodies>,
@@ -65,27 +66,28 @@ pub(crate) fn hold_back(
         let turned_aside = first_impact(a).min(first_impact(b));
         let since = if turned_aside < h { turned_aside } else { 0.0 };
         let pair = [a as usize, b as usize];
-        let ways: [Body; 2] = std::array::from_fn(|one| starts[one].onwards(&bodies.list[pair[one]], since, h - since));
+        let paths: [Body; 2] =
+            std::array::from_fn(|one| starts[one].path_to(&bodies.list[pair[one]], since, h - since));
         let [one, other] =
-            std::array::from_fn(|one| if fast[one] { core(ways[one].clone()) } else { ways[one].clone() });
+            std::array::from_fn(|one| if fast[one] { core(paths[one].clone()) } else { paths[one].clone() });
         search.last = None;
         let course = time_of_impact::course(&one, &other, h - since, &mut search, &mut points);
         if let Course::Impact(impact) = course {
-            hold(&mut bodies.list, pair, &ways, fast, impact.time);
+            hold(&mut bodies.list, pair, &paths, fast, impact.time);
             stop(&mut bodies.list, pair, &impact, &points);
         }
     }
 }
 
-/// Puts the fast ones of two bodies where they are on their ways at a time, s. One that is not fast, or goes where it
-/// is told, goes on and takes along what it has met.
-fn hold(bodies: &mut [Body], pair: [usize; 2], ways: &[Body; 2], fast: [bool; 2], time: f64) {
+/// Puts the fast bodies of two where they are on their paths at a time, s. A body that is not fast, or is kinematic, ends
+/// where it was, and takes along what it has met.
+fn hold(bodies: &mut [Body], pair: [usize; 2], paths: &[Body; 2], fast: [bool; 2], time: f64) {
     let held = [0, 1].map(|one| fast[one] && bodies[pair[one]].is_dynamic());
     for one in (0..2).filter(|&one| held[one]) {
-        let (mut position, mut rotation) = advanced(&ways[one], time);
+        let (mut position, mut rotation) = advanced(&paths[one], time);
         let other = 1 - one;
         if !held[other] {
-            let (met_at, met_turned) = advanced(&ways[other], time);
+            let (met_at, met_turned) = advanced(&paths[other], time);
             let end = &bodies[pair[other]];
             let turned = end.rotation * met_turned.inverse();
             (position, rotation) = (end.position + turned * (position - met_at), turned * rotation);
@@ -96,7 +98,7 @@ fn hold(bodies: &mut [Body], pair: [usize; 2], ways: &[Body; 2], fast: [bool; 2]
 }
 
 /// Takes the approach out of two bodies where they met, by an impulse along the normal at the first point: what is left
-/// of it would press soft contacts in by as much as a core is thick.
+/// of it would push soft contacts in by as much as a core is thick.
 fn stop(bodies: &mut [Body], pair: [usize; 2], impact: &Impact, points: &[ContactPoint]) {
     let (Some(point), n) = (points.first(), impact.overlap.normal) else { return };
     let arms = impact.at.map(|center| point.point - center);

@@ -20,15 +20,15 @@
 use nalgebra::Vector3;
 
 use super::clipping::{ClipBuffers, REFERENCE_SIDE};
-use super::edge_contact::{self, Segment, closest};
+use super::edge_contact::{self, Segment, closest, middle};
 use super::polyhedron::{Convex, Frame};
 use super::scale::Scale;
 use crate::physics::collision::constants::{CROSSING_PENALTY, SAME_DISTANCE, SIDE_MARGIN};
-use crate::physics::collision::manifold::Overlap;
+use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
 
 /// The separation along two near points of the shapes if that is greater than the one found; none
 /// if it is beyond the gap. Overlaps stay as they are.
-pub(crate) fn along(
+fn along(
     a: &impl Convex,
     b: &impl Convex,
     b_in_a: &Frame,
@@ -47,6 +47,23 @@ pub(crate) fn along(
         return Some(*overlap);
     }
     (!scale.separates(depth)).then_some(Overlap { normal, depth })
+}
+
+/// Two edges that cross: leaves the point half-way between their closest points in the buffers.
+pub(crate) fn crossing(
+    a: &impl Convex,
+    b: &impl Convex,
+    b_in_a: &Frame,
+    ends: [Vector3<f64>; 2],
+    overlap: &Overlap,
+    feature: FeatureId,
+    scale: &Scale,
+    buffers: &mut ClipBuffers,
+) -> Option<Overlap> {
+    let overlap = along(a, b, b_in_a, ends, overlap, scale)?;
+    buffers.found.clear();
+    buffers.found.push(ContactPoint { point: middle(ends), depth: overlap.depth, feature });
+    Some(overlap)
 }
 
 /// Shapes apart, of which nothing is over the reference face within the gap. Its outline, in the

@@ -8,12 +8,12 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::apart;
-use super::clipping::{Clip, ClipBuffers};
-use super::edge_contact::{Segment, closest, middle};
+use super::clipping::{Clip, ClipBuffers, Faced};
+use super::edge_contact::{Segment, closest};
 use super::polyhedron::{Cuboid, Frame, Polyhedron};
 use super::scale::Scale;
 use crate::physics::collision::constants::PARALLEL_SQUARED_SINE;
-use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
+use crate::physics::collision::manifold::{FeatureId, Overlap};
 
 /// What the axis of least depth is made of, by axes of the boxes.
 #[derive(Clone, Copy)]
@@ -55,27 +55,25 @@ pub(crate) fn touch(
     let normal = boxes.normal(axis);
     let overlap = Overlap { normal, depth };
     let (a, b) = (&boxes.a, &boxes.b);
-    match axis {
-        Axis::OfA(axis) => {
-            let is_any = clip(a, b, b_in_a, false, axis, &normal, depth, scale, buffers);
-            if !is_any && depth < 0.0 {
-                a.corners(face_of(axis, &normal), &mut buffers.reference);
-                return apart::beside(a, b, b_in_a, false, &overlap, scale, buffers);
-            }
-        }
-        Axis::OfB(axis) => {
-            let a_in_b = b_in_a.inverse();
-            let out_of_b = -b_in_a.enter(&normal);
-            let is_any = clip(b, a, &a_in_b, true, axis, &out_of_b, depth, scale, buffers);
-            for found in &mut buffers.found {
-                found.point = b_in_a.place(&found.point);
-            }
-            if !is_any && depth < 0.0 {
-                b.corners(face_of(axis, &out_of_b), &mut buffers.reference);
-                return apart::beside(a, b, b_in_a, true, &overlap, scale, buffers);
-            }
-        }
+    let (axis, reference_is_b) = match axis {
+        Axis::OfA(axis) => (axis, false),
+        Axis::OfB(axis) => (axis, true),
         Axis::Edges(along_a, along_b) => return boxes.cross_edges(along_a, along_b, &overlap, scale, buffers),
+    };
+    let out = if reference_is_b { -b_in_a.enter(&normal) } else { normal };
+    let is_any = if reference_is_b {
+        let is_any = clip(b, a, &b_in_a.inverse(), true, axis, &out, depth, scale, buffers);
+        for found in &mut buffers.found {
+            found.point = b_in_a.place(&found.point);
+        }
+        is_any
+    } else {
+        clip(a, b, b_in_a, false, axis, &out, depth, scale, buffers)
+    };
+    if !is_any && depth < 0.0 {
+        let base = if reference_is_b { b } else { a };
+        base.corners(face_of(axis, &out), &mut buffers.reference);
+        return apart::beside(a, b, b_in_a, reference_is_b, &overlap, scale, buffers);
     }
     Some(overlap)
 }
@@ -166,11 +164,8 @@ impl Boxes<'_> {
         let on_a = self.a.edge(foremost_edge(along_a, normal));
         let on_b = self.b.edge(foremost_edge(along_b, &-self.b_in_a.enter(normal))).placed(self.b_in_a, false);
         let ends = closest(&Segment([on_a.start, on_a.end()]), &Segment([on_b.start, on_b.end()]));
-        let overlap = apart::along(&self.a, &self.b, self.b_in_a, ends, overlap, scale)?;
         let feature = FeatureId::of_edges(on_a.index, on_b.index);
-        buffers.found.clear();
-        buffers.found.push(ContactPoint { point: middle(ends), depth: overlap.depth, feature });
-        Some(overlap)
+        apart::crossing(&self.a, &self.b, self.b_in_a, ends, overlap, feature, scale, buffers)
     }
 }
 
@@ -202,15 +197,14 @@ fn clip(
     scale: &Scale,
     buffers: &mut ClipBuffers,
 ) -> bool {
-    let incident = other.face_toward(&-other_in_base.enter(normal));
-    other.corners(incident, &mut buffers.incident);
+    let incident_face = other.incident(&-other_in_base.enter(normal), &mut buffers.incident);
     for corner in &mut buffers.incident {
         *corner = other_in_base.place(corner);
     }
     let clip = Clip {
         reference_is_b: base_is_b,
         reference_face: face_of(axis, normal) as u32,
-        incident_face: incident as u32,
+        incident_face,
         normal: *normal,
         level: base.half[axis],
         depth,

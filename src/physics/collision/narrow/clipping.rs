@@ -12,7 +12,7 @@
 
 use nalgebra::Vector3;
 
-use super::polyhedron::first_max;
+use super::polyhedron::{Frame, Plane, Polyhedron, first_max};
 use super::scale::Scale;
 use crate::physics::collision::constants::{NEARLY_DEEPEST, NEARLY_WIDEST, SIDE_MARGIN, SOUND_MARGIN, SOUND_SHARE};
 use crate::physics::collision::manifold::{ContactPoint, FeatureId};
@@ -119,6 +119,68 @@ impl Clip<'_> {
         }
         is_any
     }
+}
+
+/// A shape of which faces can be clipped.
+pub(crate) trait Faced {
+    /// The plane of a face, and its corners, counter-clockwise seen from outside.
+    fn reference(&self, face: u32, corners: &mut Vec<Vector3<f64>>) -> Plane;
+    /// What faces a direction most, by number, and its corners: a face, or the two ends of a line.
+    fn incident(&self, direction: &Vector3<f64>, corners: &mut Vec<Vector3<f64>>) -> u32;
+}
+
+impl<P: Polyhedron> Faced for P {
+    fn reference(&self, face: u32, corners: &mut Vec<Vector3<f64>>) -> Plane {
+        self.corners(face as usize, corners);
+        self.face(face as usize)
+    }
+
+    fn incident(&self, direction: &Vector3<f64>, corners: &mut Vec<Vector3<f64>>) -> u32 {
+        let face = self.face_toward(direction);
+        self.corners(face, corners);
+        face as u32
+    }
+}
+
+/// Clips what of the other shape is most against a face of A, or of B, and leaves what touches in the buffers, in A's
+/// axes. False if nothing is over that face.
+pub(crate) fn clip_to_face(
+    a: &impl Faced,
+    b: &impl Faced,
+    b_in_a: &Frame,
+    reference_is_b: bool,
+    face: u32,
+    depth: f64,
+    scale: &Scale,
+    buffers: &mut ClipBuffers,
+) -> bool {
+    if !reference_is_b {
+        return clip_in_base(a, b, b_in_a, reference_is_b, face, depth, scale, buffers);
+    }
+    let is_any = clip_in_base(b, a, &b_in_a.inverse(), reference_is_b, face, depth, scale, buffers);
+    for found in &mut buffers.found {
+        found.point = b_in_a.place(&found.point);
+    }
+    is_any
+}
+
+/// Likewise, all in the axes of the shape whose face it is.
+fn clip_in_base(
+    base: &impl Faced,
+    other: &impl Faced,
+    other_in_base: &Frame,
+    reference_is_b: bool,
+    face: u32,
+    depth: f64,
+    scale: &Scale,
+    buffers: &mut ClipBuffers,
+) -> bool {
+    let Plane { normal, offset: level } = base.reference(face, &mut buffers.reference);
+    let incident_face = other.incident(&-other_in_base.enter(&normal), &mut buffers.incident);
+    for corner in &mut buffers.incident {
+        *corner = other_in_base.place(corner);
+    }
+    Clip { reference_is_b, reference_face: face, incident_face, normal, level, depth, scale }.clip(buffers)
 }
 
 impl ClipBuffers {

@@ -15,7 +15,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use nalgebra::Vector3;
 
-use super::polyhedron::Convex;
+use super::clipping::Faced;
+use super::polyhedron::{Convex, Plane};
 use crate::physics::collision::constants::{RIM_CORNERS, SQUARE_TILT};
 
 /// A solid circular cone.
@@ -32,12 +33,9 @@ pub(crate) struct Cone {
     pub cosine: f64,
 }
 
-/// Which part of a cone faces a direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Facing {
-    Base = 0,
-    Flank = 1,
-}
+/// The parts of a cone that face a direction, by number.
+const BASE: u32 = 0;
+const FLANK: u32 = 1;
 
 impl Cone {
     pub fn new(radius: f64, height: f64) -> Self {
@@ -78,19 +76,6 @@ impl Cone {
         }
     }
 
-    /// Puts the corners of the part that faces a unit direction most into `corners`: the rim's,
-    /// counter-clockwise seen from outside, or the ends of a generator line.
-    pub fn outline(&self, direction: &Vector3<f64>, corners: &mut Vec<Vector3<f64>>) -> Facing {
-        corners.clear();
-        let across = direction.x.hypot(direction.z);
-        if -direction.y < self.cosine * across + self.sine * direction.y {
-            corners.extend([self.apex_point(), self.rim_point(unit_across(direction))]);
-            return Facing::Flank;
-        }
-        self.rim_corners(direction, RIM_CORNERS, corners);
-        Facing::Base
-    }
-
     /// Adds points of the rim, evenly spread, counter-clockwise seen from below. See
     /// [`SQUARE_TILT`] for where the first one is. A multiple of four of them.
     pub fn rim_corners(&self, direction: &Vector3<f64>, count: usize, corners: &mut Vec<Vector3<f64>>) {
@@ -125,5 +110,25 @@ impl Convex for Cone {
 
     fn inner_radius(&self) -> f64 {
         self.flank_offset().min(-self.base)
+    }
+}
+
+/// Its one face is the base.
+impl Faced for Cone {
+    fn reference(&self, _: u32, corners: &mut Vec<Vector3<f64>>) -> Plane {
+        self.incident(&Self::base_normal(), corners);
+        Plane { normal: Self::base_normal(), offset: -self.base }
+    }
+
+    /// The base, as a polygon, or a generator line.
+    fn incident(&self, direction: &Vector3<f64>, corners: &mut Vec<Vector3<f64>>) -> u32 {
+        corners.clear();
+        let across = direction.x.hypot(direction.z);
+        if -direction.y < self.cosine * across + self.sine * direction.y {
+            corners.extend([self.apex_point(), self.rim_point(unit_across(direction))]);
+            return FLANK;
+        }
+        self.rim_corners(direction, RIM_CORNERS, corners);
+        BASE
     }
 }

@@ -25,8 +25,8 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-use super::clipping::{Clip, ClipBuffers};
-use super::cone::{Cone, Facing, unit_across};
+use super::clipping::ClipBuffers;
+use super::cone::{Cone, unit_across};
 use super::edge_contact::{self, Segment};
 use super::feature_sat::{Feature, Found, Least};
 use super::polyhedron::{Convex, Frame};
@@ -68,7 +68,7 @@ pub(crate) fn touch(
             *last = Some(feature);
             None
         }
-        Ok(found) => found.take(a, b, b_in_a, scale, last, clip, |least, clip| cones.find_points(least, clip)),
+        Ok(found) => found.take(a, b, b_in_a, scale, last, clip, |least, clip| cones.smooth_point(least, clip)),
     }
 }
 
@@ -191,28 +191,9 @@ impl Cones<'_> {
         n
     }
 
-    /// Leaves the points of an overlap in the clip buffers, in A's axes. False if the rim of a base
-    /// cut all off.
-    fn find_points(&self, least: &Least, buffers: &mut ClipBuffers) -> bool {
-        match least.feature {
-            Feature::FaceOfA(_) => clip_to_base(self.a, self.b, self.b_in_a, false, least.depth, self.scale, buffers),
-            Feature::FaceOfB(_) => {
-                let is_any = clip_to_base(self.b, self.a, &self.a_in_b, true, least.depth, self.scale, buffers);
-                for found in &mut buffers.found {
-                    found.point = self.b_in_a.place(&found.point);
-                }
-                is_any
-            }
-            _ => {
-                self.point_between(least, buffers);
-                true
-            }
-        }
-    }
-
-    /// Where the smooth surfaces touch: along two lines, or where one of them has one foremost
-    /// point.
-    fn point_between(&self, least: &Least, buffers: &mut ClipBuffers) {
+    /// Leaves the points where the smooth surfaces touch in the buffers: along two lines, or where one of them has one
+    /// foremost point.
+    fn smooth_point(&self, least: &Least, buffers: &mut ClipBuffers) {
         let Least { normal, depth, .. } = *least;
         let toward_a = -self.b_in_a.enter(&normal);
         let has_line = |cone: &Cone, normal: &Vector3<f64>| (normal.y - cone.sine).abs() < ON_FLANK;
@@ -320,32 +301,4 @@ fn starts() -> impl Iterator<Item = Vector3<f64>> {
         };
         start.normalize()
     })
-}
-
-/// What of the other cone faces the base of one, clipped to that, in the axes of the one.
-fn clip_to_base(
-    cone: &Cone,
-    other: &Cone,
-    other_in_cone: &Frame,
-    cone_is_b: bool,
-    depth: f64,
-    scale: &Scale,
-    buffers: &mut ClipBuffers,
-) -> bool {
-    let normal = Cone::base_normal();
-    cone.outline(&normal, &mut buffers.reference);
-    let facing = other.outline(&-other_in_cone.enter(&normal), &mut buffers.incident);
-    for corner in &mut buffers.incident {
-        *corner = other_in_cone.place(corner);
-    }
-    let clip = Clip {
-        reference_is_b: cone_is_b,
-        reference_face: Facing::Base as u32,
-        incident_face: facing as u32,
-        normal,
-        level: -cone.base,
-        depth,
-        scale,
-    };
-    clip.clip(buffers)
 }

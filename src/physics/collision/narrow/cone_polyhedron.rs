@@ -23,8 +23,8 @@
 
 use nalgebra::Vector3;
 
-use super::clipping::{Clip, ClipBuffers};
-use super::cone::{Cone, Facing, unit_across};
+use super::clipping::ClipBuffers;
+use super::cone::{Cone, unit_across};
 use super::edge_contact::{self, Segment};
 use super::ellipse;
 use super::feature_sat::{Best, Feature, Found, Least, face_depth, facing_edges, least_face};
@@ -55,7 +55,7 @@ pub(crate) fn touch(
             None
         }
         Ok(found) => {
-            found.take(cone, other, other_in_cone, scale, last, clip, |least, clip| test.find_points(least, clip))
+            found.take(cone, other, other_in_cone, scale, last, clip, |least, clip| test.smooth_point(least, clip))
         }
     }
 }
@@ -166,68 +166,9 @@ impl<P: Polyhedron> Test<'_, P> {
         exists.then(|| flank_at_vertex(self.cone, self.other, self.other_in_cone, vertex, f64::INFINITY)).flatten()
     }
 
-    /// Leaves the points of an overlap in the clip buffers, in the cone's axes. False if the sides
-    /// of a face cut all off.
-    fn find_points(&self, least: &Least, buffers: &mut ClipBuffers) -> bool {
-        match least.feature {
-            Feature::FaceOfB(face) => self.clip_to_face(face, least.depth, buffers),
-            Feature::Smooth(number) => {
-                self.point_across(number, least, buffers);
-                true
-            }
-            _ => self.clip_to_base(least.depth, buffers),
-        }
-    }
-
-    /// The cone's base or a line of its flank, clipped to a face of the polyhedron.
-    fn clip_to_face(&self, face: u32, depth: f64, buffers: &mut ClipBuffers) -> bool {
-        let plane = self.other.face(face as usize);
-        self.other.corners(face as usize, &mut buffers.reference);
-        let toward = -(self.other_in_cone.rotation * plane.normal);
-        let facing = self.cone.outline(&toward, &mut buffers.incident);
-        for corner in &mut buffers.incident {
-            *corner = self.cone_in_other.place(corner);
-        }
-        let clip = Clip {
-            reference_is_b: true,
-            reference_face: face,
-            incident_face: facing as u32,
-            normal: plane.normal,
-            level: plane.offset,
-            depth,
-            scale: self.scale,
-        };
-        let is_any = clip.clip(buffers);
-        for found in &mut buffers.found {
-            found.point = self.other_in_cone.place(&found.point);
-        }
-        is_any
-    }
-
-    /// The polyhedron's face most against the base, clipped to it.
-    fn clip_to_base(&self, depth: f64, buffers: &mut ClipBuffers) -> bool {
-        let normal = Cone::base_normal();
-        self.cone.outline(&normal, &mut buffers.reference);
-        let incident = self.other.face_toward(&-self.other_in_cone.enter(&normal));
-        self.other.corners(incident, &mut buffers.incident);
-        for corner in &mut buffers.incident {
-            *corner = self.other_in_cone.place(corner);
-        }
-        let clip = Clip {
-            reference_is_b: false,
-            reference_face: Facing::Base as u32,
-            incident_face: incident as u32,
-            normal,
-            level: -self.cone.base,
-            depth,
-            scale: self.scale,
-        };
-        clip.clip(buffers)
-    }
-
-    /// Where the cone's surface touches an edge or vertex.
-    fn point_across(&self, number: u32, least: &Least, buffers: &mut ClipBuffers) {
-        let Least { normal, depth, .. } = *least;
+    /// Leaves the point where the cone's surface touches an edge or vertex in the buffers.
+    fn smooth_point(&self, least: &Least, buffers: &mut ClipBuffers) {
+        let Least { normal, depth, feature: Feature::Smooth(number) } = *least else { return };
         let feature = FeatureId::of_vertex(false, number);
         let edges = self.other.edge_count() as u32;
         buffers.found.clear();

@@ -32,7 +32,7 @@
 use nalgebra::Vector3;
 
 use super::apart;
-use super::clipping::ClipBuffers;
+use super::clipping::{ClipBuffers, Faced, clip_to_face};
 use super::polyhedron::{Convex, Edge, Frame, Polyhedron, first_max};
 use super::scale::Scale;
 use crate::physics::collision::constants::PARALLEL_SINE;
@@ -47,6 +47,17 @@ pub(crate) enum Feature {
     Edges(u32, u32),
     /// What a cone numbers of its smooth surface.
     Smooth(u32),
+}
+
+impl Feature {
+    /// Whether it is a face of B, and which, if it is one.
+    pub fn face(self) -> Option<(bool, u32)> {
+        match self {
+            Self::FaceOfA(face) => Some((false, face)),
+            Self::FaceOfB(face) => Some((true, face)),
+            Self::Edges(..) | Self::Smooth(_) => None,
+        }
+    }
 }
 
 /// Along which axis two shapes overlap least.
@@ -75,20 +86,26 @@ pub(crate) struct Found {
 }
 
 impl Found {
-    /// Takes the preferred axis if its points can stand for it, else the least; leaves the points that
-    /// `find_points` finds for it in the clip buffers (false: nothing is over the reference face) and
-    /// the axis in `last`.
+    /// Takes the preferred axis if its points can stand for it, else the least; leaves its points in the clip buffers,
+    /// where it is no face's those that `smooth_points` does, and the axis in `last`.
     pub fn take(
         self,
-        a: &impl Convex,
-        b: &impl Convex,
+        a: &(impl Convex + Faced),
+        b: &(impl Convex + Faced),
         b_in_a: &Frame,
         scale: &Scale,
         last: &mut Option<Feature>,
         clip: &mut ClipBuffers,
-        find_points: impl Fn(&Least, &mut ClipBuffers) -> bool,
+        smooth_points: impl Fn(&Least, &mut ClipBuffers),
     ) -> Option<Overlap> {
         let Self { least, preferred } = self;
+        let find_points = |least: &Least, clip: &mut ClipBuffers| match least.feature.face() {
+            Some((of_b, face)) => clip_to_face(a, b, b_in_a, of_b, face, least.depth, scale, clip),
+            None => {
+                smooth_points(least, clip);
+                true
+            }
+        };
         let mut is_any = find_points(&preferred, clip);
         let taken = if is_any && clip.stand_for(preferred.depth, scale.size) { preferred } else { least };
         if taken.feature != preferred.feature {

@@ -9,12 +9,13 @@ use crate::physics::body::{CollisionLayers, RigidBody};
 use crate::physics::collision::classic::sweep_and_sort::SweepAndSort;
 use crate::physics::collision::manifold::Pair;
 use crate::physics::joint::JoinedPairs;
-use crate::physics::settings::SolverSettings;
+use crate::physics::settings::{SolverSettings, SweepSettings};
 use crate::physics::shape::Collider;
 use crate::physics::testing::Random;
 
 fn settings(prune_y: bool) -> SolverSettings {
-    SolverSettings { prune_y, ..SolverSettings::classic() }
+    let classic = SolverSettings::classic();
+    SolverSettings { sweeps: SweepSettings { prune_y, ..classic.sweeps }, ..classic }
 }
 
 fn found(sweep: &mut SweepAndSort, bodies: &[Body], joined: &JoinedPairs, prune_y: bool) -> Vec<Pair> {

@@ -21,13 +21,14 @@ use super::manifold::{ContactPoint, Overlap};
 use super::narrow_phase::{self, Buffers};
 use crate::physics::body::Body;
 use crate::physics::body::RigidBody;
-use crate::physics::settings::{ContactModel, SolverSettings};
+use crate::physics::settings::{ContactModel, SolverSettings, SweepSettings};
 use crate::physics::shape::Collider;
 use crate::physics::testing::Random;
 
 /// All candidate axes, so that depths are the least.
 fn exact(contacts: ContactModel) -> SolverSettings {
-    SolverSettings { axis_epsilon: 0.0, contacts, ..SolverSettings::classic() }
+    let classic = SolverSettings::classic();
+    SolverSettings { sweeps: SweepSettings { axis_epsilon: 0.0, contacts, ..classic.sweeps }, ..classic }
 }
 
 fn random_size(random: &mut Random) -> f64 {

@@ -6,7 +6,7 @@ use rand::RngExt;
 use super::{assert_close, body, exact, random_pair, touch, upright};
 use crate::physics::body::Body;
 use crate::physics::collision::manifold::Overlap;
-use crate::physics::settings::{ContactModel, SolverSettings};
+use crate::physics::settings::ContactModel;
 use crate::physics::shape::{Collider, Geometry};
 use crate::physics::testing::Random;
 
@@ -179,7 +179,8 @@ fn swapping_the_bodies_turns_the_normal_and_keeps_the_depth() {
 
 #[test]
 fn merging_opposite_axes_changes_nothing_at_epsilon_zero() {
-    let merging = SolverSettings { merge_opposite_axes: true, ..exact(ContactModel::ExtremeVertices) };
+    let mut merging = exact(ContactModel::ExtremeVertices);
+    merging.sweeps.merge_opposite_axes = true;
     for_each_random_pair(100, |a, b, kinds, _| {
         let (all, merged) = (overlap(a, b), touch(a, b, &merging).map(|(overlap, _)| overlap));
         assert_eq!(all.is_some(), merged.is_some(), "{kinds:?}");
@@ -194,7 +195,8 @@ fn reducing_the_axes_loses_no_contact_and_little_depth() {
     // Between unit vectors within L1 distance ε of each other the overlap of shapes of radius R
     // differs by at most 2 R ε; dropped ones are within ε of a kept one.
     let epsilon = 1e-3;
-    let reduced = SolverSettings { axis_epsilon: epsilon, ..exact(ContactModel::ExtremeVertices) };
+    let mut reduced = exact(ContactModel::ExtremeVertices);
+    reduced.sweeps.axis_epsilon = epsilon;
     for_each_random_pair(300, |a, b, kinds, _| {
         let (all, few) = (overlap(a, b), touch(a, b, &reduced).map(|(overlap, _)| overlap));
         let allowed = 2.0 * (a.radius + b.radius) * epsilon;

@@ -13,7 +13,7 @@ use crate::physics::disjoint_sets::DisjointSets;
 use crate::physics::island::Islands;
 use crate::physics::joint::Softness;
 use crate::physics::joint::{Joint, Joints};
-use crate::physics::settings::{FrictionModel, Integrator};
+use crate::physics::settings::{ExactIntegrator, FrictionModel};
 use crate::physics::solver::ContactCache;
 
 /// A mechanism and the bodies and joints that it stands for.
@@ -138,7 +138,7 @@ impl ExactGroup {
     }
 
     /// Takes all through the step. `cache` has what contacts carried in the one before.
-    pub fn step(&mut self, bodies: &Bodies, integrator: Integrator, terms: &ContactTerms, cache: &ContactCache) {
+    pub fn step(&mut self, bodies: &Bodies, integrator: ExactIntegrator, terms: &ContactTerms, cache: &ContactCache) {
         let ContactTerms { h, parts, .. } = *terms;
         for touching in &mut self.touching {
             touching.step(terms, cache);

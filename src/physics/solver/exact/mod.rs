@@ -5,8 +5,8 @@
 //!    themselves, and what is in reach of something;
 //! 2. the last goes by a step of its own ([`contact`]), its joints and contacts by the cone solver;
 //! 3. bodies by themselves move in closed form ([`free`]) if no torque turns them;
-//! 4. pieces ([`mechanism`]) go through the integrator ([`stepper`]; [`lockstep`] and [`gauss`], [`rattle`]), whose stages solve J M⁻¹ Jᵀ λ = b ([`rows`]), and are brought back onto their joints
-//!    ([`projection`]).
+//! 4. pieces ([`mechanism`]) go through the integrator ([`stepper`]; [`lockstep`] and [`gauss`], [`rattle`]), whose
+//!    stages solve J M⁻¹ Jᵀ λ = b ([`rows`]), and are brought back onto their joints ([`projection`]).
 
 mod contact;
 mod evaluation;
@@ -97,7 +97,7 @@ fn solve_exactly(
         let (bodies, joints, cache) = (&*bodies, &*joints, &*cache);
         threads::for_each_block(settings.threads, list, |group| {
             group.gather(&islands, bodies, joints, &contacts, settings.friction);
-            group.step(bodies, settings.integrator, &terms, cache);
+            group.step(bodies, settings.exact.integrator, &terms, cache);
         });
     }
     cache.clear();

@@ -15,7 +15,7 @@ use super::mechanism::{Mechanism, stretch};
 use super::projection::Projection;
 use super::rattle::{Rattle, kick};
 use super::rows::Screw;
-use crate::physics::settings::Integrator;
+use crate::physics::settings::ExactIntegrator;
 
 /// A step is cut into 2 to this power parts at most.
 const MOST_CUTS: u32 = 12;
@@ -87,7 +87,7 @@ impl Stepper {
     }
 
     /// Takes the mechanism through so many equal parts of h, s, each.
-    pub fn advance(&mut self, mechanism: &mut Mechanism, integrator: Integrator, h: f64, parts: u32) -> Effort {
+    pub fn advance(&mut self, mechanism: &mut Mechanism, integrator: ExactIntegrator, h: f64, parts: u32) -> Effort {
         self.forces.clear();
         self.forces.resize(mechanism.links.len(), Vector3::zeros());
         let mut effort = Effort::default();
@@ -97,10 +97,10 @@ impl Stepper {
         effort
     }
 
-    fn step(&mut self, mechanism: &mut Mechanism, integrator: Integrator, h: f64) -> Sweeps {
+    fn step(&mut self, mechanism: &mut Mechanism, integrator: ExactIntegrator, h: f64) -> Sweeps {
         match integrator {
-            Integrator::Rattle => self.rattle.step(mechanism, h),
-            _ => {
+            ExactIntegrator::Rattle => self.rattle.step(mechanism, h),
+            ExactIntegrator::Gauss => {
                 if let Some(sweeps) = self.lockstep.step(mechanism, h) {
                     self.in_lockstep = true;
                     return sweeps;
@@ -114,18 +114,18 @@ impl Stepper {
         }
     }
 
-    fn force(&self, integrator: Integrator, link: usize) -> Vector3<f64> {
+    fn force(&self, integrator: ExactIntegrator, link: usize) -> Vector3<f64> {
         match integrator {
-            Integrator::Rattle => self.rattle.forces[link],
-            _ if self.in_lockstep => self.lockstep.mean_force(link),
-            _ => self.gauss.mean_force(link),
+            ExactIntegrator::Rattle => self.rattle.forces[link],
+            ExactIntegrator::Gauss if self.in_lockstep => self.lockstep.mean_force(link),
+            ExactIntegrator::Gauss => self.gauss.mean_force(link),
         }
     }
 
     fn advance_part(
         &mut self,
         mechanism: &mut Mechanism,
-        integrator: Integrator,
+        integrator: ExactIntegrator,
         h: f64,
         share: f64,
         effort: &mut Effort,

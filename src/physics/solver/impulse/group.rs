@@ -99,7 +99,7 @@ pub(super) struct DirectScope {
 impl DirectScope {
     /// As the settings want it.
     pub fn of(settings: &SolverSettings) -> Self {
-        let rest = settings.fitted_effort && settings.method == Method::SoftStep;
+        let rest = settings.impulse.fitted_effort && settings.method == Method::SoftStep;
         Self { trees: method::solves_trees(settings.method), rest }
     }
 }

@@ -47,13 +47,13 @@ impl StepTerms {
         let h = settings.step() / f64::from(settings.substeps);
         Self {
             method: settings.method,
-            integrator: settings.integrator,
+            integrator: settings.sweeps.integrator,
             precision: settings.precision,
             substeps: settings.substeps,
             iterations: settings.iterations,
-            warm_starting: settings.warm_starting,
+            warm_starting: settings.sweeps.warm_starting,
             h,
-            error_rate: settings.baumgarte / h,
+            error_rate: settings.sweeps.baumgarte / h,
             slop: settings.slop,
             correction_speed: settings.correction_speed.unwrap_or(f64::INFINITY),
             restitution_speed: restitution_threshold(settings),
@@ -340,8 +340,7 @@ impl IslandSolver {
             let mut island = IslandInStep { solver: self, work, terms };
             match terms.integrator {
                 Integrator::VelocityVerlet => integrator::verlet::substep(&mut island, terms.h),
-                // Of what touches something where the exact method takes the rest.
-                _ => integrator::euler::substep(&mut island, terms.h),
+                Integrator::Euler => integrator::euler::substep(&mut island, terms.h),
             }
         }
     }

@@ -71,7 +71,7 @@ fn solve_islands(
         solver.scatter(&mut bodies.list, &mut joints.list);
     }
     cache.clear();
-    if settings.warm_starting {
+    if settings.sweeps.warm_starting {
         for solver in &solvers.list[..count] {
             solver.store_forces(contacts, &mut cache);
         }

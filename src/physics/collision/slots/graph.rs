@@ -1,0 +1,238 @@
+//! All slots, and the system that brings them up to date.
+
+use bevy::prelude::*;
+use nalgebra::Vector3;
+
+use super::record::ContactState;
+use super::slot::{RelativePose, Slot};
+use crate::physics::bit_set::{BitSet, ones};
+use crate::physics::body::{Bodies, Body};
+use crate::physics::collision::broad::near_pairs::NearPairs;
+use crate::physics::collision::broad::pair_slots::PairSlot;
+use crate::physics::collision::constants::SLOTS_A_CHUNK;
+use crate::physics::collision::continuous::fast_pair::FastPair;
+use crate::physics::collision::manifold::{ContactPoint, Pair};
+use crate::physics::collision::narrow::contact_pair::PairSearch;
+use crate::physics::joint::Joints;
+use crate::physics::lanes::Record;
+use crate::physics::settings::SolverSettings;
+use crate::physics::stats::StepStats;
+use crate::physics::threads::for_each_of;
+
+/// Stands for a body that is gone, until its pairs are dropped.
+pub(crate) const GONE: u32 = u32::MAX;
+
+/// All pairs near each other, slot by slot. A slot's index stays the same for its life.
+#[derive(Resource, Default)]
+pub(crate) struct ContactGraph {
+    pub slots: Vec<Slot>,
+    pub states: Vec<ContactState>,
+    /// Counts every change of which pairs touch.
+    pub version: u64,
+    /// Counts updates.
+    updates: u64,
+    /// Whether any slot's `is_pressed` may be out of date.
+    pub presses_changed: bool,
+    /// The slots that a step looks at: not those of pairs in which nothing awake can be moved.
+    active: BitSet,
+    /// Slots that fell asleep in this step.
+    pub settled: Vec<u32>,
+    /// Pairs that touch, and their points; of the latter, those of slots that sleep.
+    manifolds: i64,
+    point_count: i64,
+    points_asleep: i64,
+    /// Pairs in which a body may move farther than it is thick in this step, by slot.
+    pub fast: Vec<FastPair>,
+    /// Pairs that pressed on each other until they were no pairs any more.
+    pub parted: Vec<(Entity, Entity)>,
+    /// While somebody reads contact forces.
+    pub recording: Option<Recording>,
+}
+
+/// What the forces at contact points are told from.
+#[derive(Default)]
+pub(crate) struct Recording {
+    /// What each slot's contact pushed in all substeps, N·s.
+    pub totals: Vec<Record<f32>>,
+    /// The first tangent of each manifold of [`Contacts`], world axes, and its slot.
+    pub(super) tangents: Vec<(Vector3<f64>, u32)>,
+}
+
+/// What one thread needs to find contacts, and what it counts.
+#[derive(Default)]
+pub(in crate::physics::collision) struct Finder {
+    search: PairSearch,
+    points: Vec<ContactPoint>,
+    /// Whether any pair began or ceased to touch.
+    changed: bool,
+    /// Change of the number of touching pairs, and of their points.
+    manifolds: i64,
+    point_count: i64,
+    fast: Vec<FastPair>,
+}
+
+/// Takes in which pairs are near and finds their contacts.
+pub(in crate::physics::collision) fn update_graph(
+    bodies: Res<Bodies>,
+    near: Res<NearPairs>,
+    joints: Res<Joints>,
+    settings: Res<SolverSettings>,
+    mut graph: ResMut<ContactGraph>,
+    mut finders: Local<Vec<Finder>>,
+    mut stats: ResMut<StepStats>,
+) {
+    let graph = graph.bypass_change_detection();
+    graph.take_pairs(&near, &bodies.list);
+    graph.forget_renewed(&bodies.renewed);
+    if settings.is_changed() {
+        graph.slots.iter_mut().for_each(Slot::forget);
+    }
+    let chunks = graph.slots.len().div_ceil(SLOTS_A_CHUNK);
+    finders.resize_with(chunks, Finder::default);
+    graph.updates += 1;
+    let (active, update) = (&graph.active, graph.updates);
+    let slots = graph
+        .slots
+        .chunks_mut(SLOTS_A_CHUNK)
+        .zip(graph.states.chunks_mut(SLOTS_A_CHUNK))
+        .zip(finders.iter_mut())
+        .enumerate();
+    let work = slots.map(|(chunk, ((slots, states), finder))| {
+        let active = active.words(chunk * SLOTS_A_CHUNK, SLOTS_A_CHUNK);
+        Chunk { slots, states, active, update, joined: &joints.joined, finder }
+    });
+    for_each_of(settings.threads, work, |mut chunk| chunk.update(&bodies.list, &settings));
+    stats.axes_tested = 0;
+    graph.fast.clear();
+    for finder in finders.iter_mut() {
+        stats.axes_tested += u64::from(std::mem::take(&mut finder.search.axes));
+        let changed = std::mem::take(&mut finder.changed);
+        graph.version += u64::from(changed);
+        graph.presses_changed |= changed;
+        graph.manifolds += std::mem::take(&mut finder.manifolds);
+        graph.point_count += std::mem::take(&mut finder.point_count);
+        graph.fast.append(&mut finder.fast);
+    }
+    stats.pairs = graph.active.len();
+    stats.manifolds = graph.manifolds as u32;
+    stats.contact_points = graph.point_count as u32;
+}
+
+impl ContactGraph {
+    /// Follows bodies to their new indices. Pairs of the gone are dropped in the next step.
+    pub fn remap(&mut self, new_index: &[Option<u32>]) {
+        for slot in self.slots.iter_mut().filter(|slot| slot.is_used) {
+            let of = |body: u32| new_index.get(body as usize).copied().flatten();
+            slot.pair = Pair { a: of(slot.pair.a).unwrap_or(GONE), b: of(slot.pair.b).unwrap_or(GONE) };
+        }
+    }
+
+    /// Whether a step looks at a slot.
+    pub fn is_active(&self, slot: PairSlot) -> bool {
+        self.active.contains(slot.0)
+    }
+
+    /// The slots that a step looks at, ascending.
+    pub fn active(&self) -> impl Iterator<Item = u32> + Clone + '_ {
+        self.active.iter()
+    }
+
+    /// Has steps look at a slot, or not.
+    pub fn set_active(&mut self, PairSlot(slot): PairSlot, is_active: bool) {
+        if self.active.contains(slot) == is_active {
+            return;
+        }
+        self.active.set(slot, is_active);
+        let points = self.states.get(slot as usize).map_or(0, |state| state.geometry.point_count() as i64);
+        self.points_asleep += if is_active { -points } else { points };
+    }
+
+    /// The pairs that touch and are looked at, by slot, ascending.
+    pub fn touching(&self) -> impl Iterator<Item = (u32, (u32, u32))> + Clone + '_ {
+        let touching = self.active.iter().filter(|&slot| self.slots[slot as usize].touching);
+        touching.map(|slot| (slot, (self.slots[slot as usize].pair.a, self.slots[slot as usize].pair.b)))
+    }
+
+    /// Contact points of slots that are looked at.
+    pub fn active_points(&self) -> u32 {
+        (self.point_count - self.points_asleep) as u32
+    }
+
+    /// Has contacts found anew of bodies of which something else than their motion changed.
+    fn forget_renewed(&mut self, renewed: &[u32]) {
+        if renewed.is_empty() {
+            return;
+        }
+        let mut among = BitSet::default();
+        renewed.iter().for_each(|&body| among.set(body, true));
+        for slot in self.slots.iter_mut().filter(|slot| slot.is_used) {
+            if among.contains(slot.pair.a) || among.contains(slot.pair.b) {
+                slot.forget();
+            }
+        }
+    }
+
+    fn take_pairs(&mut self, near: &NearPairs, bodies: &[Body]) {
+        for (PairSlot(index), _) in &near.changes.removed {
+            self.set_active(PairSlot(*index), true);
+            self.active.set(*index, false);
+            if let Some(slot) = self.slots.get_mut(*index as usize) {
+                if slot.touching {
+                    self.version += 1;
+                    self.manifolds -= 1;
+                    self.point_count -= self.states[*index as usize].geometry.point_count() as i64;
+                }
+                if slot.is_pressed {
+                    self.parted.push(slot.entities);
+                }
+                *slot = Slot::default();
+                self.states[*index as usize] = ContactState::default();
+            }
+        }
+        self.slots.resize(near.slot_count(), Slot::default());
+        self.states.resize(near.slot_count(), ContactState::default());
+        for &slot in &near.changes.added {
+            let Some(Pair { a, b }) = near.pair(slot) else { continue };
+            // What does not move comes first.
+            let pair = if bodies[b as usize].is_dynamic() { Pair { a, b } } else { Pair { a: b, b: a } };
+            let (a, b) = (&bodies[pair.a as usize], &bodies[pair.b as usize]);
+            let index = slot.0 as usize;
+            self.slots[index] = Slot::new(pair, a, b);
+            self.states[index] = ContactState::default();
+            self.active.set(slot.0, true);
+        }
+    }
+}
+
+/// A run of slots.
+struct Chunk<'a> {
+    slots: &'a mut [Slot],
+    states: &'a mut [ContactState],
+    active: &'a [u64],
+    /// Which one of the graph's this is.
+    update: u64,
+    /// The bodies that joints hold.
+    joined: &'a BitSet,
+    finder: &'a mut Finder,
+}
+
+impl Chunk<'_> {
+    fn update(&mut self, bodies: &[Body], settings: &SolverSettings) {
+        let Finder { search, points, changed, manifolds, point_count, fast } = &mut *self.finder;
+        for index in ones(self.active) {
+            let (slot, state) = (&mut self.slots[index as usize], &mut self.states[index as usize]);
+            let (a, b) = (&bodies[slot.pair.a as usize], &bodies[slot.pair.b as usize]);
+            let pose = RelativePose::of(a, b);
+            if slot.holds_at(&pose, a, b, settings) {
+                continue;
+            }
+            slot.found_in = self.update;
+            points.clear();
+            let (touched, had) = (slot.touching, state.geometry.point_count());
+            fast.extend(slot.find(pose, state, a, b, self.joined, settings, search, points));
+            *changed |= slot.touching != touched;
+            *manifolds += i64::from(slot.touching) - i64::from(touched);
+            *point_count += state.geometry.point_count() as i64 - had as i64;
+        }
+    }
+}

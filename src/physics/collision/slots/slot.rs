@@ -1,0 +1,225 @@
+//! One pair: which features touch, and when they are looked for again.
+
+use bevy::prelude::*;
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::record::{ContactGeometry, ContactState, POINTS};
+use crate::physics::bit_set::BitSet;
+use crate::physics::body::{Body, RigidBody};
+use crate::physics::collision::constants::{RECYCLING_LIMIT, SUCCESSION_REACH};
+use crate::physics::collision::continuous::fast_pair::FastPair;
+use crate::physics::collision::continuous::time_of_impact::{self, Course, Impact};
+use crate::physics::collision::gap::{contact_gap, fastest_approach};
+use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap, Pair};
+use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
+use crate::physics::contact::{predecessors, surface, tangents};
+use crate::physics::settings::SolverSettings;
+
+/// How B lies to A, in A's axes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RelativePose {
+    offset: Vector3<f64>,
+    rotation: UnitQuaternion<f64>,
+}
+
+impl RelativePose {
+    pub fn of(a: &Body, b: &Body) -> Self {
+        Self {
+            offset: a.rotation.inverse_transform_vector(&(b.position - a.position)),
+            rotation: a.rotation.rotation_to(&b.rotation),
+        }
+    }
+
+    /// An upper bound of how far a point within `reach` of B's centre has moved in A's axes.
+    fn moved(&self, other: &Self, reach: f64) -> f64 {
+        // The chord between unit quaternions is half the angle, to third order.
+        let (one, two) = (self.rotation.coords, other.rotation.coords);
+        let chord = (one - two).norm_squared().min((one + two).norm_squared()).sqrt();
+        (self.offset - other.offset).norm() + 2.0 * chord * reach
+    }
+}
+
+/// One pair.
+#[derive(Clone, Debug)]
+pub(crate) struct Slot {
+    pub pair: Pair,
+    /// Whether there are contact points.
+    pub touching: bool,
+    /// Whether [`crate::physics::ContactStarted`] was said, and not yet that it ended.
+    pub is_pressed: bool,
+    pub entities: (Entity, Entity),
+    pub restitution: f32,
+    /// In which of the graph's updates the manifold was found.
+    pub found_in: u64,
+    /// How B moves to A until the contact found ahead, world axes, m: its points are where they will touch then.
+    pub ahead: Vector3<f64>,
+    pub(super) features: [FeatureId; POINTS],
+    found_at: Option<RelativePose>,
+    /// Up to which gap it was looked for, m.
+    found_within: f64,
+    /// Smaller bounding radius.
+    size: f64,
+    /// Bounding radius of B, or what its points can be from its centre.
+    reach: f64,
+    /// Where A's axes have their origin for this contact: at its centre of mass, or, as A may be
+    /// a ground that reaches far, near B where A does not move.
+    pub(super) origin: Vector3<f64>,
+    /// Whether there is a pair.
+    pub is_used: bool,
+}
+
+impl Default for Slot {
+    fn default() -> Self {
+        Self {
+            pair: Pair { a: 0, b: 0 },
+            touching: false,
+            is_pressed: false,
+            entities: (Entity::PLACEHOLDER, Entity::PLACEHOLDER),
+            restitution: 0.0,
+            found_in: 0,
+            ahead: Vector3::zeros(),
+            features: [FeatureId::default(); POINTS],
+            found_at: None,
+            found_within: 0.0,
+            size: 0.0,
+            reach: 0.0,
+            origin: Vector3::zeros(),
+            is_used: false,
+        }
+    }
+}
+
+impl Slot {
+    /// Of a new pair, whose manifold is not known.
+    pub(super) fn new(pair: Pair, a: &Body, b: &Body) -> Self {
+        let entities = (a.entity, b.entity);
+        Self { pair, entities, is_used: true, size: a.radius.min(b.radius), reach: b.radius, ..Self::default() }
+    }
+
+    /// Has the manifold found anew.
+    pub(super) fn forget(&mut self) {
+        self.found_at = None;
+    }
+
+    /// Whether the manifold is good at another pose: the bodies have hardly moved against each other, and do not come
+    /// from beyond where it was looked for.
+    #[inline]
+    pub(super) fn holds_at(&self, pose: &RelativePose, a: &Body, b: &Body, settings: &SolverSettings) -> bool {
+        let limit = RECYCLING_LIMIT * self.size;
+        self.found_at.is_some_and(|found| found.moved(pose, self.reach) <= limit)
+            && (self.touching || fastest_approach(a, b) * settings.step() <= self.found_within - limit)
+    }
+
+    /// From the centre of mass of A, world axes.
+    pub fn origin_in_world(&self, a: &Body) -> Vector3<f64> {
+        a.rotation * self.origin
+    }
+
+    /// Finds the manifold for the present poses or, if the pair is fast, those at its impact. Returns it if it is.
+    pub(super) fn find(
+        &mut self,
+        pose: RelativePose,
+        state: &mut ContactState,
+        a: &Body,
+        b: &Body,
+        joined: &BitSet,
+        settings: &SolverSettings,
+        search: &mut PairSearch,
+        points: &mut Vec<ContactPoint>,
+    ) -> Option<FastPair> {
+        let h = settings.step();
+        self.found_at = Some(pose);
+        self.found_within = contact_gap(a, b, settings);
+        search.last = None;
+        // One on a joint will not go on as it moves now.
+        let is_free = !joined.contains(self.pair.a) && !joined.contains(self.pair.b);
+        let is_fast = is_free && (time_of_impact::moves_far(a, b, h) || time_of_impact::moves_far(b, a, h));
+        let course = if is_fast { time_of_impact::course(a, b, h, search, points) } else { Course::Touching };
+        let meeting =
+            match course {
+                Course::Touching => contact_pair::touch(a, b, self.found_within, search, points)
+                    .map(|overlap| Impact { time: 0.0, at: [a.position, b.position], overlap }),
+                Course::Impact(impact) => {
+                    // To be found again in the next step, however little is left of the approach.
+                    self.found_at = None;
+                    Some(impact)
+                }
+                Course::Apart => None,
+            };
+        if let Some(meeting) = &meeting {
+            points.truncate(POINTS);
+            self.take_in(state, a, b, meeting, settings, points);
+        } else {
+            *state = ContactState::default();
+        }
+        self.touching = meeting.is_some();
+        is_fast.then(|| FastPair::new(self.pair, a, b, h, meeting.map(|meeting| meeting.time)))
+    }
+
+    /// Takes in the points found where the bodies meet.
+    fn take_in(
+        &mut self,
+        state: &mut ContactState,
+        a: &Body,
+        b: &Body,
+        &Impact { time, at, overlap: Overlap { normal, .. } }: &Impact,
+        settings: &SolverSettings,
+        points: &[ContactPoint],
+    ) {
+        let surface = surface(a, b, settings.friction);
+        let old = std::mem::take(state);
+        let normal_in_a = a.rotation.inverse_transform_vector(&normal);
+        let [tangent, _] = tangents(&normal_in_a);
+        let apart = at[1] - at[0];
+        self.ahead = apart - (b.position - a.position);
+        self.origin = match a.kind {
+            RigidBody::Static => a.rotation.inverse_transform_vector(&apart),
+            RigidBody::Dynamic | RigidBody::Kinematic => Vector3::zeros(),
+        };
+        let origin = self.origin;
+        let places = points.iter().map(|point| {
+            let [arm_a, arm_b] = at.map(|center| point.point - center);
+            // Rows are straight: points that meet later are as far apart now as their speed then will close.
+            let approach = (a.point_velocity(&arm_a) - b.point_velocity(&arm_b)).dot(&normal);
+            let half = normal * (0.5 * (point.depth - approach.max(0.0) * time));
+            let on_a = a.rotation.inverse_transform_vector(&(arm_a + half)) - origin;
+            let on_b = b.rotation.inverse_transform_vector(&(arm_b - half));
+            (on_a, on_b)
+        });
+        state.geometry = ContactGeometry::new(&normal_in_a, &tangent, surface.friction, points.len(), places);
+        self.restitution = surface.restitution as f32;
+        if self.touching {
+            self.carry_pushes(&old, state, points);
+            self.carry_friction(&old, state);
+        }
+        for (kept, point) in self.features.iter_mut().zip(points) {
+            *kept = point.feature;
+        }
+    }
+
+    /// Each point takes over what its predecessor pushed.
+    fn carry_pushes(&self, old: &ContactState, state: &mut ContactState, points: &[ContactPoint]) {
+        let known = &self.features[..old.geometry.point_count()];
+        let place = |geometry: &ContactGeometry, index: usize| geometry.point(index).0;
+        let apart = |new, known| (place(&old.geometry, known) - place(&state.geometry, new)).norm_squared();
+        let new = points.iter().map(|point| point.feature);
+        let from: [_; POINTS] = predecessors(known, new, apart, SUCCESSION_REACH * self.size);
+        for (impulse, from) in state.impulses.0.iter_mut().zip(from) {
+            *impulse = from.map_or(0.0, |known| old.impulses.0[known]);
+        }
+    }
+
+    /// Friction turns along with the tangents.
+    fn carry_friction(&self, old: &ContactState, state: &mut ContactState) {
+        let frame = |geometry: &ContactGeometry| {
+            let (normal, tangent) = (geometry.normal(), geometry.tangent());
+            [tangent, normal.cross(&tangent)]
+        };
+        let [x, y] = frame(&old.geometry);
+        let force = x * f64::from(old.impulses.0[POINTS]) + y * f64::from(old.impulses.0[POINTS + 1]);
+        for (impulse, tangent) in state.impulses.0[POINTS..].iter_mut().zip(frame(&state.geometry)) {
+            *impulse = force.dot(&tangent) as f32;
+        }
+        state.impulses.0[POINTS + 2] = old.impulses.0[POINTS + 2];
+    }
+}

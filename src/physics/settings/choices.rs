@@ -1,0 +1,107 @@
+//! What there is to choose from.
+
+use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::described::{Choice, Choices, choices};
+
+choices! {
+    /// How contact and joint rows are solved: on the forces of each (sub)step, as `pgs`, `cg_pgs`, `nncg` and
+    /// `joint_space` do, or on velocities with contacts that last.
+    pub enum Method {
+        /// Projected Gauss–Seidel on the force-level rows with λ from zero (Catto 2005).
+        ProjectedGaussSeidel = "pgs",
+        /// The same sweeps, primed by conjugate residuals on the rows that no bound holds, where the sweeps alone are
+        /// slow (Morales, Nocedal and Smelyanskiy 2008).
+        PrimedGaussSeidel = "cg_pgs",
+        /// Conjugate directions with the same sweep for a gradient (Silcowitz, Niebe and Erleben 2010).
+        NonsmoothConjugateGradient = "nncg",
+        /// Joints solved directly in each substep, and the sweeps over contacts move what is joined as one (contacts in
+        /// joint space).
+        JointSpace = "joint_space",
+        /// Substeps with soft constraints: impulses solved with springs, then relaxed without (Catto 2024); trees of
+        /// joints exactly.
+        SoftStep = "soft_step",
+        /// Impulses on velocities, warm started, then positions moved out of their errors on their own (Catto 2006).
+        /// Wants 10 iterations and a slop.
+        SequentialImpulses = "sequential_impulses",
+        /// Positions of small substeps solved with compliance, velocities from how far they moved (Müller et al. 2020).
+        /// Wants 8 substeps or more.
+        Xpbd = "xpbd",
+        /// Joints by their exact forces, J M⁻¹ Jᵀ λ = b solved directly in each stage of an integrator that converges,
+        /// all in `f64`. What is in reach of something goes by a step of second order instead, whose contacts obey
+        /// Signorini's condition and Coulomb's cone to 1e-10 m/s; what bounces does so at the time at which it lands.
+        Exact = "exact",
+    }
+
+    /// How pairs of bodies that may touch are found.
+    pub enum BroadPhase {
+        /// Bounding spheres swept along x and sorted, in each step: the 2009 engine's. Its cost follows the number of
+        /// bodies, and of those side by side along x and z.
+        SweepAndSort = "sweep_and_sort",
+        /// A tree of boxes a little larger than their bodies: its cost follows what moves.
+        BoundingTree = "bounding_tree",
+    }
+
+    /// How force-level methods make poses of velocities.
+    pub enum Integrator {
+        /// v += h a, then x += h v with the new v. One solve a (sub)step.
+        Euler = "euler",
+        /// Kick by h/2, drift by h, kick by h/2. Two solves a (sub)step.
+        VelocityVerlet = "velocity_verlet",
+    }
+
+    /// How the exact method steps what touches nothing.
+    pub enum ExactIntegrator {
+        /// Gauss's collocation method, implicit and symmetric: of order 8 where nothing is stiff, of order 6 where
+        /// something is, whatever the stiffness.
+        Gauss = "gauss",
+        /// RATTLE: kicks and free flight, symmetric, of order 2.
+        Rattle = "rattle",
+    }
+
+    /// How the points of a contact are found once the separating axis test has given a normal.
+    pub enum ContactModel {
+        /// The extreme vertices of each shape toward the other, moved onto the contact plane, all with the same depth:
+        /// the 2009 engine's.
+        ExtremeVertices = "extreme_vertices",
+        /// The incident face clipped to the reference face, each point with its own depth; at most 4 points, chosen to
+        /// keep the deepest one and the area.
+        Clipping = "clipping",
+    }
+
+    /// How friction is solved.
+    pub enum FrictionModel {
+        /// No friction rows.
+        Off = "off",
+        /// One row along the slip at the start of the step, |λ| ≤ μ m_c g: the 2009 engine's. Of force-level methods:
+        /// the others take it for the next one.
+        OneTangent = "one_tangent",
+        /// Two rows, each bounded by μ times the contact's own normal force, which is updated each sweep.
+        TwoTangents = "two_tangents",
+    }
+
+    /// The scalar in which rows are built and solved. Poses are `f64` either way.
+    pub enum Precision {
+        /// Single precision, on quantities relative to each body.
+        F32 = "f32",
+        /// Double precision.
+        F64 = "f64",
+    }
+}
+
+impl Method {
+    /// Whether it sweeps over rows of forces, as the 2009 engine does.
+    pub(crate) fn is_force_level(self) -> bool {
+        matches!(
+            self,
+            Self::ProjectedGaussSeidel | Self::PrimedGaussSeidel | Self::NonsmoothConjugateGradient | Self::JointSpace
+        )
+    }
+
+    /// Whether contacts last from step to step, with their impulses, instead of being found and
+    /// forgotten.
+    pub(crate) fn keeps_contacts(self) -> bool {
+        !self.is_force_level() && self != Self::Exact
+    }
+}

@@ -1,0 +1,18 @@
+//! Every number and choice of the step: what each is ([`choices`], [`solver_settings`]), which method reads it, and what
+//! a user wrote of them ([`written`]). The docs of the fields and choices are also the panel's and the command line's
+//! help: the macros of [`described`] keep them as text.
+
+mod choices;
+mod described;
+mod gravity;
+mod solver_settings;
+mod written;
+
+pub use choices::{BroadPhase, ContactModel, ExactIntegrator, FrictionModel, Integrator, Method, Precision};
+pub use described::{Choice, Choices};
+pub use gravity::Gravity;
+pub(crate) use solver_settings::contacts_last;
+pub use solver_settings::{
+    ExactSettings, ImpulseSettings, SETTINGS, Setting, SettingsError, SolverSettings, SweepSettings,
+};
+pub use written::WrittenSettings;
