@@ -288,7 +288,7 @@ impl DirectIsland {
 
     /// Whether it is at rest and can be solved here.
     fn is_suitable(&mut self, world: &impl World) -> bool {
-        let is_rigid = |&joint: &u32| world.joint(joint).softness.is_none();
+        let is_rigid = |&joint: &u32| world.joint(joint).softness().is_none();
         let is_calm = |&member: &u32| {
             let body = world.body(member);
             moves_freely(body) && body.linear.norm() + body.angular.norm() * body.radius <= CALM
@@ -660,12 +660,13 @@ fn patch_of(world: &impl World, slot: u32, ends: &[Option<u32>; 2], substeps: f6
 }
 
 fn link_of(world: &impl World, joint: u32, ends: &[Option<u32>; 2], step: f64) -> Link {
-    let Joint { a, b, anchor_a, anchor_b, force, softness, .. } = world.joint(joint);
-    let bodies = [world.body(*a), world.body(*b)];
+    let joint = world.joint(joint);
+    let bodies = [world.body(joint.a), world.body(joint.b)];
+    let [anchor_a, anchor_b] = joint.anchors();
     let arms = [bodies[0].rotation * anchor_a, bodies[1].rotation * anchor_b];
     let sides = [0, 1].map(|side| Side { body: ends[side], arm: arms[side] });
     let separation = bodies[1].position - bodies[0].position + arms[1] - arms[0];
-    let spring = softness.map(|Softness { frequency, damping_ratio, max_force }| {
+    let spring = joint.softness().map(|Softness { frequency, damping_ratio, max_force }| {
         // As sweeps take it: of the pair's own mass.
         let terms = SoftTerms::<f64>::new(frequency, damping_ratio, UNLIMITED, 0.0, step);
         let give: Matrix3<f64> = (0..2).map(|side| give(bodies[side], &sides[side])).sum();
@@ -679,7 +680,7 @@ fn link_of(world: &impl World, joint: u32, ends: &[Option<u32>; 2], step: f64) -
         sides,
         given: given_across(&sides, bodies, arms),
         separation,
-        expected: force * step,
+        expected: joint.force * step,
         impulse: Vector3::zeros(),
     }
 }

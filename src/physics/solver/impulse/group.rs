@@ -310,7 +310,7 @@ impl<L: Lanes> Group<L> {
             self.trees.clear();
             return;
         }
-        let is_spring = |global: &u32| joints.list[*global as usize].softness.is_some();
+        let is_spring = |global: &u32| joints.list[*global as usize].softness().is_some();
         for &global in islands.joints(group).iter().filter(|global| is_spring(global)) {
             let Joint { a, b, .. } = joints.list[global as usize];
             [a, b].into_iter().for_each(|body| swept(place, body));
@@ -359,7 +359,7 @@ impl<L: Lanes> Group<L> {
 
     fn color(&mut self, joints: &Joints) {
         let count = self.members.len();
-        let is_spring = |joint: &GroupJoint| joints.list[joint.global as usize].softness.is_some();
+        let is_spring = |joint: &GroupJoint| joints.list[joint.global as usize].softness().is_some();
         self.joints.sort_by_key(is_spring);
         let springs = self.joints.partition_point(|joint| !is_spring(joint));
         self.joint_colors.clear();

@@ -369,8 +369,9 @@ impl<L: Lanes> Walk<'_, L> {
     unsafe fn joint_site(&self, joint: u32) -> JointSite {
         let GroupJoint { global, a, b } = self.joints[joint as usize];
         // SAFETY: a joint is its group's own.
-        let Joint { anchor_a, anchor_b, softness, force, .. } = *unsafe { self.world.joints.get(global as usize) };
-        JointSite { a, b, anchor_a, anchor_b, apart: self.apart(a, b), impulse: force * self.terms.h, softness }
+        let joint = unsafe { self.world.joints.get(global as usize) };
+        let ([anchor_a, anchor_b], softness) = (joint.anchors(), joint.softness());
+        JointSite { a, b, anchor_a, anchor_b, apart: self.apart(a, b), impulse: joint.force * self.terms.h, softness }
     }
 
     /// Centre of B less centre of A.

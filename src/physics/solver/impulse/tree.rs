@@ -124,8 +124,9 @@ impl TreeStep {
         let members: Vec<u32> = tree.bodies().iter().map(|&body| members[body as usize]).collect();
         let links = tree.joints().iter().map(|&joint| {
             let global = globals[joint as usize];
-            let Joint { a, b, anchor_a, anchor_b, .. } = joints[global as usize];
-            Link { global, a: a as usize, b: b as usize, anchor_a, anchor_b }
+            let joint = &joints[global as usize];
+            let [anchor_a, anchor_b] = joint.anchors();
+            Link { global, a: joint.a as usize, b: joint.b as usize, anchor_a, anchor_b }
         });
         let mut links: Vec<Link> = links.collect();
         for (index, link) in links.iter_mut().enumerate() {
