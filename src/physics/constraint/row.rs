@@ -51,8 +51,8 @@ pub(crate) enum Bounds<N> {
     Fixed(N, N),
     /// |λ| ≤ μ λ_n with λ_n the present multiplier of the row that many rows before.
     Friction { coefficient: N, normal_rows_back: u32 },
-    /// √(Σλ²) ≤ `most` over three rows that stand together, of which this is number `place`, from 0.
-    Norm { most: N, place: u32 },
+    /// √(Σλ²) ≤ `most` over `count` rows, at most 3, that stand together, of which this is number `place`, from 0.
+    Norm { most: N, place: u32, count: u32 },
 }
 
 /// The force, or where it is larger than `most`, ≥ 0, the one of that Euclidean norm along it.
@@ -108,6 +108,13 @@ impl<N: SimdRealField + Copy> Default for Twist<N> {
 }
 
 impl<N: SimdRealField + Copy> RowPair<N> {
+    /// In another scalar.
+    pub fn map<M: SimdRealField + Copy>(&self, of: impl Fn(N) -> M) -> RowPair<M> {
+        let [linear_a, angular_a, linear_b, angular_b] =
+            [self.linear_a, self.angular_a, self.linear_b, self.angular_b].map(|block| block.map(&of));
+        RowPair { linear_a, angular_a, linear_b, angular_b }
+    }
+
     /// J V.
     pub fn dot(&self, a: &Twist<N>, b: &Twist<N>) -> N {
         self.linear_a.dot(&a.linear)

@@ -431,12 +431,12 @@ fn contact_rows(world: &impl World, slot: u32, ends: &[Option<u32>; 2], scale: f
 }
 
 fn joint_rows(world: &impl World, joint: &Joint, ends: &[Option<u32>; 2], h: f64) -> DirectJoint {
-    let Joint { a, b, anchor_a, anchor_b, force, softness, .. } = joint;
-    let bodies = [world.body(*a), world.body(*b)];
-    let arms = [bodies[0].rotation * anchor_a, bodies[1].rotation * anchor_b];
+    let bodies = [world.body(joint.a), world.body(joint.b)];
+    let anchors = joint.anchors();
+    let arms = [bodies[0].rotation * anchors[0], bodies[1].rotation * anchors[1]];
     let sides = [0, 1].map(|side| Side { body: ends[side], arm: arms[side] });
     let separation = bodies[1].position - bodies[0].position + arms[1] - arms[0];
-    let softness = softness.map(|Softness { frequency, damping_ratio, max_force }| {
+    let softness = joint.softness().map(|Softness { frequency, damping_ratio, max_force }| {
         // As sweeps take it: of the pair's own mass.
         let terms = SoftTerms::<f64>::new(frequency, damping_ratio, UNLIMITED, 0.0, h);
         let inverse_mass: Matrix3<f64> = (0..2).map(|side| inverse_mass_at(bodies[side], &sides[side])).sum();
@@ -450,7 +450,7 @@ fn joint_rows(world: &impl World, joint: &Joint, ends: &[Option<u32>; 2], h: f64
         sides,
         prescribed: prescribed(&sides, bodies, arms),
         separation,
-        expected: force * h,
+        expected: joint.force * h,
         impulse: Vector3::zeros(),
     }
 }

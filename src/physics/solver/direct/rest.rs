@@ -52,7 +52,7 @@ impl DirectIsland {
 
     /// Whether it is at rest and can be solved here.
     fn is_suitable(&mut self, world: &impl World) -> bool {
-        let is_rigid = |&joint: &u32| world.joint(joint).softness.is_none();
+        let is_rigid = |&joint: &u32| world.joint(joint).softness().is_none();
         let is_slow = |&member: &u32| {
             let body = world.body(member);
             moves_freely(body) && body.linear.norm() + body.angular.norm() * body.radius <= REST_SPEED

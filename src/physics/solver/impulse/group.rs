@@ -320,7 +320,7 @@ impl<L: Lanes> Group<L> {
         }
         let ends = |global: u32| [joints.list[global as usize].a, joints.list[global as usize].b];
         let all = islands.joints(index).iter().copied();
-        let is_soft = |global: &u32| joints.list[*global as usize].softness.is_some();
+        let is_soft = |global: &u32| joints.list[*global as usize].softness().is_some();
         let (soft, rigid): (Vec<u32>, Vec<u32>) = all.partition(is_soft);
         soft.iter().for_each(|&global| sweep(place, ends(global)));
         // Bodies of the group by their place in it; any other is one that does not move.
@@ -358,7 +358,7 @@ impl<L: Lanes> Group<L> {
 
     fn color(&mut self, joints: &Joints) {
         let count = self.members.len();
-        let is_soft = |joint: &GroupJoint| joints.list[joint.global as usize].softness.is_some();
+        let is_soft = |joint: &GroupJoint| joints.list[joint.global as usize].softness().is_some();
         self.joints.sort_by_key(is_soft);
         let rigid = self.joints.partition_point(|joint| !is_soft(joint));
         self.pairs.clear();

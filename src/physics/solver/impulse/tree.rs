@@ -108,13 +108,13 @@ impl TreeStep {
         let members: Vec<u32> = tree.bodies().iter().map(|&body| members[body as usize]).collect();
         let of_tree = tree.joints().iter().enumerate().map(|(index, &joint)| {
             let global = globals[joint as usize];
-            let Joint { a, anchor_a, anchor_b, .. } = joints[global as usize];
+            let joint = &joints[global as usize];
             // One that does not move appears once for each of its joints.
             let mut bodies = tree.ends(index).map(|local| local as usize);
-            if members[bodies[0]] != a {
+            if members[bodies[0]] != joint.a {
                 bodies.reverse();
             }
-            AnchoredJoint { global, bodies, anchors: [anchor_a, anchor_b] }
+            AnchoredJoint { global, bodies, anchors: joint.anchors() }
         });
         let joints: Vec<AnchoredJoint> = of_tree.collect();
         Self {

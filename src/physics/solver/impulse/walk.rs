@@ -11,7 +11,6 @@ use super::stage::{GroupTerms, Stage, Sweep};
 use super::tree::TreeStep;
 use super::world::SharedWorld;
 use crate::physics::body::{RigidBody, free_flight};
-use crate::physics::joint::Joint;
 use crate::physics::lanes::{Lanes, READ_ONLY, WIDTH};
 use crate::physics::scalar::Scalar;
 use crate::physics::threads::{Division, Shared};
@@ -245,8 +244,8 @@ impl<L: Lanes> Walk<'_, L> {
     unsafe fn joint_input(&self, GroupJoint { global, a, b }: GroupJoint) -> JointInput {
         // SAFETY: as the caller promises.
         let (joint, offset) = unsafe { (self.world.joints.get(global as usize), self.bodies.offset(a, b)) };
-        let Joint { anchor_a, anchor_b, softness, force, .. } = *joint;
-        JointInput { anchors: [anchor_a, anchor_b], offset, impulse: force * self.terms.h, softness }
+        let (anchors, softness) = (joint.anchors(), joint.softness());
+        JointInput { anchors, offset, impulse: joint.force * self.terms.h, softness }
     }
 
     /// # Safety
