@@ -207,8 +207,9 @@ impl<S: Scalar + Default> ClaimedBody<'_, '_, S> {
     /// velocity of a body that is not round is done at once.
     pub fn gather(&mut self, body: &Body, step: f64, h: f64) {
         let (to_spin, to_psi) = whitening(body);
-        let push = body.inverse_mass.component_mul(&body.force) * h;
-        let turn = if body.kind == RigidBody::Dynamic { to_spin.tr_mul(&body.torque) * h } else { Vector3::zeros() };
+        let linear_kick = body.inverse_mass.component_mul(&body.force) * h;
+        let angular_kick =
+            if body.kind == RigidBody::Dynamic { to_spin.tr_mul(&body.torque) * h } else { Vector3::zeros() };
         let turns_fast = body.angular.norm() * step > GYROSCOPIC_TURN;
         let Body { rotation, angular, inverse_inertia_body, rotation_freedom, .. } = body;
         let turned = if turns_fast {
@@ -223,7 +224,7 @@ impl<S: Scalar + Default> ClaimedBody<'_, '_, S> {
         self.set(velocity, record(&body.linear, &(to_psi * angular)));
         self.set(displacement, Record::default());
         self.set(carried, Record::default());
-        self.set(self.bodies.kick, record(&push, &turn));
+        self.set(self.bodies.kick, record(&linear_kick, &angular_kick));
         self.set(self.bodies.keep, record(&keep(linear_drag), &keep(angular_drag)));
         self.set(self.bodies.positions, body.position);
         self.set(self.bodies.whitening, to_spin);
