@@ -121,7 +121,7 @@ pub(in crate::physics::collision) fn update_graph(
 impl ContactGraph {
     /// Follows bodies to their new indices. Pairs of the gone are dropped in the next step.
     pub fn remap(&mut self, new_index: &[Option<u32>]) {
-        for slot in self.slots.iter_mut().filter(|slot| slot.is_used) {
+        for slot in self.slots.iter_mut().filter(|slot| slot.entities.is_some()) {
             let of = |body: u32| new_index.get(body as usize).copied().flatten();
             slot.pair = Pair { a: of(slot.pair.a).unwrap_or(GONE), b: of(slot.pair.b).unwrap_or(GONE) };
         }
@@ -165,7 +165,7 @@ impl ContactGraph {
         }
         let mut among = BitSet::default();
         renewed.iter().for_each(|&body| among.set(body, true));
-        for slot in self.slots.iter_mut().filter(|slot| slot.is_used) {
+        for slot in self.slots.iter_mut().filter(|slot| slot.entities.is_some()) {
             if among.contains(slot.pair.a) || among.contains(slot.pair.b) {
                 slot.forget();
             }
@@ -183,7 +183,7 @@ impl ContactGraph {
                     self.point_count -= self.states[*index as usize].geometry.point_count() as i64;
                 }
                 if slot.is_pressed {
-                    self.parted.push(slot.entities);
+                    self.parted.extend(slot.entities);
                 }
                 *slot = Slot::default();
                 self.states[*index as usize] = ContactState::default();

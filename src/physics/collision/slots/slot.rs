@@ -40,14 +40,15 @@ impl RelativePose {
 }
 
 /// One pair.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Slot {
     pub pair: Pair,
     /// Whether there are contact points.
     pub touching: bool,
     /// Whether [`crate::physics::ContactStarted`] was said, and not yet that it ended.
     pub is_pressed: bool,
-    pub entities: (Entity, Entity),
+    /// None: there is no pair.
+    pub entities: Option<(Entity, Entity)>,
     pub restitution: f32,
     /// In which of the graph's updates the manifold was found.
     pub found_in: u64,
@@ -64,36 +65,13 @@ pub(crate) struct Slot {
     /// Where A's axes have their origin for this contact: at its centre of mass, or, as A may be
     /// a ground that reaches far, near B where A does not move.
     pub(super) origin: Vector3<f64>,
-    /// Whether there is a pair.
-    pub is_used: bool,
-}
-
-impl Default for Slot {
-    fn default() -> Self {
-        Self {
-            pair: Pair { a: 0, b: 0 },
-            touching: false,
-            is_pressed: false,
-            entities: (Entity::PLACEHOLDER, Entity::PLACEHOLDER),
-            restitution: 0.0,
-            found_in: 0,
-            ahead: Vector3::zeros(),
-            features: [FeatureId::default(); POINTS],
-            found_at: None,
-            found_within: 0.0,
-            size: 0.0,
-            reach: 0.0,
-            origin: Vector3::zeros(),
-            is_used: false,
-        }
-    }
 }
 
 impl Slot {
     /// Of a new pair, whose manifold is not known.
     pub(super) fn new(pair: Pair, a: &Body, b: &Body) -> Self {
-        let entities = (a.entity, b.entity);
-        Self { pair, entities, is_used: true, size: a.radius.min(b.radius), reach: b.radius, ..Self::default() }
+        let entities = Some((a.entity, b.entity));
+        Self { pair, entities, size: a.radius.min(b.radius), reach: b.radius, ..Self::default() }
     }
 
     /// Has the manifold found anew.
