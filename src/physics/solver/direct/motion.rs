@@ -19,7 +19,7 @@ use crate::physics::body::Body;
 use crate::physics::body::RigidBody;
 use crate::physics::body::free_rotation::turn_freely;
 use crate::physics::collision::fastest_approach;
-use crate::physics::contact::restitution_threshold;
+use crate::physics::contact::{rebound, restitution_threshold};
 use crate::physics::settings::SolverSettings;
 use crate::physics::solver::joint_tree::{Swing, add_pull};
 use crate::physics::solver::linear::BodyVector as Part;
@@ -81,7 +81,7 @@ impl DirectIsland {
         let bounces = |&slot: &u32| {
             let slot = world.slot(slot);
             let [a, b] = [slot.pair.a, slot.pair.b].map(|body| world.body(body));
-            slot.restitution > 0.0 && fastest_approach(a, b) > terms.restitution_speed
+            rebound(f64::from(slot.restitution), fastest_approach(a, b), terms.restitution_speed) > 0.0
         };
         if self.contacts.iter().any(bounces) {
             return false;
