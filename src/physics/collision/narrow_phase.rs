@@ -41,8 +41,8 @@ pub(super) struct Buffers {
     pub search: PairSearch,
 }
 
-/// The axis that the test of each pair ended with. A pair that is no candidate any
-/// more leaves; one whose bodies were replaced may find the axis of another, which costs a look.
+/// The axis that the test of each pair ended with. A pair that is no candidate any more leaves; one whose bodies were
+/// replaced may find the axis of another, which costs one measurement.
 #[derive(Default)]
 pub(super) struct LastAxes(HashMap<Pair, Feature>);
 
