@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::constants::LOOSE;
 use super::mechanism::{Mechanism, MechanismLink, MemberState, stretch};
-use super::rows::{InverseMass, MechanismRows, SpatialVector};
+use super::rows::{InverseMass, MechanismRows, SpatialVector, place_arms};
 
 /// The last evaluation, and its buffers.
 #[derive(Clone, Debug, Default)]
@@ -49,10 +49,7 @@ impl Evaluation {
     pub fn assemble(&mut self, mechanism: &Mechanism, states: &[MemberState], h: f64) {
         self.rotations.clear();
         self.rotations.extend(states.iter().map(|state| state.rotation.to_rotation_matrix().into_inner()));
-        self.rows.arms.clear();
-        for MechanismLink { a, b, anchor_a, anchor_b, .. } in &mechanism.links {
-            self.rows.arms.push([self.rotations[*a as usize] * anchor_a, self.rotations[*b as usize] * anchor_b]);
-        }
+        place_arms(mechanism, &self.rotations, &mut self.rows.arms);
         self.rows.inverse_masses.clear();
         for (member, rotation) in mechanism.members.iter().zip(&self.rotations) {
             let inverse_mass =

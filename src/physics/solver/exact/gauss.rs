@@ -28,7 +28,7 @@ use super::constants::{
 };
 use super::mechanism::{JointSpring, Mechanism, MemberState};
 use super::rotation::{exponential, exponential_less_one, inverse_dexp};
-use super::rows::{InverseMass, MechanismRows, SpatialVector};
+use super::rows::{InverseMass, MechanismRows, SpatialVector, add_wrenches, place_arms};
 use super::tableau::Tableau;
 
 /// One stage.
@@ -304,12 +304,7 @@ impl<const S: usize> Gauss<S> {
             self.rotations.push(rotation.to_rotation_matrix().into_inner());
             self.angular.push(angular);
         }
-        self.arms.clear();
-        for link in &mechanism.links {
-            let arm_a = self.rotations[link.a as usize] * link.anchor_a;
-            let arm_b = self.rotations[link.b as usize] * link.anchor_b;
-            self.arms.push([arm_a, arm_b]);
-        }
+        place_arms(mechanism, &self.rotations, &mut self.arms);
     }
 
     /// Factors the rows of a stage at its present rotations.
@@ -382,14 +377,7 @@ impl<const S: usize> Gauss<S> {
             }
             self.wrenches.push(SpatialVector { linear: force, angular: torque });
         }
-        for ((link, arms), force) in mechanism.links.iter().zip(&self.arms).zip(forces) {
-            let a = &mut self.wrenches[link.a as usize];
-            a.linear -= force;
-            a.angular -= arms[0].cross(force);
-            let b = &mut self.wrenches[link.b as usize];
-            b.linear += force;
-            b.angular += arms[1].cross(force);
-        }
+        add_wrenches(mechanism, &self.arms, forces, &mut self.wrenches);
         // The accelerations that the present forces would make.
         self.trial.clear();
         for ((acceleration, wrench), weight) in accelerations.iter().zip(&self.wrenches).zip(&rows.inverse_masses) {

@@ -16,6 +16,7 @@ use super::constants::{
 use super::gauss::{RoundingCarry, StageIterations};
 use super::mechanism::Mechanism;
 use super::rotation::exponential;
+use super::rows::{SpatialVector, add_wrenches, cross_product, lever};
 use super::tableau::Tableau;
 use crate::physics::solver::linear::{BlockLdl, Triangular};
 
@@ -34,13 +35,6 @@ const SINC: [f64; 7] =
 const BERNOULLI: [f64; 6] =
     [1.0 / 12.0, 1.0 / 720.0, 1.0 / 30240.0, 1.0 / 1_209_600.0, 1.0 / 47_900_160.0, 5.284_190_138_7e-10];
 
-/// Linear and angular, in all stages.
-#[derive(Clone, Copy, Debug)]
-struct SpatialLanes {
-    linear: Vector,
-    angular: Vector,
-}
-
 /// The stages and their buffers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lockstep {
@@ -48,7 +42,7 @@ pub(crate) struct Lockstep {
     /// Length of the last step, s; 0 where there is none.
     length: f64,
     carries: Vec<RoundingCarry>,
-    accelerations: Vec<SpatialLanes>,
+    accelerations: Vec<SpatialVector<Lane>>,
     forces: Vec<Vector>,
     rates: Vec<Vector>,
     rotations: Vec<Matrix>,
@@ -59,8 +53,8 @@ pub(crate) struct Lockstep {
     inverse_inertia: Vec<Matrix>,
     levers: Vec<[Matrix; 2]>,
     factor: BlockLdl<Lane, Triangular>,
-    wrenches: Vec<SpatialLanes>,
-    trial: Vec<SpatialLanes>,
+    wrenches: Vec<SpatialVector<Lane>>,
+    trial: Vec<SpatialVector<Lane>>,
     unknowns: Vec<Vector>,
 }
 
@@ -174,7 +168,7 @@ impl Lockstep {
             || self.accelerations.len() != mechanism.moving
             || self.forces.len() != mechanism.links.len()
         {
-            let none = SpatialLanes { linear: zero(), angular: zero() };
+            let none = SpatialVector { linear: zero(), angular: zero() };
             self.accelerations.clear();
             self.accelerations.resize(mechanism.moving, none);
             self.forces.clear();
@@ -185,7 +179,7 @@ impl Lockstep {
             let ahead = if h == self.length { self.tableau.ahead } else { self.tableau.ahead_by(h / self.length) };
             let ahead = columns(&ahead);
             for vector in &mut self.accelerations {
-                *vector = SpatialLanes { linear: mix(&ahead, &vector.linear), angular: mix(&ahead, &vector.angular) };
+                *vector = SpatialVector { linear: mix(&ahead, &vector.linear), angular: mix(&ahead, &vector.angular) };
             }
             for force in &mut self.forces {
                 *force = mix(&ahead, force);
@@ -198,8 +192,8 @@ impl Lockstep {
         }
         self.rotations.resize(mechanism.moving, Matrix::from_element(lane(0.0)));
         self.angular.resize(mechanism.moving, zero());
-        self.wrenches.resize(mechanism.moving, SpatialLanes { linear: zero(), angular: zero() });
-        self.trial.resize(mechanism.moving, SpatialLanes { linear: zero(), angular: zero() });
+        self.wrenches.resize(mechanism.moving, SpatialVector { linear: zero(), angular: zero() });
+        self.trial.resize(mechanism.moving, SpatialVector { linear: zero(), angular: zero() });
         self.unknowns.resize(mechanism.links.len(), zero());
         self.arms.clear();
         for link in &mechanism.links {
@@ -259,7 +253,7 @@ impl Lockstep {
             for (end, member) in [link.a, link.b].into_iter().enumerate() {
                 if let Some(inverse) = self.inverse_inertia.get(member as usize) {
                     levers[end] = lever(inverse, &arms[end]);
-                    block += crossed(&arms[end], &levers[end]);
+                    block += cross_product(&arms[end], &levers[end]);
                     let mass = &mechanism.members[member as usize].inverse_mass;
                     (0..3).for_each(|axis| block[(axis, axis)] += lane(mass[axis]));
                 }
@@ -269,7 +263,7 @@ impl Lockstep {
         }
         for coupling in &mechanism.couplings {
             let arm = &self.row_arms[coupling.row.0 as usize][coupling.row.1];
-            let mut block = crossed(arm, &self.levers[coupling.column.0 as usize][coupling.column.1]);
+            let mut block = cross_product(arm, &self.levers[coupling.column.0 as usize][coupling.column.1]);
             let mass = &mechanism.members[coupling.member as usize].inverse_mass;
             (0..3).for_each(|axis| block[(axis, axis)] += lane(mass[axis]));
             let mut below = self.factor.below_mut::<3>(coupling.block as usize);
@@ -281,7 +275,7 @@ impl Lockstep {
     /// The residuals of the balance of forces and of joints.
     fn balance(&mut self, mechanism: &Mechanism) {
         for (index, member) in mechanism.members[..mechanism.moving].iter().enumerate() {
-            let SpatialLanes { linear, angular } = &self.accelerations[index];
+            let SpatialVector { linear, angular } = &self.accelerations[index];
             let force = all(&member.force) - linear * lane(member.mass);
             let mut torque = all(&member.torque);
             if member.is_round() {
@@ -293,12 +287,12 @@ impl Lockstep {
                 let momentum = inertia.component_mul(&spin);
                 torque -= rotation * (inertia.component_mul(&gain) + spin.cross(&momentum));
             }
-            self.wrenches[index] = SpatialLanes { linear: force, angular: torque };
+            self.wrenches[index] = SpatialVector { linear: force, angular: torque };
         }
         add_wrenches(mechanism, &self.arms, &self.forces, &mut self.wrenches);
         for (index, member) in mechanism.members[..mechanism.moving].iter().enumerate() {
             let (wrench, old) = (&self.wrenches[index], &self.accelerations[index]);
-            self.trial[index] = SpatialLanes {
+            self.trial[index] = SpatialVector {
                 linear: old.linear + all(&member.inverse_mass).component_mul(&wrench.linear),
                 angular: old.angular + self.inverse_inertia[index] * wrench.angular,
             };
@@ -340,7 +334,7 @@ impl Lockstep {
     fn finish(&mut self, mechanism: &mut Mechanism, h: f64) {
         let Tableau { weights, last, .. } = &self.tableau;
         for (member, state) in mechanism.states[..mechanism.moving].iter_mut().enumerate() {
-            let SpatialLanes { linear, angular } = &self.accelerations[member];
+            let SpatialVector { linear, angular } = &self.accelerations[member];
             state.position += (state.linear + sum(last, linear) * h) * h;
             state.linear += sum(weights, linear) * h;
             let turn = sum(weights, &self.rates[member]) * h;
@@ -392,19 +386,6 @@ fn times(rotation: &Matrix, v: &Vector3<f64>) -> Vector {
     rotation.column(0) * lane(v.x) + rotation.column(1) * lane(v.y) + rotation.column(2) * lane(v.z)
 }
 
-fn add_wrenches(mechanism: &Mechanism, arms: &[[Vector; 2]], forces: &[Vector], wrenches: &mut [SpatialLanes]) {
-    for ((link, [arm_a, arm_b]), force) in mechanism.links.iter().zip(arms).zip(forces) {
-        if let Some(a) = wrenches.get_mut(link.a as usize) {
-            a.linear -= force;
-            a.angular -= arm_a.cross(force);
-        }
-        if let Some(b) = wrenches.get_mut(link.b as usize) {
-            b.linear += force;
-            b.angular += arm_b.cross(force);
-        }
-    }
-}
-
 /// R diag(p) Rᵀ.
 fn in_world(principal: &Vector3<f64>, rotation: &Matrix, round: bool) -> Matrix {
     if round {
@@ -413,17 +394,4 @@ fn in_world(principal: &Vector3<f64>, rotation: &Matrix, round: bool) -> Matrix 
     let p = all(principal);
     let scaled = Matrix::from_columns(&[rotation.column(0) * p.x, rotation.column(1) * p.y, rotation.column(2) * p.z]);
     scaled * rotation.transpose()
-}
-
-/// I⁻¹ [r]×ᵀ: its columns are I⁻¹ (e × r)·.
-#[inline]
-fn lever(inverse: &Matrix, r: &Vector) -> Matrix {
-    let (x, y, z) = (inverse.column(0), inverse.column(1), inverse.column(2));
-    Matrix::from_columns(&[z * r.y - y * r.z, x * r.z - z * r.x, y * r.x - x * r.y])
-}
-
-/// [r]× m.
-#[inline]
-fn crossed(r: &Vector, m: &Matrix) -> Matrix {
-    Matrix::from_columns(&[r.cross(&m.column(0)), r.cross(&m.column(1)), r.cross(&m.column(2))])
 }

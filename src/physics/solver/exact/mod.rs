@@ -114,6 +114,6 @@ fn solve_exactly(
             stats.unsettled += effort.unsettled;
             stats.jammed += effort.jammed;
         }
-        group.contact_groups().iter().for_each(|contact_groups| contact_groups.store(&mut cache));
+        group.contact_groups().iter().for_each(|group| group.store(&mut cache));
     }
 }

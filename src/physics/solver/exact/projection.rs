@@ -12,7 +12,7 @@ use super::constants::{
     STUCK_PROJECTION,
 };
 use super::mechanism::{Mechanism, MemberState};
-use super::rows::{InverseMass, MechanismRows, SpatialVector};
+use super::rows::{InverseMass, MechanismRows, SpatialVector, place_arms};
 
 /// The rows and the buffers.
 #[derive(Clone, Debug, Default)]
@@ -56,12 +56,7 @@ impl JointProjection {
     fn set_arms(&mut self, mechanism: &Mechanism) {
         self.rotations.clear();
         self.rotations.extend(mechanism.states.iter().map(|state| state.rotation.to_rotation_matrix().into_inner()));
-        self.rows.arms.clear();
-        for link in &mechanism.links {
-            let arm_a = self.rotations[link.a as usize] * link.anchor_a;
-            let arm_b = self.rotations[link.b as usize] * link.anchor_b;
-            self.rows.arms.push([arm_a, arm_b]);
-        }
+        place_arms(mechanism, &self.rotations, &mut self.rows.arms);
     }
 
     /// Positions and linear velocities of a tree from its rotations and angular velocities; the centre of mass of a tree

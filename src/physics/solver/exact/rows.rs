@@ -8,14 +8,13 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{MULTIPLIER_ITERATIONS, SHIFTS};
 use super::mechanism::Mechanism;
-use super::rotation::cross_matrix;
-use crate::physics::solver::linear::{BlockLdl, Triangular};
+use crate::physics::solver::linear::{BlockLdl, Number, Triangular};
 
 /// Linear and angular: a velocity, an acceleration, or a force and torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct SpatialVector {
-    pub linear: Vector3<f64>,
-    pub angular: Vector3<f64>,
+pub(crate) struct SpatialVector<N = f64> {
+    pub linear: Vector3<N>,
+    pub angular: Vector3<N>,
 }
 
 impl SpatialVector {
@@ -75,7 +74,6 @@ impl MechanismRows {
             for (end, member) in [link.a, link.b].into_iter().enumerate() {
                 if (member as usize) < mechanism.moving {
                     let inverse_mass = &self.inverse_masses[member as usize];
-                    // Rows of I⁻¹ [r]×ᵀ = −I⁻¹ [r]×.
                     levers[end] = lever(&inverse_mass.angular, &arms[end]);
                     diagonal += Matrix3::from_diagonal(&inverse_mass.linear) + cross_product(&arms[end], &levers[end]);
                 }
@@ -162,14 +160,7 @@ impl MechanismRows {
     /// wrenches += Jᵀ λ.
     #[inline]
     pub fn add_wrenches(&self, mechanism: &Mechanism, lambda: &[Vector3<f64>], wrenches: &mut [SpatialVector]) {
-        for ((link, arms), force) in mechanism.links.iter().zip(&self.arms).zip(lambda) {
-            let a = &mut wrenches[link.a as usize];
-            a.linear -= force;
-            a.angular -= arms[0].cross(force);
-            let b = &mut wrenches[link.b as usize];
-            b.linear += force;
-            b.angular += arms[1].cross(force);
-        }
+        add_wrenches(mechanism, &self.arms, lambda, wrenches);
     }
 
     /// J of one link times velocities.
@@ -181,14 +172,43 @@ impl MechanismRows {
     }
 }
 
-/// I⁻¹ [r]×ᵀ.
+/// r_A and r_B of all links for rotations of the members.
+pub(super) fn place_arms(mechanism: &Mechanism, rotations: &[Matrix3<f64>], arms: &mut Vec<[Vector3<f64>; 2]>) {
+    arms.clear();
+    for link in &mechanism.links {
+        arms.push([rotations[link.a as usize] * link.anchor_a, rotations[link.b as usize] * link.anchor_b]);
+    }
+}
+
+/// wrenches += Jᵀ λ for those arms; members beyond the wrenches given have none.
 #[inline]
-fn lever(inverse_inertia: &Matrix3<f64>, arm: &Vector3<f64>) -> Matrix3<f64> {
-    inverse_inertia * -cross_matrix(arm)
+pub(super) fn add_wrenches<N: Number>(
+    mechanism: &Mechanism,
+    arms: &[[Vector3<N>; 2]],
+    lambda: &[Vector3<N>],
+    wrenches: &mut [SpatialVector<N>],
+) {
+    for ((link, [arm_a, arm_b]), force) in mechanism.links.iter().zip(arms).zip(lambda) {
+        if let Some(a) = wrenches.get_mut(link.a as usize) {
+            a.linear -= force;
+            a.angular -= arm_a.cross(force);
+        }
+        if let Some(b) = wrenches.get_mut(link.b as usize) {
+            b.linear += force;
+            b.angular += arm_b.cross(force);
+        }
+    }
+}
+
+/// I⁻¹ [r]×ᵀ: its columns are those of I⁻¹ r × e.
+#[inline]
+pub(super) fn lever<N: Number>(inverse_inertia: &Matrix3<N>, r: &Vector3<N>) -> Matrix3<N> {
+    let (x, y, z) = (inverse_inertia.column(0), inverse_inertia.column(1), inverse_inertia.column(2));
+    Matrix3::from_columns(&[z * r.y - y * r.z, x * r.z - z * r.x, y * r.x - x * r.y])
 }
 
 /// [r]× m.
 #[inline]
-fn cross_product(r: &Vector3<f64>, m: &Matrix3<f64>) -> Matrix3<f64> {
+pub(super) fn cross_product<N: Number>(r: &Vector3<N>, m: &Matrix3<N>) -> Matrix3<N> {
     Matrix3::from_columns(&[r.cross(&m.column(0)), r.cross(&m.column(1)), r.cross(&m.column(2))])
 }

@@ -72,7 +72,13 @@ impl Stepper {
     }
 
     /// Takes the mechanism through that many substeps of h, s, each.
-    pub fn advance(&mut self, mechanism: &mut Mechanism, integrator: ExactIntegrator, h: f64, substeps: u32) -> StepEffort {
+    pub fn advance(
+        &mut self,
+        mechanism: &mut Mechanism,
+        integrator: ExactIntegrator,
+        h: f64,
+        substeps: u32,
+    ) -> StepEffort {
         self.forces.clear();
         self.forces.resize(mechanism.links.len(), Vector3::zeros());
         let mut effort = StepEffort::default();

@@ -68,7 +68,7 @@ impl GroupSolver {
         for link in view.links {
             let arms = arms_of(link, states);
             let ends = [link.a, link.b];
-            self.joints.push(ConeJoint { bodies: ends.map(moves), arms });
+            self.joints.push(ConeJoint::ball(ends.map(moves), &arms));
             self.given.joints.push(still(ends, &arms));
         }
         self.solver.set(&self.bodies, &self.contacts, &self.joints);
