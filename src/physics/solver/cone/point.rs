@@ -1,12 +1,10 @@
 //! A point of two bodies in the scaled unknowns: its frame, its law, its effective mass and its 3×6 blocks of Ĵ = J L.
 
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 use super::super::linear::{BodyBlock, BodyVector, Elimination};
 use super::law::Law;
-use super::problem::{ConeContact, ConeJoint, Velocity};
-
-type Jacobian = SMatrix<f64, 3, 6>;
+use super::problem::{ConeContact, ConeJoint, PointJacobian, Velocity, relative_velocity};
 
 /// A contact or a joint.
 #[derive(Clone, Debug)]
@@ -29,41 +27,42 @@ pub(super) struct PointSide {
     pub body: u32,
     /// In the order of elimination.
     pub place: u32,
-    arm: Vector3<f64>,
-    /// −1 of A, 1 of B.
-    sign: f64,
-    jacobian: Jacobian,
+    /// J, in the axes that the point was given in.
+    given: PointJacobian,
+    /// Ĵ, in the frame of the point.
+    jacobian: PointJacobian,
 }
 
 impl ConePoint {
     /// Of a contact.
     pub fn of_contact(contact: &ConeContact, roots: &[[Matrix3<f64>; 2]]) -> Self {
         let law = if contact.friction > 0.0 { Law::Friction(contact.friction) } else { Law::Frictionless };
-        Self::new(law, frame(&contact.normal), &contact.bodies, &contact.arms, roots)
+        Self::new(law, frame(&contact.normal), &contact.bodies, &relative_velocity(&contact.arms), roots)
     }
 
     /// Of a joint.
     pub fn of_joint(joint: &ConeJoint, roots: &[[Matrix3<f64>; 2]]) -> Self {
-        Self::new(Law::Joint, Matrix3::identity(), &joint.bodies, &joint.arms, roots)
+        Self::new(Law::Joint, Matrix3::identity(), &joint.bodies, &joint.jacobians, roots)
     }
 
     fn new(
         law: Law,
         frame: Matrix3<f64>,
         bodies: &[Option<u32>; 2],
-        arms: &[Vector3<f64>; 2],
+        jacobians: &[PointJacobian; 2],
         roots: &[[Matrix3<f64>; 2]],
     ) -> Self {
-        let side = |which: usize, sign: f64| {
-            let (body, arm) = (bodies[which]?, arms[which]);
+        let side = |which: usize| {
+            let (body, given) = (bodies[which]?, jacobians[which]);
             let [linear, angular] = &roots[body as usize];
-            let axes = sign * frame.transpose();
-            let mut jacobian = Jacobian::zeros();
-            jacobian.fixed_columns_mut::<3>(0).copy_from(&(axes * linear));
-            jacobian.fixed_columns_mut::<3>(3).copy_from(&(-axes * arm.cross_matrix() * angular));
-            Some(PointSide { body, place: 0, arm, sign, jacobian })
+            let mut jacobian = frame.tr_mul(&given);
+            for (column, root) in [(0, linear), (3, angular)] {
+                let scaled = jacobian.fixed_columns::<3>(column) * root;
+                jacobian.fixed_columns_mut::<3>(column).copy_from(&scaled);
+            }
+            Some(PointSide { body, place: 0, given, jacobian })
         };
-        let sides = [side(0, -1.0), side(1, 1.0)];
+        let sides = [side(0), side(1)];
         let square = |side: &PointSide| match law {
             Law::Joint => side.jacobian.norm_squared() / 3.0,
             Law::Frictionless | Law::Friction(_) => side.jacobian.row(0).norm_squared(),
@@ -98,11 +97,11 @@ impl ConePoint {
         }
     }
 
-    /// J v, in the world's axes.
+    /// J v, in the axes that the point was given in.
     pub fn velocity(&self, velocities: &[Velocity]) -> Vector3<f64> {
         self.sides.iter().flatten().fold(Vector3::zeros(), |sum, side| {
             let [linear, angular] = &velocities[side.body as usize];
-            sum + side.sign * (linear + angular.cross(&side.arm))
+            sum + (side.given.fixed_columns::<3>(0) * linear + side.given.fixed_columns::<3>(3) * angular)
         })
     }
 

@@ -1,6 +1,6 @@
 //! What a solve is given, and what it reports.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// A body that moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,13 +24,34 @@ pub(crate) struct ConeContact {
     pub friction: f64,
 }
 
-/// A ball joint.
+/// The velocity of a point along three axes for the velocity of one body, linear and angular.
+pub(crate) type PointJacobian = SMatrix<f64, 3, 6>;
+
+/// Up to three bilateral rows of a joint, along axes of the world or its own; rows that it has not are zero. A joint of
+/// more rows is several of these.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ConeJoint {
     /// A and B, by index; none is immovable.
     pub bodies: [Option<u32>; 2],
-    /// From the centres of mass of A and B to the joint, m; an immovable side's is not read.
-    pub arms: [Vector3<f64>; 2],
+    /// J of A and B; an immovable side's is not read.
+    pub jacobians: [PointJacobian; 2],
+}
+
+impl ConeJoint {
+    /// A ball joint, with the arms from the centres of mass of A and B, m.
+    pub fn ball(bodies: [Option<u32>; 2], arms: &[Vector3<f64>; 2]) -> Self {
+        Self { bodies, jacobians: relative_velocity(arms) }
+    }
+}
+
+/// J of A and of B for the velocity of B's point relative to A's, in the world's axes.
+pub(super) fn relative_velocity(arms: &[Vector3<f64>; 2]) -> [PointJacobian; 2] {
+    [(-1.0, &arms[0]), (1.0, &arms[1])].map(|(sign, arm)| {
+        let mut jacobian = PointJacobian::zeros();
+        jacobian.fixed_columns_mut::<3>(0).fill_diagonal(sign);
+        jacobian.fixed_columns_mut::<3>(3).copy_from(&(arm.cross_matrix() * -sign));
+        jacobian
+    })
 }
 
 /// Linear, m/s, and angular, rad/s.

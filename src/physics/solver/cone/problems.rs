@@ -24,6 +24,8 @@ pub struct Problem {
     pub free: Vec<Velocity>,
     pub contacts: Vec<ConeContact>,
     pub joints: Vec<ConeJoint>,
+    /// From the centres of mass to each joint.
+    pub joint_arms: Vec<[V; 2]>,
     pub bias: PerPoint,
 }
 
@@ -64,7 +66,8 @@ impl Problem {
 
     pub fn joint(&mut self, a: Option<u32>, b: Option<u32>, point: V) {
         let arms = [self.arm(a, point), self.arm(b, point)];
-        self.joints.push(ConeJoint { bodies: [a, b], arms });
+        self.joints.push(ConeJoint::ball([a, b], &arms));
+        self.joint_arms.push(arms);
         self.bias.joints.push(V::zeros());
     }
 

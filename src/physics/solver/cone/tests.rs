@@ -33,7 +33,8 @@ fn largest(impulses: &PerPoint) -> f64 {
 fn moved(problem: &Problem, impulses: &PerPoint) -> Vec<Velocity> {
     let mut velocities = problem.free.clone();
     let contacts = problem.contacts.iter().map(|contact| (contact.bodies, contact.arms)).zip(&impulses.contacts);
-    let joints = problem.joints.iter().map(|joint| (joint.bodies, joint.arms)).zip(&impulses.joints);
+    let joints =
+        problem.joints.iter().map(|joint| joint.bodies).zip(problem.joint_arms.iter().copied()).zip(&impulses.joints);
     for ((bodies, arms), impulse) in contacts.chain(joints) {
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
             let Some(body) = bodies[side] else { continue };
@@ -86,8 +87,8 @@ fn residual(problem: &Problem, velocities: &[Velocity], impulses: &PerPoint) -> 
         let wanted = scaled - u - n * (contact.friction * slip.norm());
         worst = worst.max((scaled - on_cone(wanted, n, contact.friction)).norm());
     }
-    for ((joint, bias), _) in problem.joints.iter().zip(&problem.bias.joints).zip(&impulses.joints) {
-        worst = worst.max((between(&own, &joint.bodies, &joint.arms) + bias).norm());
+    for ((joint, arms), bias) in problem.joints.iter().zip(&problem.joint_arms).zip(&problem.bias.joints) {
+        worst = worst.max((between(&own, &joint.bodies, arms) + bias).norm());
     }
     worst
 }
@@ -384,7 +385,7 @@ fn joints_alone_are_what_the_dense_system_gives() {
     let rows = 3 * problem.joints.len();
     let velocity = |motions: &[Velocity], row: usize| {
         let joint = &problem.joints[row / 3];
-        between(motions, &joint.bodies, &joint.arms)[row % 3]
+        between(motions, &joint.bodies, &problem.joint_arms[row / 3])[row % 3]
     };
     let motion_of = |lambda: &DVector<f64>| {
         let mut impulses = problem.no_impulses();

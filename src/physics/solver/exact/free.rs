@@ -7,8 +7,8 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::group::exponential;
-use super::mechanism::{Member, Motion};
+use super::mechanism::{Member, MemberState};
+use super::rotation::exponential;
 
 /// Whether the closed form is all there is to it.
 pub(crate) fn is_closed(member: &Member) -> bool {
@@ -16,18 +16,18 @@ pub(crate) fn is_closed(member: &Member) -> bool {
 }
 
 /// Takes a body through h, s.
-pub(crate) fn fly(member: &Member, motion: &mut Motion, h: f64) {
+pub(crate) fn advance(member: &Member, state: &mut MemberState, h: f64) {
     let gain = member.inverse_mass.component_mul(&member.force);
     let (kept, first, second) = decay(member.drag.0 * h);
-    motion.position += (motion.linear * first + gain * (h * second)) * h;
-    motion.linear = motion.linear * kept + gain * (h * first);
+    state.position += (state.linear * first + gain * (h * second)) * h;
+    state.linear = state.linear * kept + gain * (h * first);
     let gain = member.freedom.component_mul(&member.torque) / member.inertia.x;
-    let start = motion.angular;
+    let start = state.angular;
     let (kept, first, second) = decay(member.drag.1 * h);
-    motion.angular = start * kept + gain * (h * first);
+    state.angular = start * kept + gain * (h * first);
     let turn = (start * first + gain * (h * second)) * h + gain.cross(&start) * (h * h * h / 12.0);
     if turn != Vector3::zeros() {
-        motion.rotation = UnitQuaternion::new_normalize((exponential(&turn) * motion.rotation).into_inner());
+        state.rotation = UnitQuaternion::new_normalize((exponential(&turn) * state.rotation).into_inner());
     }
 }
 

@@ -1,6 +1,6 @@
 //! Gauss's collocation method on a mechanism: implicit, symmetric, for any stiffness.
 //!
-//! Unknown are each stage's accelerations a_i and joint forces λ_i. With places and velocities from them by the
+//! Unknown are each stage's accelerations a_i and joint forces λ_i. With positions and velocities from them by the
 //! [tableau](super::tableau), stage i holds
 //!
 //! M a_i = F − (0, ω_i × I ω_i) + Jᵀλ_i,  J a_i + J̇ v_i = 0.
@@ -9,92 +9,68 @@
 //! symmetric on the group, too (Hairer, Lubich and Wanner 2006, V.4.3). φ̇_i = k_i = dexp⁻¹_{φ_i} ω_i gives
 //! ψ = ½ h Σ b_j k_j and φ_i = h Σ (a_ij − ½ b_j) k_j.
 //!
-//! They are found by simplified Newton iteration, a sweep over the stages at a time:
+//! They are found by simplified Newton iteration, one stage after the other:
 //!
-//! [M̃ −Jᵀ; J 0] (δa, δλ) = (what is left of the two lines above),  M̃ = M (1 + c h a_ii) + h² L_ii K,
+//! [M̃ −Jᵀ; J 0] (δa, δλ) = (residuals of the two lines above),  M̃ = M (1 + c h a_ii) + h² L_ii K,
 //!
 //! with drag c, and geometric stiffness K (see `joint_tree::stiffness`), kept to M's pattern; L_ii from the tableau. J
-//! and the factor of J M̃⁻¹ Jᵀ are those of the stage's first guess, which is the stages of the step before continued.
-//! Where K counts nothing each sweep leaves a share of order h²; where it is large, the sweeps still converge, whatever
-//! ωh.
+//! and the factor of J M̃⁻¹ Jᵀ are those of the stage as it starts, which is the stages of the step before continued.
+//! Where K is left out each iteration leaves a share of order h²; where K is large, it still converges, whatever ωh.
 //!
-//! A joint that gives is a row of its own, λ + m(ω²C + 2ζωĊ) = 0 in place of the second line; its softness
-//! 1/(m(ω² h² L_ii + 2ζω h a_ii)) goes on the diagonal of J M̃⁻¹ Jᵀ. At its greatest force its size is given, and it is
-//! softer across by as much as more was asked for.
+//! A spring has rows of its own, λ + m(ω²C + 2ζωĊ) = 0 in place of the second line; its softness
+//! 1/(m(ω² h² L_ii + 2ζω h a_ii)) goes on the diagonal of J M̃⁻¹ Jᵀ. At its largest force the size of
+//! the force is given, and the spring is softer across it by the factor that its bound takes away.
 
 use nalgebra::{Matrix3, SVector, UnitQuaternion, Vector3, Vector4};
 
-use super::group::{exponential, exponential_less_one, inverse_dexp};
-use super::mechanism::{Mechanism, Motion, Spring};
-use super::rows::{Rows, Screw, Weight};
+use super::constants::{
+    CHANGE_OVER_SQUARE, DIVERGED, GAUSS_ITERATIONS, GAUSS_SOFT, GAUSS_UNCONVERGED, LEAST_CHANGE, NORMAL, SLACK,
+};
+use super::mechanism::{JointSpring, Mechanism, MemberState};
+use super::rotation::{exponential, exponential_less_one, inverse_dexp};
+use super::rows::{InverseMass, MechanismRows, SpatialVector, add_wrenches, place_arms};
 use super::tableau::Tableau;
-
-/// Sweeps at most.
-const MOST_SWEEPS: usize = 40;
-
-/// What the last sweep may leave over the square of the first one's change, in rad or m: the first is what continuing
-/// the step before was off by, of half the order of the step itself, so that this is a small part of the step's own
-/// error.
-pub(super) const OF_SQUARE: f64 = 1e-10;
-
-/// What the last sweep may leave of a turn, rad, or of a way, m, in any case.
-pub(super) const LEAST: f64 = 1e-18;
-
-/// Change in the last sweep, in m or rad, that is no convergence.
-const LOST: f64 = 1e-9;
-
-/// How far from 1 a rotation's square may be.
-const NORMAL: f64 = 1e-14;
-
-/// Factor on the softness of a spring at its greatest force, along it.
-const SLACK: f64 = 1e9;
-
-/// Change, in m or rad, that no step is short enough for.
-const FAR: f64 = 1e3;
-
-/// h² K over I under which stiffness counts nothing.
-const SOFT: f64 = 0.3;
 
 /// One stage.
 #[derive(Clone, Debug, Default)]
-struct Stage {
+struct GaussStage {
     /// a_i of each member.
-    accelerations: Vec<Screw>,
+    accelerations: Vec<SpatialVector>,
     /// λ_i.
     forces: Vec<Vector3<f64>>,
     /// k_i of each member.
     rates: Vec<Vector3<f64>>,
-    rows: Rows,
+    rows: MechanismRows,
 }
 
-/// What a step that converged leaves to the next.
+/// The stages of a step that converged, from which the next is continued.
 #[derive(Clone, Debug, Default)]
-struct Past {
-    accelerations: Vec<Screw>,
+struct GaussHistory {
+    accelerations: Vec<SpatialVector>,
     forces: Vec<Vector3<f64>>,
 }
 
-/// What rounding took from a member's sums in the last step.
+/// What rounding took from a member's sums, carried to the next step.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Carry {
+pub(super) struct RoundingCarry {
     angular: Vector3<f64>,
     rotation: Vector4<f64>,
 }
 
-impl Carry {
-    /// All of it.
+impl RoundingCarry {
+    /// All its numbers.
     pub fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
         self.angular.iter().chain(self.rotation.iter()).copied()
     }
 
-    /// Adds to the angular velocity and turns by a rotation vector.
-    pub fn advance(&mut self, motion: &mut Motion, gained: Vector3<f64>, turn: &Vector3<f64>) {
-        add_carrying(&mut motion.angular, gained, &mut self.angular);
-        let mut rotation = motion.rotation.into_inner();
+    /// Adds `gained` to the angular velocity and turns by a rotation vector.
+    pub fn advance(&mut self, state: &mut MemberState, gained: Vector3<f64>, turn: &Vector3<f64>) {
+        add_carrying(&mut state.angular, gained, &mut self.angular);
+        let mut rotation = state.rotation.into_inner();
         let added = exponential_less_one(turn) * rotation;
         add_carrying(&mut rotation.coords, added.coords, &mut self.rotation);
         // Carried sums keep it unit to rounding for long.
-        motion.rotation = if (rotation.norm_squared() - 1.0).abs() < NORMAL {
+        state.rotation = if (rotation.norm_squared() - 1.0).abs() < NORMAL {
             UnitQuaternion::new_unchecked(rotation)
         } else {
             UnitQuaternion::new_normalize(rotation)
@@ -102,14 +78,14 @@ impl Carry {
     }
 }
 
-/// Stages and what is needed to find them.
+/// The stages and their buffers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Gauss<const S: usize> {
     tableau: Tableau<S>,
-    stages: Vec<Stage>,
+    stages: Vec<GaussStage>,
     /// Of the last step that converged, and its length, s; 0 where there is none.
-    history: Vec<Past>,
-    carries: Vec<Carry>,
+    history: Vec<GaussHistory>,
+    carries: Vec<RoundingCarry>,
     length: f64,
     /// R_m of each member.
     middles: Vec<UnitQuaternion<f64>>,
@@ -117,24 +93,24 @@ pub(crate) struct Gauss<const S: usize> {
     rotations: Vec<Matrix3<f64>>,
     angular: Vec<Vector3<f64>>,
     arms: Vec<[Vector3<f64>; 2]>,
-    /// Of each link, what its spring is asked for, m/s².
+    /// Unbounded force of each link's spring for each kg, m/s².
     asked: Vec<Vector3<f64>>,
-    /// What is left of the balance of forces, and then what it changes.
-    wrenches: Vec<Screw>,
+    /// Residual of the balance of forces, and then the wrench of its correction.
+    wrenches: Vec<SpatialVector>,
     unknowns: Vec<Vector3<f64>>,
     right: Vec<Vector3<f64>>,
     stiffness: Vec<Matrix3<f64>>,
-    guess: Vec<Screw>,
+    trial: Vec<SpatialVector>,
 }
 
-/// How the sweeps went.
+/// How the iterations of a step went.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Sweeps {
+pub(crate) struct StageIterations {
     pub count: u32,
     pub converged: bool,
 }
 
-impl Sweeps {
+impl StageIterations {
     /// None were made.
     pub const NONE: Self = Self { count: 0, converged: false };
 }
@@ -145,7 +121,7 @@ impl<const S: usize> Gauss<S> {
         self.length = 0.0;
     }
 
-    /// What the next step starts from beside the mechanism's motion.
+    /// All that the next step depends on beside the mechanism's state.
     pub fn memory(&self) -> impl Iterator<Item = f64> + '_ {
         let known = self.history.iter().filter(|_| self.length > 0.0);
         let known = known.flat_map(|past| {
@@ -153,7 +129,7 @@ impl<const S: usize> Gauss<S> {
             screws.chain(past.forces.iter().flatten()).copied()
         });
         let carries = self.carries.iter().filter(|_| self.length > 0.0);
-        known.chain(carries.flat_map(Carry::numbers))
+        known.chain(carries.flat_map(RoundingCarry::numbers))
     }
 
     /// Mean of the forces over the step.
@@ -162,17 +138,17 @@ impl<const S: usize> Gauss<S> {
         weights.zip(&self.stages).map(|(weight, stage)| stage.forces[link] * *weight).sum()
     }
 
-    /// Takes the mechanism through a step of h, s. Where the sweeps do not converge it stays where it was.
-    pub fn step(&mut self, mechanism: &mut Mechanism, h: f64) -> Sweeps {
+    /// Takes the mechanism through a step of h, s. Where the iterations do not converge it stays where it was.
+    pub fn step(&mut self, mechanism: &mut Mechanism, h: f64) -> StageIterations {
         self.begin(mechanism, h);
         let (mut before, mut share, mut rising) = (f64::INFINITY, 0.0, 0);
-        let mut enough = LEAST;
-        for count in 1..=MOST_SWEEPS {
+        let mut least = LEAST_CHANGE;
+        for count in 1..=GAUSS_ITERATIONS {
             let mut change: f64 = 0.0;
             if count <= 3 {
                 self.find_stiffness(mechanism, h);
             }
-            let anew = count == 1
+            let refactors = count == 1
                 || ((!self.stiffness.is_empty() || mechanism.gives) && (count <= 4 || share > 0.3))
                 || mechanism.may_be_singular;
             self.find_middles(mechanism, h);
@@ -181,8 +157,8 @@ impl<const S: usize> Gauss<S> {
                     self.refresh_rates(mechanism, h);
                     self.find_middles(mechanism, h);
                 }
-                self.set_out(mechanism, h, stage);
-                if anew {
+                self.place_stage(mechanism, h, stage);
+                if refactors {
                     self.assemble(mechanism, h, stage);
                 }
                 if mechanism.may_be_singular {
@@ -194,45 +170,45 @@ impl<const S: usize> Gauss<S> {
             }
             let change = change * h * h;
             rising = if share > 1.0 { rising + 1 } else { 0 };
-            if change.is_nan() || change > FAR || rising > 4 && change > LOST {
+            if change.is_nan() || change > DIVERGED || rising > 4 && change > GAUSS_UNCONVERGED {
                 break;
             }
             if count == 1 {
-                enough = enough.max(change * change * OF_SQUARE);
+                least = least.max(change * change * CHANGE_OVER_SQUARE);
             }
             share = change / before;
-            let settled = count > 1 && (change * share / (1.0 - share).max(0.1) <= enough || change == 0.0);
+            let is_converged = count > 1 && (change * share / (1.0 - share).max(0.1) <= least || change == 0.0);
             // Rounding leaves a change that does not fall.
-            let stuck = count > 3 && share > 0.5 && change < LOST;
-            if settled || stuck {
+            let is_stalled = count > 3 && share > 0.5 && change < GAUSS_UNCONVERGED;
+            if is_converged || is_stalled {
                 self.finish(mechanism, h);
                 self.remember(h);
-                return Sweeps { count: count as u32, converged: true };
+                return StageIterations { count: count as u32, converged: true };
             }
             before = change;
         }
-        Sweeps { count: MOST_SWEEPS as u32, converged: false }
+        StageIterations { count: GAUSS_ITERATIONS as u32, converged: false }
     }
 
-    /// A first guess of all stages.
+    /// The stages that the iterations start from.
     fn begin(&mut self, mechanism: &Mechanism, h: f64) {
         let count = mechanism.members.len();
-        self.stages.resize_with(S, Stage::default);
+        self.stages.resize_with(S, GaussStage::default);
         for stage in &mut self.stages {
             stage.accelerations.clear();
-            stage.accelerations.resize(count, Screw::ZERO);
+            stage.accelerations.resize(count, SpatialVector::ZERO);
             stage.forces.clear();
             stage.forces.resize(mechanism.links.len(), Vector3::zeros());
         }
         if self.length > 0.0 {
-            self.look_ahead(mechanism, h);
+            self.extrapolate(mechanism, h);
         } else {
             self.carries.clear();
-            self.carries.resize(count, Carry::default());
+            self.carries.resize(count, RoundingCarry::default());
         }
         for stage in &mut self.stages {
             stage.rates.clear();
-            stage.rates.extend(mechanism.motion.iter().map(|motion| motion.angular));
+            stage.rates.extend(mechanism.states.iter().map(|state| state.angular));
         }
         self.refresh_rates(mechanism, h);
     }
@@ -240,7 +216,7 @@ impl<const S: usize> Gauss<S> {
     /// Keeps the stages for the next step.
     fn remember(&mut self, h: f64) {
         self.length = h;
-        self.history.resize_with(S, Past::default);
+        self.history.resize_with(S, GaussHistory::default);
         for (past, stage) in self.history.iter_mut().zip(&self.stages) {
             past.accelerations.clone_from(&stage.accelerations);
             past.forces.clone_from(&stage.forces);
@@ -248,10 +224,10 @@ impl<const S: usize> Gauss<S> {
     }
 
     /// Continues the polynomials through the stages of the step before.
-    fn look_ahead(&mut self, mechanism: &Mechanism, h: f64) {
+    fn extrapolate(&mut self, mechanism: &Mechanism, h: f64) {
         let ahead = if h == self.length { self.tableau.ahead } else { self.tableau.ahead_by(h / self.length) };
         for member in 0..mechanism.moving {
-            let old: [Screw; S] = std::array::from_fn(|j| self.history[j].accelerations[member]);
+            let old: [SpatialVector; S] = std::array::from_fn(|j| self.history[j].accelerations[member]);
             for (stage, shares) in self.stages.iter_mut().zip(&ahead) {
                 stage.accelerations[member] = combine(&old, shares);
             }
@@ -264,7 +240,7 @@ impl<const S: usize> Gauss<S> {
         }
     }
 
-    /// K of all members from the guessed forces; none where it counts nothing.
+    /// Makes room for K of all members, or none where K is small.
     fn find_stiffness(&mut self, mechanism: &Mechanism, h: f64) {
         self.stiffness.clear();
         let stage = &self.stages[S - 1];
@@ -277,30 +253,30 @@ impl<const S: usize> Gauss<S> {
                 }
             }
         }
-        if largest.sqrt() * h * h > SOFT {
+        if largest.sqrt() * h * h > GAUSS_SOFT {
             self.stiffness.resize(mechanism.members.len(), Matrix3::zeros());
         }
     }
 
-    /// R_m from the rates as they are.
+    /// R_m from the present rates.
     fn find_middles(&mut self, mechanism: &Mechanism, h: f64) {
-        self.middles.resize(mechanism.motion.len(), UnitQuaternion::identity());
-        for (member, (middle, motion)) in self.middles.iter_mut().zip(&mechanism.motion).enumerate() {
+        self.middles.resize(mechanism.states.len(), UnitQuaternion::identity());
+        for (member, (middle, state)) in self.middles.iter_mut().zip(&mechanism.states).enumerate() {
             let mut half = Vector3::zeros();
             for (stage, weight) in self.stages.iter().zip(&self.tableau.weights) {
                 half += stage.rates[member] * (0.5 * h * weight);
             }
-            *middle = exponential(&half) * motion.rotation;
+            *middle = exponential(&half) * state.rotation;
         }
     }
 
-    /// k of all stages from the accelerations as they are.
+    /// k of all stages from the present accelerations.
     fn refresh_rates(&mut self, mechanism: &Mechanism, h: f64) {
         let Tableau { weights, matrix, .. } = &self.tableau;
-        for (member, motion) in mechanism.motion.iter().enumerate().take(mechanism.moving) {
+        for (member, state) in mechanism.states.iter().enumerate().take(mechanism.moving) {
             let rates: [Vector3<f64>; S] = std::array::from_fn(|j| self.stages[j].rates[member]);
             for (stage, shares) in (0..S).zip(matrix) {
-                let (mut turn, mut angular) = (Vector3::zeros(), motion.angular);
+                let (mut turn, mut angular) = (Vector3::zeros(), state.angular);
                 for (j, other) in self.stages.iter().enumerate() {
                     turn += rates[j] * (h * shares[j] - 0.5 * h * weights[j]);
                     angular += other.accelerations[member].angular * (h * shares[j]);
@@ -310,17 +286,17 @@ impl<const S: usize> Gauss<S> {
         }
     }
 
-    /// Rotations, angular velocities and arms of a stage from the accelerations as they are.
-    fn set_out(&mut self, mechanism: &Mechanism, h: f64, stage: usize) {
+    /// Rotations, angular velocities and arms of a stage from the present accelerations.
+    fn place_stage(&mut self, mechanism: &Mechanism, h: f64, stage: usize) {
         let Tableau { weights, matrix, .. } = &self.tableau;
         let gain: [f64; S] = std::array::from_fn(|j| h * matrix[stage][j]);
-        let way: [f64; S] = std::array::from_fn(|j| gain[j] - 0.5 * h * weights[j]);
+        let turns: [f64; S] = std::array::from_fn(|j| gain[j] - 0.5 * h * weights[j]);
         self.rotations.clear();
         self.angular.clear();
-        for (member, motion) in mechanism.motion.iter().enumerate() {
-            let (mut turn, mut angular) = (Vector3::zeros(), motion.angular);
+        for (member, state) in mechanism.states.iter().enumerate() {
+            let (mut turn, mut angular) = (Vector3::zeros(), state.angular);
             for (j, other) in self.stages.iter().enumerate() {
-                turn += other.rates[member] * way[j];
+                turn += other.rates[member] * turns[j];
                 angular += other.accelerations[member].angular * gain[j];
             }
             self.stages[stage].rates[member] = inverse_dexp(&turn, &angular);
@@ -328,18 +304,13 @@ impl<const S: usize> Gauss<S> {
             self.rotations.push(rotation.to_rotation_matrix().into_inner());
             self.angular.push(angular);
         }
-        self.arms.clear();
-        for link in &mechanism.links {
-            let arm_a = self.rotations[link.a as usize] * link.anchor_a;
-            let arm_b = self.rotations[link.b as usize] * link.anchor_b;
-            self.arms.push([arm_a, arm_b]);
-        }
+        place_arms(mechanism, &self.rotations, &mut self.arms);
     }
 
     /// Factors the rows of a stage at its present rotations.
     fn assemble(&mut self, mechanism: &Mechanism, h: f64, stage: usize) {
         let own = self.tableau.matrix[stage][stage] * h;
-        let swing = self.tableau.pivots[stage] * h * h;
+        let own_squared = self.tableau.pivots[stage] * h * h;
         let turn = h * self.angular.iter().fold(0.0, |most: f64, angular| most.max(angular.norm_squared())).sqrt();
         if mechanism.gives {
             let mut asked = std::mem::take(&mut self.asked);
@@ -347,7 +318,7 @@ impl<const S: usize> Gauss<S> {
             asked.extend((0..mechanism.links.len()).map(|link| self.ask(mechanism, h, stage, link)));
             self.asked = asked;
         }
-        let Stage { rows, forces, .. } = &mut self.stages[stage];
+        let GaussStage { rows, forces, .. } = &mut self.stages[stage];
         let stiff = !self.stiffness.is_empty();
         if stiff {
             self.stiffness.fill(Matrix3::zeros());
@@ -357,30 +328,31 @@ impl<const S: usize> Gauss<S> {
             }
         }
         rows.arms.clone_from(&self.arms);
-        rows.weights.clear();
+        rows.inverse_masses.clear();
         for (index, member) in mechanism.members.iter().enumerate() {
             let slowed = (1.0 / (1.0 + member.drag.0 * own), 1.0 / (1.0 + member.drag.1 * own));
-            let added = stiff.then(|| self.stiffness[index] * (swing * slowed.1));
+            let added = stiff.then(|| self.stiffness[index] * (own_squared * slowed.1));
             let angular = member.inverse_inertia(&self.rotations[index], added.as_ref());
-            rows.weights.push(Weight { linear: member.inverse_mass * slowed.0, angular: angular * slowed.1 });
+            rows.inverse_masses
+                .push(InverseMass { linear: member.inverse_mass * slowed.0, angular: angular * slowed.1 });
         }
         rows.assemble(mechanism, turn, |link, diagonal| {
             let spring = mechanism.links[link].spring.as_ref();
-            spring.map_or(Matrix3::zeros(), |spring| softness(spring, diagonal, &self.asked[link], own, swing))
+            spring.map_or(Matrix3::zeros(), |spring| softness(spring, diagonal, &self.asked[link], own, own_squared))
         });
     }
 
-    /// What is left of both lines: of the first into `wrenches`, of the second less what the first will do to it into
-    /// `unknowns`.
+    /// The residuals: of the first line into `wrenches`; of the second into `unknowns`, less what the first will do to
+    /// it.
     fn balance(&mut self, mechanism: &Mechanism, h: f64, stage: usize) {
-        let Stage { accelerations, forces, rows, .. } = &self.stages[stage];
+        let GaussStage { accelerations, forces, rows, .. } = &self.stages[stage];
         self.wrenches.clear();
         for (index, member) in mechanism.members.iter().enumerate() {
             if !member.moves() {
-                self.wrenches.push(Screw::ZERO);
+                self.wrenches.push(SpatialVector::ZERO);
                 continue;
             }
-            let Screw { linear, angular } = &accelerations[index];
+            let SpatialVector { linear, angular } = &accelerations[index];
             let omega = &self.angular[index];
             let mut force = member.force - linear * member.mass;
             let mut torque = member.torque;
@@ -400,31 +372,24 @@ impl<const S: usize> Gauss<S> {
                     .zip(&self.stages)
                     .map(|(share, other)| other.accelerations[index].linear * (*share * h))
                     .sum();
-                force -= (mechanism.motion[index].linear + gained) * (member.mass * member.drag.0);
+                force -= (mechanism.states[index].linear + gained) * (member.mass * member.drag.0);
                 torque -= member.world_inertia(&self.rotations[index]) * omega * member.drag.1;
             }
-            self.wrenches.push(Screw { linear: force, angular: torque });
+            self.wrenches.push(SpatialVector { linear: force, angular: torque });
         }
-        for ((link, arms), force) in mechanism.links.iter().zip(&self.arms).zip(forces) {
-            let a = &mut self.wrenches[link.a as usize];
-            a.linear -= force;
-            a.angular -= arms[0].cross(force);
-            let b = &mut self.wrenches[link.b as usize];
-            b.linear += force;
-            b.angular += arms[1].cross(force);
-        }
-        // What the accelerations would be, were the forces right.
-        self.guess.clear();
-        for ((acceleration, wrench), weight) in accelerations.iter().zip(&self.wrenches).zip(&rows.weights) {
+        add_wrenches(mechanism, &self.arms, forces, &mut self.wrenches);
+        // The accelerations that the present forces would make.
+        self.trial.clear();
+        for ((acceleration, wrench), weight) in accelerations.iter().zip(&self.wrenches).zip(&rows.inverse_masses) {
             let more = weight.of(wrench);
             let (linear, angular) = (acceleration.linear + more.linear, acceleration.angular + more.angular);
-            self.guess.push(Screw { linear, angular });
+            self.trial.push(SpatialVector { linear, angular });
         }
         self.unknowns.clear();
         for (index, (link, [arm_a, arm_b])) in mechanism.links.iter().zip(&self.arms).enumerate() {
             let gain = |member: u32, arm: &Vector3<f64>| {
-                let (guess, omega) = (&self.guess[member as usize], &self.angular[member as usize]);
-                guess.linear + guess.angular.cross(arm) + omega.cross(&omega.cross(arm))
+                let (trial, omega) = (&self.trial[member as usize], &self.angular[member as usize]);
+                trial.linear + trial.angular.cross(arm) + omega.cross(&omega.cross(arm))
             };
             let unknown = match &link.spring {
                 None => gain(link.a, arm_a) - gain(link.b, arm_b),
@@ -433,7 +398,7 @@ impl<const S: usize> Gauss<S> {
                     let pull = spring.give(&asked, &rows.mobility[index]);
                     let given = rows.softness[index] * (pull - forces[index]);
                     let left = |member: u32, arm: &Vector3<f64>| {
-                        let left = rows.weights[member as usize].of(&self.wrenches[member as usize]);
+                        let left = rows.inverse_masses[member as usize].of(&self.wrenches[member as usize]);
                         left.linear + left.angular.cross(arm)
                     };
                     given + left(link.a, arm_a) - left(link.b, arm_b)
@@ -443,15 +408,15 @@ impl<const S: usize> Gauss<S> {
         }
     }
 
-    /// −(ω²C + 2ζωĊ) of a spring at a stage, m/s²: its force on B for each kg, were it not bounded.
+    /// −(ω²C + 2ζωĊ) of a spring at a stage, m/s²: its unbounded force on B for each kg.
     fn ask(&self, mechanism: &Mechanism, h: f64, stage: usize, index: usize) -> Vector3<f64> {
         let Tableau { nodes, matrix, squared, .. } = &self.tableau;
         let link = &mechanism.links[index];
         let Some(spring) = &link.spring else { return Vector3::zeros() };
         let [a, b] = [(link.a, 0), (link.b, 1)].map(|(member, end)| {
             let (member, arm) = (member as usize, &self.arms[index][end]);
-            let motion = &mechanism.motion[member];
-            let (mut place, mut speed) = (motion.position + motion.linear * (h * nodes[stage]), motion.linear);
+            let state = &mechanism.states[member];
+            let (mut place, mut speed) = (state.position + state.linear * (h * nodes[stage]), state.linear);
             for (j, other) in self.stages.iter().enumerate() {
                 place += other.accelerations[member].linear * (h * h * squared[stage][j]);
                 speed += other.accelerations[member].linear * (h * matrix[stage][j]);
@@ -461,11 +426,11 @@ impl<const S: usize> Gauss<S> {
         spring.ask(&(b.0 - a.0), &(b.1 - a.1))
     }
 
-    /// Changes a stage's accelerations and forces by what is left. The largest change of an acceleration.
+    /// Corrects a stage's accelerations and forces by the residuals. The largest change of an acceleration.
     fn correct(&mut self, mechanism: &Mechanism, stage: usize) -> f64 {
-        let Stage { accelerations, forces, rows, .. } = &mut self.stages[stage];
+        let GaussStage { accelerations, forces, rows, .. } = &mut self.stages[stage];
         if mechanism.may_be_singular {
-            // From zero: what comes of it depends on the pose alone.
+            // From zero: so forces that are not unique depend on the pose alone.
             std::mem::swap(&mut self.unknowns, &mut self.right);
             rows.solve(mechanism, &self.right, &mut self.unknowns);
         } else {
@@ -476,7 +441,7 @@ impl<const S: usize> Gauss<S> {
         }
         rows.add_wrenches(mechanism, &self.unknowns, &mut self.wrenches);
         let mut largest: f64 = 0.0;
-        let moved = accelerations.iter_mut().zip(&self.wrenches).zip(&rows.weights);
+        let moved = accelerations.iter_mut().zip(&self.wrenches).zip(&rows.inverse_masses);
         for ((acceleration, wrench), weight) in moved.take(mechanism.moving) {
             let change = weight.of(wrench);
             acceleration.linear += change.linear;
@@ -491,23 +456,23 @@ impl<const S: usize> Gauss<S> {
     /// From the stages to the end of the step.
     fn finish(&mut self, mechanism: &mut Mechanism, h: f64) {
         let Tableau { weights, last, .. } = &self.tableau;
-        for (member, motion) in mechanism.motion.iter_mut().enumerate() {
-            let (mut gained, mut moved, mut half) = (Screw::ZERO, Vector3::zeros(), Vector3::zeros());
+        for (member, state) in mechanism.states.iter_mut().enumerate() {
+            let (mut gained, mut moved, mut half) = (SpatialVector::ZERO, Vector3::zeros(), Vector3::zeros());
             for (j, stage) in self.stages.iter().enumerate() {
-                let Screw { linear, angular } = &stage.accelerations[member];
+                let SpatialVector { linear, angular } = &stage.accelerations[member];
                 gained.linear += linear * weights[j];
                 gained.angular += angular * weights[j];
                 moved += linear * last[j];
                 half += stage.rates[member] * (0.5 * h * weights[j]);
             }
-            motion.position += (motion.linear + moved * h) * h;
-            motion.linear += gained.linear * h;
-            self.carries[member].advance(motion, gained.angular * h, &(half * 2.0));
+            state.position += (state.linear + moved * h) * h;
+            state.linear += gained.linear * h;
+            self.carries[member].advance(state, gained.angular * h, &(half * 2.0));
         }
     }
 }
 
-/// sum += added, what rounding takes carried to the next time (Kahan 1965): over a million steps it adds up.
+/// sum += added, with the rounding error carried to the next time (Kahan 1965): over a million steps it adds up.
 fn add_carrying<const N: usize>(sum: &mut SVector<f64, N>, added: SVector<f64, N>, carry: &mut SVector<f64, N>) {
     let added = added + *carry;
     let new = *sum + added;
@@ -515,17 +480,24 @@ fn add_carrying<const N: usize>(sum: &mut SVector<f64, N>, added: SVector<f64, N
     *sum = new;
 }
 
-fn combine<const S: usize>(screws: &[Screw; S], shares: &[f64; S]) -> Screw {
-    screws.iter().zip(shares).fold(Screw::ZERO, |sum, (screw, &share)| Screw {
+fn combine<const S: usize>(screws: &[SpatialVector; S], shares: &[f64; S]) -> SpatialVector {
+    screws.iter().zip(shares).fold(SpatialVector::ZERO, |sum, (screw, &share)| SpatialVector {
         linear: sum.linear + screw.linear * share,
         angular: sum.angular + screw.angular * share,
     })
 }
 
-/// 1/(m(ω² h² L_ii + 2ζω h a_ii)) along each axis, 1/m given: of S⁻¹, how the force follows what is asked for. Where
-/// that is f, of a norm over the greatest force F, F f/|f| follows with F/|f| (1 − f fᵀ/f²) S⁻¹, not at all along f.
-fn softness(spring: &Spring, mobility: &Vector3<f64>, asked: &Vector3<f64>, own: f64, swing: f64) -> Matrix3<f64> {
-    let along = mobility / (spring.frequency * (spring.frequency * swing + 2.0 * spring.damping_ratio * own));
+/// 1/(m(ω² h² L_ii + 2ζω h a_ii)) along each axis, 1/m given: the inverse of S, the derivative of the force.
+/// Where the unbounded force f is larger than the bound F, the derivative of F f/|f| is F/|f| (1 − f fᵀ/f²) S, which is
+/// zero along f.
+fn softness(
+    spring: &JointSpring,
+    mobility: &Vector3<f64>,
+    asked: &Vector3<f64>,
+    own: f64,
+    own_squared: f64,
+) -> Matrix3<f64> {
+    let along = mobility / (spring.frequency * (spring.frequency * own_squared + 2.0 * spring.damping_ratio * own));
     let softness = Matrix3::from_diagonal(&along);
     let elastic = spring.elastic(asked, mobility);
     let size = elastic.norm();

@@ -1,16 +1,22 @@
-//! Gauss's method of four stages (order 8), all four at once in the lanes of a register: for what is not stiff.
+//! Gauss's method of four stages (order 8), all four at once in the lanes of a register, for mechanisms that are not
+//! stiff.
 //!
 //! The stages of a collocation method do the same work, each on its own numbers. Here a number is one of
-//! [`WideF64x4`], with the stages in its lanes; what differs is where sums over the stages mix them. The equations are
-//! those of [`gauss`](super::gauss); a sweep changes all stages at once (Jacobi's way instead of Gauss and Seidel's),
-//! with M̃ = M.
+//! [`WideF64x4`], with the stages in its lanes; sums over the stages mix the lanes. The equations are those of
+//! [`gauss`](super::gauss); an iteration changes all stages at once (Jacobi's way instead of Gauss and Seidel's), with
+//! M̃ = M.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use simba::simd::{SimdValue, WideF64x4};
 
-use super::gauss::{Carry, LEAST, OF_SQUARE, Sweeps};
-use super::group::exponential;
+use super::constants::{
+    CHANGE_OVER_SQUARE, LEAST_CHANGE, LOCKSTEP_ITERATIONS, LOCKSTEP_SOFT, LOCKSTEP_UNCONVERGED, MOST_FACTORS,
+    SERIES_TURN, SLOW_ITERATION,
+};
+use super::gauss::{RoundingCarry, StageIterations};
 use super::mechanism::Mechanism;
+use super::rotation::exponential;
+use super::rows::{SpatialVector, add_wrenches, cross_product, lever};
 use super::tableau::Tableau;
 use crate::physics::solver::linear::{BlockLdl, Triangular};
 
@@ -20,59 +26,35 @@ type Matrix = Matrix3<Lane>;
 
 const STAGES: usize = 4;
 
-/// Sweeps at most.
-const MOST_SWEEPS: usize = 24;
-
-/// Share of its change that a sweep leaves to the next from which on the rows are factored anew, where the stages are
-/// by then, and how often that is done.
-const SLOW: f64 = 0.35;
-const MOST_FACTORS: u32 = 4;
-
-/// Change in the last sweep, in m or rad, that is more than rounding.
-const LOST: f64 = 1e-13;
-
-/// ω²h² of bodies about the line of a pull up to which stages are found one from the other.
-const SOFT: f64 = 3.0;
-
-/// Turn of a step, rad, up to which the series below are exact to rounding.
-const TURN: f64 = 0.8;
-
 /// Series of cos and sin x/x by x².
 const COSINE: [f64; 7] = [1.0, -0.5, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40320.0, -1.0 / 3_628_800.0, 1.0 / 479_001_600.0];
 const SINC: [f64; 7] =
     [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0, -1.0 / 39_916_800.0, 1.0 / 6_227_020_800.0];
 
-/// Series of c by θ².
+/// Series of c in dexp⁻¹ (see [`rotation`](super::rotation)) by θ².
 const BERNOULLI: [f64; 6] =
     [1.0 / 12.0, 1.0 / 720.0, 1.0 / 30240.0, 1.0 / 1_209_600.0, 1.0 / 47_900_160.0, 5.284_190_138_7e-10];
 
-/// Linear and angular, in all stages.
-#[derive(Clone, Copy, Debug)]
-struct Screw {
-    linear: Vector,
-    angular: Vector,
-}
-
-/// Stages and what is needed to find them.
+/// The stages and their buffers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lockstep {
     tableau: Tableau<STAGES>,
-    /// Of the last step, s; 0 where there is none.
+    /// Length of the last step, s; 0 where there is none.
     length: f64,
-    carries: Vec<Carry>,
-    accelerations: Vec<Screw>,
+    carries: Vec<RoundingCarry>,
+    accelerations: Vec<SpatialVector<Lane>>,
     forces: Vec<Vector>,
     rates: Vec<Vector>,
     rotations: Vec<Matrix>,
     angular: Vec<Vector>,
-    /// Of the poses at hand, and of the rows.
+    /// At the present poses, and at those of the rows.
     arms: Vec<[Vector; 2]>,
     row_arms: Vec<[Vector; 2]>,
     inverse_inertia: Vec<Matrix>,
     levers: Vec<[Matrix; 2]>,
     factor: BlockLdl<Lane, Triangular>,
-    wrenches: Vec<Screw>,
-    guess: Vec<Screw>,
+    wrenches: Vec<SpatialVector<Lane>>,
+    trial: Vec<SpatialVector<Lane>>,
     unknowns: Vec<Vector>,
 }
 
@@ -122,13 +104,13 @@ impl Lockstep {
         self.length = 0.0;
     }
 
-    /// What the next step starts from beside the mechanism's motion.
+    /// All that the next step depends on beside the mechanism's state.
     pub fn memory(&self) -> impl Iterator<Item = f64> + '_ {
         let known = self.length > 0.0;
-        let screws = self.accelerations.iter().flat_map(|screw| [screw.linear, screw.angular]);
-        let stages = screws.chain(self.forces.iter().copied()).filter(move |_| known);
+        let vectors = self.accelerations.iter().flat_map(|vector| [vector.linear, vector.angular]);
+        let stages = vectors.chain(self.forces.iter().copied()).filter(move |_| known);
         let numbers = stages.flat_map(|v| (0..STAGES).flat_map(move |stage| <[f64; 3]>::from(one(&v, stage))));
-        numbers.chain(self.carries.iter().filter(move |_| known).flat_map(Carry::numbers))
+        numbers.chain(self.carries.iter().filter(move |_| known).flat_map(RoundingCarry::numbers))
     }
 
     /// Mean of the forces over the step.
@@ -136,12 +118,13 @@ impl Lockstep {
         sum(&self.tableau.weights, &self.forces[link])
     }
 
-    /// Takes the mechanism through a step of h, s; not where something asks for more than this, or the sweeps do not
+    /// Takes the mechanism through a step of h, s; none where it is none for this method, or the iterations do not
     /// converge quickly.
-    pub fn step(&mut self, mechanism: &mut Mechanism, h: f64) -> Option<Sweeps> {
-        let fixed = mechanism.motion[mechanism.moving..].iter();
-        let rests = fixed.clone().all(|motion| motion.linear == Vector3::zeros() && motion.angular == Vector3::zeros());
-        let turns = mechanism.motion.iter().any(|motion| motion.angular.norm_squared() * h * h > TURN * TURN);
+    pub fn step(&mut self, mechanism: &mut Mechanism, h: f64) -> Option<StageIterations> {
+        let fixed = mechanism.states[mechanism.moving..].iter();
+        let rests = fixed.clone().all(|state| state.linear == Vector3::zeros() && state.angular == Vector3::zeros());
+        let turns =
+            mechanism.states.iter().any(|state| state.angular.norm_squared() * h * h > SERIES_TURN * SERIES_TURN);
         let plain = rests && !turns && !mechanism.may_be_singular && !mechanism.gives;
         if !plain || mechanism.members.iter().any(|member| member.drag != (0.0, 0.0)) {
             return None;
@@ -151,11 +134,11 @@ impl Lockstep {
             self.forget();
             return None;
         }
-        let (mut before, mut enough) = (f64::INFINITY, LEAST);
-        let (mut factors, mut anew) = (0, true);
-        for count in 1..=MOST_SWEEPS {
-            self.set_out(mechanism, h);
-            if anew {
+        let (mut before, mut least) = (f64::INFINITY, LEAST_CHANGE);
+        let (mut factors, mut refactors) = (0, true);
+        for count in 1..=LOCKSTEP_ITERATIONS {
+            self.place_stages(mechanism, h);
+            if refactors {
                 self.assemble(mechanism);
                 factors += 1;
             }
@@ -163,16 +146,16 @@ impl Lockstep {
             let change = self.correct(mechanism) * h * h;
             let share = change / before;
             if count == 1 {
-                enough = enough.max(change * change * OF_SQUARE);
+                least = least.max(change * change * CHANGE_OVER_SQUARE);
             }
-            anew = count > 1 && share > SLOW && change > LOST && factors < MOST_FACTORS;
-            let stuck = count > 3 && share > 0.5 && !anew;
-            if change.is_nan() || stuck && change > LOST {
+            refactors = count > 1 && share > SLOW_ITERATION && change > LOCKSTEP_UNCONVERGED && factors < MOST_FACTORS;
+            let is_stalled = count > 3 && share > 0.5 && !refactors;
+            if change.is_nan() || is_stalled && change > LOCKSTEP_UNCONVERGED {
                 break;
             }
-            if count > 1 && (change * share / (1.0 - share).max(0.1) <= enough || stuck) {
+            if count > 1 && (change * share / (1.0 - share).max(0.1) <= least || is_stalled) {
                 self.finish(mechanism, h);
-                return Some(Sweeps { count: count as u32 * STAGES as u32, converged: true });
+                return Some(StageIterations { count: count as u32 * STAGES as u32, converged: true });
             }
             before = change;
         }
@@ -185,18 +168,18 @@ impl Lockstep {
             || self.accelerations.len() != mechanism.moving
             || self.forces.len() != mechanism.links.len()
         {
-            let none = Screw { linear: zero(), angular: zero() };
+            let none = SpatialVector { linear: zero(), angular: zero() };
             self.accelerations.clear();
             self.accelerations.resize(mechanism.moving, none);
             self.forces.clear();
             self.forces.resize(mechanism.links.len(), zero());
             self.carries.clear();
-            self.carries.resize(mechanism.moving, Carry::default());
+            self.carries.resize(mechanism.moving, RoundingCarry::default());
         } else {
             let ahead = if h == self.length { self.tableau.ahead } else { self.tableau.ahead_by(h / self.length) };
             let ahead = columns(&ahead);
-            for screw in &mut self.accelerations {
-                *screw = Screw { linear: mix(&ahead, &screw.linear), angular: mix(&ahead, &screw.angular) };
+            for vector in &mut self.accelerations {
+                *vector = SpatialVector { linear: mix(&ahead, &vector.linear), angular: mix(&ahead, &vector.angular) };
             }
             for force in &mut self.forces {
                 *force = mix(&ahead, force);
@@ -204,17 +187,17 @@ impl Lockstep {
         }
         let gain = columns(&self.tableau.matrix).map(|column| column * lane(h));
         self.rates.clear();
-        for (motion, acceleration) in mechanism.motion.iter().zip(&self.accelerations) {
-            self.rates.push(all(&motion.angular) + mix(&gain, &acceleration.angular));
+        for (state, acceleration) in mechanism.states.iter().zip(&self.accelerations) {
+            self.rates.push(all(&state.angular) + mix(&gain, &acceleration.angular));
         }
         self.rotations.resize(mechanism.moving, Matrix::from_element(lane(0.0)));
         self.angular.resize(mechanism.moving, zero());
-        self.wrenches.resize(mechanism.moving, Screw { linear: zero(), angular: zero() });
-        self.guess.resize(mechanism.moving, Screw { linear: zero(), angular: zero() });
+        self.wrenches.resize(mechanism.moving, SpatialVector { linear: zero(), angular: zero() });
+        self.trial.resize(mechanism.moving, SpatialVector { linear: zero(), angular: zero() });
         self.unknowns.resize(mechanism.links.len(), zero());
         self.arms.clear();
         for link in &mechanism.links {
-            let arm = |member: u32, anchor: &Vector3<f64>| all(&(mechanism.motion[member as usize].rotation * anchor));
+            let arm = |member: u32, anchor: &Vector3<f64>| all(&(mechanism.states[member as usize].rotation * anchor));
             self.arms.push([arm(link.a, &link.anchor_a), arm(link.b, &link.anchor_b)]);
         }
     }
@@ -224,22 +207,22 @@ impl Lockstep {
             let force = one(force, STAGES - 1).norm();
             [(link.a, &link.anchor_a), (link.b, &link.anchor_b)].into_iter().any(|(member, anchor)| {
                 let member = &mechanism.members[member as usize];
-                member.moves() && force * anchor.norm() * h * h > SOFT * member.inertia.max()
+                member.moves() && force * anchor.norm() * h * h > LOCKSTEP_SOFT * member.inertia.max()
             })
         })
     }
 
     /// Rotations, angular velocities and arms of all stages.
-    fn set_out(&mut self, mechanism: &Mechanism, h: f64) {
+    fn place_stages(&mut self, mechanism: &Mechanism, h: f64) {
         let Tableau { weights, matrix, .. } = &self.tableau;
         let gain = columns(matrix).map(|column| column * lane(h));
-        let way: [Lane; STAGES] = std::array::from_fn(|j| gain[j] - lane(0.5 * h * weights[j]));
+        let turns: [Lane; STAGES] = std::array::from_fn(|j| gain[j] - lane(0.5 * h * weights[j]));
         let half = weights.map(|weight| 0.5 * h * weight);
-        for (member, motion) in mechanism.motion[..mechanism.moving].iter().enumerate() {
-            let angular = all(&motion.angular) + mix(&gain, &self.accelerations[member].angular);
+        for (member, state) in mechanism.states[..mechanism.moving].iter().enumerate() {
+            let angular = all(&state.angular) + mix(&gain, &self.accelerations[member].angular);
             let rate = self.rates[member];
-            let turn = mix(&way, &rate);
-            let middle = exponential(&sum(&half, &rate)) * motion.rotation;
+            let turn = mix(&turns, &rate);
+            let middle = exponential(&sum(&half, &rate)) * state.rotation;
             self.rates[member] = inverse_dexp(&turn, &angular);
             self.rotations[member] = turned(&turn, &middle);
             self.angular[member] = angular;
@@ -270,7 +253,7 @@ impl Lockstep {
             for (end, member) in [link.a, link.b].into_iter().enumerate() {
                 if let Some(inverse) = self.inverse_inertia.get(member as usize) {
                     levers[end] = lever(inverse, &arms[end]);
-                    block += crossed(&arms[end], &levers[end]);
+                    block += cross_product(&arms[end], &levers[end]);
                     let mass = &mechanism.members[member as usize].inverse_mass;
                     (0..3).for_each(|axis| block[(axis, axis)] += lane(mass[axis]));
                 }
@@ -280,7 +263,7 @@ impl Lockstep {
         }
         for coupling in &mechanism.couplings {
             let arm = &self.row_arms[coupling.row.0 as usize][coupling.row.1];
-            let mut block = crossed(arm, &self.levers[coupling.column.0 as usize][coupling.column.1]);
+            let mut block = cross_product(arm, &self.levers[coupling.column.0 as usize][coupling.column.1]);
             let mass = &mechanism.members[coupling.member as usize].inverse_mass;
             (0..3).for_each(|axis| block[(axis, axis)] += lane(mass[axis]));
             let mut below = self.factor.below_mut::<3>(coupling.block as usize);
@@ -289,10 +272,10 @@ impl Lockstep {
         self.factor.factor(&mechanism.elimination);
     }
 
-    /// What is left of the balance of forces, and of joints.
+    /// The residuals of the balance of forces and of joints.
     fn balance(&mut self, mechanism: &Mechanism) {
         for (index, member) in mechanism.members[..mechanism.moving].iter().enumerate() {
-            let Screw { linear, angular } = &self.accelerations[index];
+            let SpatialVector { linear, angular } = &self.accelerations[index];
             let force = all(&member.force) - linear * lane(member.mass);
             let mut torque = all(&member.torque);
             if member.is_round() {
@@ -304,21 +287,21 @@ impl Lockstep {
                 let momentum = inertia.component_mul(&spin);
                 torque -= rotation * (inertia.component_mul(&gain) + spin.cross(&momentum));
             }
-            self.wrenches[index] = Screw { linear: force, angular: torque };
+            self.wrenches[index] = SpatialVector { linear: force, angular: torque };
         }
         add_wrenches(mechanism, &self.arms, &self.forces, &mut self.wrenches);
         for (index, member) in mechanism.members[..mechanism.moving].iter().enumerate() {
             let (wrench, old) = (&self.wrenches[index], &self.accelerations[index]);
-            self.guess[index] = Screw {
+            self.trial[index] = SpatialVector {
                 linear: old.linear + all(&member.inverse_mass).component_mul(&wrench.linear),
                 angular: old.angular + self.inverse_inertia[index] * wrench.angular,
             };
         }
         for ((link, [arm_a, arm_b]), unknown) in mechanism.links.iter().zip(&self.arms).zip(&mut self.unknowns) {
-            let gain = |member: u32, arm: &Vector| match self.guess.get(member as usize) {
-                Some(guess) => {
+            let gain = |member: u32, arm: &Vector| match self.trial.get(member as usize) {
+                Some(trial) => {
                     let omega = &self.angular[member as usize];
-                    guess.linear + guess.angular.cross(arm) + omega.cross(&omega.cross(arm))
+                    trial.linear + trial.angular.cross(arm) + omega.cross(&omega.cross(arm))
                 }
                 None => zero(),
             };
@@ -326,7 +309,7 @@ impl Lockstep {
         }
     }
 
-    /// Changes accelerations and forces by what is left; the largest change of an acceleration.
+    /// Corrects accelerations and forces by the residuals; the largest change of an acceleration.
     fn correct(&mut self, mechanism: &Mechanism) -> f64 {
         let x = &mut self.unknowns;
         self.factor.solve(&mechanism.elimination, &mut x[..]);
@@ -350,18 +333,18 @@ impl Lockstep {
 
     fn finish(&mut self, mechanism: &mut Mechanism, h: f64) {
         let Tableau { weights, last, .. } = &self.tableau;
-        for (member, motion) in mechanism.motion[..mechanism.moving].iter_mut().enumerate() {
-            let Screw { linear, angular } = &self.accelerations[member];
-            motion.position += (motion.linear + sum(last, linear) * h) * h;
-            motion.linear += sum(weights, linear) * h;
+        for (member, state) in mechanism.states[..mechanism.moving].iter_mut().enumerate() {
+            let SpatialVector { linear, angular } = &self.accelerations[member];
+            state.position += (state.linear + sum(last, linear) * h) * h;
+            state.linear += sum(weights, linear) * h;
             let turn = sum(weights, &self.rates[member]) * h;
-            self.carries[member].advance(motion, sum(weights, angular) * h, &turn);
+            self.carries[member].advance(state, sum(weights, angular) * h, &turn);
         }
         self.length = h;
     }
 }
 
-/// a polynomial, its lowest coefficient first.
+/// A polynomial, its lowest coefficient first.
 #[inline]
 fn polynomial<const N: usize>(coefficients: &[f64; N], x: Lane) -> Lane {
     coefficients.iter().rev().fold(lane(0.0), |sum, &coefficient| sum * x + lane(coefficient))
@@ -403,19 +386,6 @@ fn times(rotation: &Matrix, v: &Vector3<f64>) -> Vector {
     rotation.column(0) * lane(v.x) + rotation.column(1) * lane(v.y) + rotation.column(2) * lane(v.z)
 }
 
-fn add_wrenches(mechanism: &Mechanism, arms: &[[Vector; 2]], forces: &[Vector], wrenches: &mut [Screw]) {
-    for ((link, [arm_a, arm_b]), force) in mechanism.links.iter().zip(arms).zip(forces) {
-        if let Some(a) = wrenches.get_mut(link.a as usize) {
-            a.linear -= force;
-            a.angular -= arm_a.cross(force);
-        }
-        if let Some(b) = wrenches.get_mut(link.b as usize) {
-            b.linear += force;
-            b.angular += arm_b.cross(force);
-        }
-    }
-}
-
 /// R diag(p) Rᵀ.
 fn in_world(principal: &Vector3<f64>, rotation: &Matrix, round: bool) -> Matrix {
     if round {
@@ -424,17 +394,4 @@ fn in_world(principal: &Vector3<f64>, rotation: &Matrix, round: bool) -> Matrix 
     let p = all(principal);
     let scaled = Matrix::from_columns(&[rotation.column(0) * p.x, rotation.column(1) * p.y, rotation.column(2) * p.z]);
     scaled * rotation.transpose()
-}
-
-/// I⁻¹ [r]×ᵀ: its columns are I⁻¹ (e × r)·.
-#[inline]
-fn lever(inverse: &Matrix, r: &Vector) -> Matrix {
-    let (x, y, z) = (inverse.column(0), inverse.column(1), inverse.column(2));
-    Matrix::from_columns(&[z * r.y - y * r.z, x * r.z - z * r.x, y * r.x - x * r.y])
-}
-
-/// [r]× m.
-#[inline]
-fn crossed(r: &Vector, m: &Matrix) -> Matrix {
-    Matrix::from_columns(&[r.cross(&m.column(0)), r.cross(&m.column(1)), r.cross(&m.column(2))])
 }

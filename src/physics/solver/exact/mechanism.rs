@@ -1,23 +1,24 @@
-//! A mechanism: bodies that joints hold together, with all that stays the same from step to step.
+//! A mechanism: bodies that joints hold together, and what stays the same from step to step.
 //!
 //! Bodies that constraints move come first; those after them (static, kinematic, or of no concern here) have a zero
-//! inverse mass. Links stand in the order in which their rows are eliminated (least degree, which on a tree is from its
-//! leaves, without fill).
+//! inverse mass. Links, its joints, stand in the order in which their rows are eliminated (see
+//! [`Elimination`]).
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
-use super::group::{exponential, in_world};
+use super::constants::KICKED_SPRING;
+use super::rotation::{exponential, in_world};
 use crate::physics::constraint::row::bounded;
 use crate::physics::solver::linear::Elimination;
 
-/// What of a body does not change in a step. SI; world axes unless stated.
+/// The properties of a body that do not change in a step. SI; world axes unless stated.
 #[derive(Clone, Debug)]
 pub(crate) struct Member {
-    /// 0 for what constraints do not move.
+    /// 0 for a body that constraints do not move.
     pub mass: f64,
     /// Zero along locked axes.
     pub inverse_mass: Vector3<f64>,
-    /// Principal, body axes; zero for what constraints do not move.
+    /// Principal, body axes; zero for a body that constraints do not move.
     pub inertia: Vector3<f64>,
     /// 0 about a locked world axis, 1 else.
     pub freedom: Vector3<f64>,
@@ -43,10 +44,10 @@ impl Member {
         self.freedom == Vector3::repeat(1.0)
     }
 
-    /// J.
-    pub fn kinetic_energy(&self, motion: &Motion) -> f64 {
-        let spin = motion.rotation.inverse_transform_vector(&motion.angular);
-        0.5 * (self.mass * motion.linear.norm_squared() + spin.dot(&self.inertia.component_mul(&spin)))
+    /// Kinetic energy, J.
+    pub fn kinetic_energy(&self, state: &MemberState) -> f64 {
+        let spin = state.rotation.inverse_transform_vector(&state.angular);
+        0.5 * (self.mass * state.linear.norm_squared() + spin.dot(&self.inertia.component_mul(&spin)))
     }
 
     /// Inertia in world axes.
@@ -54,7 +55,7 @@ impl Member {
         if self.is_round() { Matrix3::from_diagonal(&self.inertia) } else { in_world(&self.inertia, rotation) }
     }
 
-    /// The inverse, on the axes about which it turns, of the inertia and what is added to it.
+    /// The inverse of the world inertia plus `added`, on the axes about which it turns.
     pub fn inverse_inertia(&self, rotation: &Matrix3<f64>, added: Option<&Matrix3<f64>>) -> Matrix3<f64> {
         if !self.moves() {
             return Matrix3::zeros();
@@ -77,16 +78,16 @@ fn invert_on(m: &Matrix3<f64>, freedom: &Vector3<f64>) -> Matrix3<f64> {
     (inverse + inverse.transpose()) * 0.5
 }
 
-/// Where a body is and how it moves.
+/// Pose and velocity of a member.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Motion {
+pub(crate) struct MemberState {
     pub position: Vector3<f64>,
     pub rotation: UnitQuaternion<f64>,
     pub linear: Vector3<f64>,
     pub angular: Vector3<f64>,
 }
 
-impl Motion {
+impl MemberState {
     /// At rest at the origin.
     pub const REST: Self = Self {
         position: Vector3::new(0.0, 0.0, 0.0),
@@ -100,7 +101,7 @@ impl Motion {
         self.linear == Vector3::zeros() && self.angular == Vector3::zeros()
     }
 
-    /// Goes on with the velocities as they are for h, s.
+    /// Moves on with the present velocities for h, s.
     pub fn drift(&mut self, h: f64) {
         self.position += self.linear * h;
         self.turn(&(self.angular * h));
@@ -116,19 +117,19 @@ impl Motion {
 
 /// A ball joint between two members.
 #[derive(Clone, Debug)]
-pub(crate) struct Link {
+pub(crate) struct MechanismLink {
     pub a: u32,
     pub b: u32,
     /// From the centres of mass, body axes.
     pub anchor_a: Vector3<f64>,
     pub anchor_b: Vector3<f64>,
-    pub spring: Option<Spring>,
+    pub spring: Option<JointSpring>,
 }
 
-/// A joint that gives: λ = −m (ω² C + 2ζω Ċ) along each axis, m the mass that the joint feels there; where the norm of
-/// that is over the largest force, the force of that size along it.
+/// A spring in place of a rigid joint: λ = −m (ω² C + 2ζω Ċ) along each axis, m the effective mass there; where its norm is
+/// over the largest force, the force of that size along it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Spring {
+pub(crate) struct JointSpring {
     /// ω, rad/s.
     pub frequency: f64,
     /// ζ.
@@ -137,42 +138,39 @@ pub(crate) struct Spring {
     pub most: f64,
 }
 
-/// ωt of a spring in a kick of t: kicks and flights in turn follow ω2t up to 2, and a body may have two springs.
-const FASTEST: f64 = 0.7;
-
-impl Spring {
-    /// −(ω²C + 2ζωĊ), m/s²: its force on B for each kg, were it not bounded.
+impl JointSpring {
+    /// −(ω²C + 2ζωĊ), m/s²: its unbounded force on B for each kg.
     pub fn ask(&self, apart: &Vector3<f64>, speed: &Vector3<f64>) -> Vector3<f64> {
         (apart * self.frequency + speed * (2.0 * self.damping_ratio)) * -self.frequency
     }
 
-    /// The mean of that over a kick of so long, s. What is damped decays as it does by itself, so that no damping is too
+    /// The mean of that over a kick of that time, s. Damped motion decays exponentially, so that no damping is too
     /// strong; a spring too stiff for the time is softened.
     pub fn ask_in_kick(&self, apart: &Vector3<f64>, speed: &Vector3<f64>, time: f64) -> Vector3<f64> {
-        let stiffness = self.frequency.min(FASTEST / time).powi(2);
+        let stiffness = self.frequency.min(KICKED_SPRING / time).powi(2);
         let damping = -(-2.0 * self.damping_ratio * self.frequency * time).exp_m1() / time;
         apart * -stiffness - speed * damping
     }
 
-    /// The force on B that is given for it along axes of that mobility, 1/kg, in N.
+    /// The force on B for that acceleration along axes of that mobility, 1/kg, in N.
     pub fn give(&self, asked: &Vector3<f64>, mobility: &Vector3<f64>) -> Vector3<f64> {
         bounded(self.elastic(asked, mobility), self.most)
     }
 
-    /// The same, were it not bounded.
+    /// The same without its bound.
     pub fn elastic(&self, asked: &Vector3<f64>, mobility: &Vector3<f64>) -> Vector3<f64> {
         asked.zip_map(mobility, |asked, mobility| if mobility > 0.0 { asked / mobility } else { 0.0 })
     }
 }
 
-/// How far B's anchor is from A's, m, and how fast it leaves, m/s, of a link with those arms from the centres of mass.
-pub(super) fn stretch(link: &Link, arms: &[Vector3<f64>; 2], motion: &[Motion]) -> [Vector3<f64>; 2] {
-    let (a, b) = (&motion[link.a as usize], &motion[link.b as usize]);
+/// Separation of B's anchor from A's, m, and its rate, m/s, for those arms from the centres of mass.
+pub(super) fn stretch(link: &MechanismLink, arms: &[Vector3<f64>; 2], states: &[MemberState]) -> [Vector3<f64>; 2] {
+    let (a, b) = (&states[link.a as usize], &states[link.b as usize]);
     let apart = b.position - a.position + (arms[1] - arms[0]);
     [apart, b.linear + b.angular.cross(&arms[1]) - a.linear - a.angular.cross(&arms[0])]
 }
 
-/// Two links that share a member that moves.
+/// A block of J M⁻¹ Jᵀ below the diagonal: two links that share a member that moves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Coupling {
     /// Place and end (0: A, 1: B) of the link of the row and of the column.
@@ -184,7 +182,7 @@ pub(crate) struct Coupling {
     pub block: u32,
 }
 
-/// Links and their ends (0: A, 1: B) at each of the members that move, the first so many.
+/// The links at each of the first `moving` members, with the end (0: A, 1: B) that is there.
 pub(crate) fn links_at(moving: usize, links: &[[u32; 2]]) -> Vec<Vec<(u32, usize)>> {
     let mut at = vec![Vec::new(); moving];
     for (link, ends) in (0..).zip(links) {
@@ -204,7 +202,7 @@ pub(crate) struct Couplings {
 }
 
 impl Couplings {
-    /// Of so many links by their ends at members ([`links_at`]).
+    /// Of that many links, from [`links_at`] of their members.
     pub fn of(at: &[Vec<(u32, usize)>], links: usize) -> Self {
         let pairs = (0..).zip(at).flat_map(|(member, ends)| {
             let earlier = move |later: usize| ends[..later].iter().map(move |&one| (member, one, ends[later]));
@@ -263,20 +261,20 @@ fn walk(moving: usize, links: &[[u32; 2]], at: &[Vec<(u32, usize)>]) -> Option<V
     reached.iter().all(|&reached| reached).then_some(tree)
 }
 
-/// Bodies and joints, and the pattern of their rows.
+/// Bodies and joints, and the structure of their rows.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Mechanism {
     pub members: Vec<Member>,
-    /// As many of the members, the first ones, are moved by constraints.
+    /// The number of members that constraints move: the first ones.
     pub moving: usize,
-    pub links: Vec<Link>,
-    pub motion: Vec<Motion>,
+    pub links: Vec<MechanismLink>,
+    pub states: Vec<MemberState>,
     /// Whether some link is a spring.
     pub gives: bool,
     /// Where the members that move make a tree, held at one point or none: its links from the root outwards, each with
     /// the end (0: A, 1: B) that is nearer to the root.
     pub(super) tree: Option<Vec<(u32, usize)>>,
-    /// Whether links may ask for the same, or for what nothing can do: loops, several fixed points, locked axes.
+    /// Whether rows may be redundant or contradict each other: loops, several fixed points, locked axes.
     pub may_be_singular: bool,
     pub(super) elimination: Elimination,
     pub(super) couplings: Vec<Coupling>,
@@ -284,7 +282,7 @@ pub(crate) struct Mechanism {
 
 impl Mechanism {
     /// The order in which `links` (pairs of members) are to stand, and a mechanism without members and links whose
-    /// pattern is for that order. `locked`: axes of some member are locked; `gives`: some link is a spring.
+    /// structure is for that order. `locked`: axes of some member are locked; `gives`: some link is a spring.
     pub fn plan(moving: usize, locked: bool, gives: bool, links: &[[u32; 2]]) -> (Vec<u32>, Self) {
         let at = links_at(moving, links);
         let Couplings { order, elimination, list } = Couplings::of(&at, links.len());

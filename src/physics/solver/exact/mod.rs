@@ -1,23 +1,25 @@
 //! The exact method: joints held by their exact forces, motion by integrators that converge, in `f64` throughout.
 //!
 //! Each step, [`solve_exactly`] takes the islands' groups one by one, on as many threads as there may be:
-//! 1. what is in a group is planned where it changed ([`island`]): pieces held together by joints, bodies by
-//!    themselves, and what is in reach of something;
-//! 2. the last goes by a step of its own ([`contact`]), its joints and contacts by the cone solver;
-//! 3. bodies by themselves move in closed form ([`free`]) if no torque turns them;
-//! 4. pieces ([`mechanism`]) go through the integrator ([`stepper`]; [`lockstep`] and [`gauss`], [`rattle`]), whose
+//! 1. a group is planned where its contents have changed ([`exact_group`]): mechanisms that joints hold together, free
+//!    bodies, and bodies in reach of each other;
+//! 2. the last have a step of their own ([`contact`]), with joints and contacts by the cone solver;
+//! 3. free bodies move in closed form ([`free`]) if no torque turns them;
+//! 4. mechanisms ([`mechanism`]) go through the integrator ([`stepper`]; [`lockstep`] and [`gauss`], [`rattle`]), whose
 //!    stages solve J M⁻¹ Jᵀ λ = b ([`rows`]), and are brought back onto their joints ([`projection`]).
 
+mod bodies;
+mod constants;
 mod contact;
 mod evaluation;
+mod exact_group;
 mod free;
 mod gauss;
-mod group;
-mod island;
 mod lockstep;
 mod mechanism;
 mod projection;
 mod rattle;
+mod rotation;
 mod rows;
 mod stepper;
 mod tableau;
@@ -25,12 +27,13 @@ mod tableau;
 use bevy::prelude::*;
 
 pub(crate) use self::contact::PointForce;
-use self::contact::{ContactTerms, Touching};
-use self::island::ExactGroup;
+use self::contact::{ContactGroup, ContactTerms};
+use self::exact_group::ExactGroup;
 pub(super) use self::mechanism::{Coupling, Couplings, links_at};
 use crate::physics::body::Bodies;
 use crate::physics::collision::Contacts;
-use crate::physics::contact::{ContactCache, restitution_threshold};
+use crate::physics::contact::ContactCache;
+use crate::physics::contact::restitution_threshold;
 use crate::physics::island::Islands;
 use crate::physics::joint::Joints;
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
@@ -60,7 +63,7 @@ pub(crate) struct ExactGroups {
 impl ExactGroups {
     /// What each contact point carried.
     pub fn point_forces(&self) -> impl Iterator<Item = PointForce> + '_ {
-        self.list[..self.used].iter().flat_map(ExactGroup::touching).flat_map(Touching::point_forces)
+        self.list[..self.used].iter().flat_map(ExactGroup::contact_groups).flat_map(ContactGroup::point_forces)
     }
 
     /// All that the next step depends on beside bodies, joints and what contacts carried.
@@ -111,6 +114,6 @@ fn solve_exactly(
             stats.unsettled += effort.unsettled;
             stats.jammed += effort.jammed;
         }
-        group.touching().iter().for_each(|touching| touching.store(&mut cache));
+        group.contact_groups().iter().for_each(|group| group.store(&mut cache));
     }
 }

@@ -1,68 +1,66 @@
-//! RATTLE (Andersen 1983): Strang's splitting into kicks by forces and free flight, with joints held exactly in place
+//! RATTLE (Andersen 1983): Strang's splitting into kicks by forces and free motion, with joints held exactly in place
 //! and velocity; symmetric, of order 2.
 //!
-//! v½ = v₀ + ½h W₀(F + J₀ᵀλ) with λ such that joints hold after the flight: C(q₁) = 0; then
+//! v½ = v₀ + ½h W₀(F + J₀ᵀλ) with λ such that joints hold after the free motion: C(q₁) = 0; then
 //! v₁ = v½ + ½h W₁(F + J₁ᵀμ) with μ such that J₁ v₁ = 0. λ is found by Newton's method with J₀ W₀ J₀ᵀ in place of
 //! J₁ W₁ J₀ᵀ. Bodies turn freely by the midpoint rule of `integrator::gyroscopic`; drag takes e^{−ch/2} with each kick.
 
 use nalgebra::Vector3;
 
+use super::constants::RATTLE_ITERATIONS;
 use super::evaluation::Evaluation;
-use super::gauss::Sweeps;
-use super::mechanism::{Mechanism, Member, Motion};
-use super::projection::{Gaps, Projection};
-use super::rows::{Screw, Weight};
+use super::gauss::StageIterations;
+use super::mechanism::{Mechanism, Member, MemberState};
+use super::projection::{JointErrors, JointProjection};
+use super::rows::{InverseMass, SpatialVector};
 use crate::physics::body::free_rotation::free_rotation;
 
-/// Turns of Newton's method at most.
-const MOST_TURNS: usize = 40;
-
-/// Buffers.
+/// The joint forces and the buffers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rattle {
     evaluation: Evaluation,
-    projection: Projection,
-    kicked: Vec<Motion>,
+    projection: JointProjection,
+    kicked: Vec<MemberState>,
     impulses: Vec<Vector3<f64>>,
     errors: Vec<Vector3<f64>>,
-    screws: Vec<Screw>,
+    wrenches: Vec<SpatialVector>,
     /// Mean force of each link over the step, N.
     pub forces: Vec<Vector3<f64>>,
 }
 
 impl Rattle {
     /// A step of order 2, of h, s. Where joints cannot be held the mechanism stays where it was.
-    pub fn step(&mut self, mechanism: &mut Mechanism, h: f64) -> Sweeps {
-        // λ of the start is the guess: it carries what is given, too.
-        self.evaluation.evaluate(mechanism, &mechanism.motion, h);
+    pub fn step(&mut self, mechanism: &mut Mechanism, h: f64) -> StageIterations {
+        // The iteration starts from λ at the start of the step, which has the forces of springs, too.
+        self.evaluation.evaluate(mechanism, &mechanism.states, h);
         let Some(count) = self.hold_places(mechanism, h) else {
-            return Sweeps { count: MOST_TURNS as u32, converged: false };
+            return StageIterations { count: RATTLE_ITERATIONS as u32, converged: false };
         };
         self.hold_velocities(mechanism, h);
         self.forces.clear();
         self.forces.extend(self.impulses.iter().map(|impulse| impulse * (1.0 / (0.5 * h))));
-        Sweeps { count: count + 2, converged: true }
+        StageIterations { count: count + 2, converged: true }
     }
 
-    /// The first kick and the flight.
+    /// The first kick and the free motion.
     fn hold_places(&mut self, mechanism: &mut Mechanism, h: f64) -> Option<u32> {
-        let Self { evaluation, impulses, errors, screws, kicked, projection, .. } = self;
-        kicked.clone_from(&mechanism.motion);
+        let Self { evaluation, impulses, errors, wrenches, kicked, projection, .. } = self;
+        kicked.clone_from(&mechanism.states);
         let start = std::mem::take(kicked);
         impulses.clear();
         impulses.extend(evaluation.forces.iter().map(|force| force * (0.5 * h)));
         let mut before = f64::INFINITY;
-        for turn in 1..=MOST_TURNS {
-            screws.clear();
-            screws.resize(start.len(), Screw::ZERO);
-            evaluation.rows.add_wrenches(mechanism, impulses, screws);
-            for (index, (motion, start)) in mechanism.motion.iter_mut().zip(&start).enumerate() {
+        for turn in 1..=RATTLE_ITERATIONS {
+            wrenches.clear();
+            wrenches.resize(start.len(), SpatialVector::ZERO);
+            evaluation.rows.add_wrenches(mechanism, impulses, wrenches);
+            for (index, (state, start)) in mechanism.states.iter_mut().zip(&start).enumerate() {
                 let member = &mechanism.members[index];
-                *motion = *start;
-                kick(member, motion, &screws[index], &evaluation.rows.weights[index], 0.5 * h);
-                fly(member, motion, h);
+                *state = *start;
+                kick(member, state, &wrenches[index], &evaluation.rows.inverse_masses[index], 0.5 * h);
+                move_freely(member, state, h);
             }
-            let Gaps { largest, rounding, .. } = projection.errors_of(mechanism, errors);
+            let JointErrors { largest, rounding, .. } = projection.errors_of(mechanism, errors);
             if largest <= rounding || largest >= 0.9 * before && largest < 1e-11 {
                 *kicked = start;
                 return Some(turn as u32);
@@ -78,55 +76,62 @@ impl Rattle {
                 }
             }
         }
-        mechanism.motion.clone_from(&start);
+        mechanism.states.clone_from(&start);
         *kicked = start;
         None
     }
 
     /// The second kick.
     fn hold_velocities(&mut self, mechanism: &mut Mechanism, h: f64) {
-        self.screws.clear();
-        self.screws.resize(mechanism.members.len(), Screw::ZERO);
+        self.wrenches.clear();
+        self.wrenches.resize(mechanism.members.len(), SpatialVector::ZERO);
         if mechanism.gives {
-            self.evaluation.evaluate(mechanism, &mechanism.motion, h);
+            self.evaluation.evaluate(mechanism, &mechanism.states, h);
             let forces = mechanism.links.iter().zip(&self.evaluation.forces);
             self.errors.clear();
             self.errors.extend(
                 forces.map(|(link, force)| if link.spring.is_some() { force * (0.5 * h) } else { force * 0.0 }),
             );
-            self.evaluation.rows.add_wrenches(mechanism, &self.errors, &mut self.screws);
+            self.evaluation.rows.add_wrenches(mechanism, &self.errors, &mut self.wrenches);
         } else {
-            self.evaluation.assemble(mechanism, &mechanism.motion, h);
+            self.evaluation.assemble(mechanism, &mechanism.states, h);
         }
-        for (index, motion) in mechanism.motion.iter_mut().enumerate() {
+        for (index, state) in mechanism.states.iter_mut().enumerate() {
             let member = &mechanism.members[index];
-            kick(member, motion, &self.screws[index], &self.evaluation.rows.weights[index], 0.5 * h);
+            kick(member, state, &self.wrenches[index], &self.evaluation.rows.inverse_masses[index], 0.5 * h);
         }
         self.projection.assemble(mechanism);
         self.projection.project_velocities(mechanism);
     }
 }
 
-/// Force and drag over h, with what joints give.
-pub(super) fn kick(member: &Member, motion: &mut Motion, impulse: &Screw, weight: &Weight, h: f64) {
+/// A kick of forces and drag over h, with an impulse besides.
+pub(super) fn kick(
+    member: &Member,
+    state: &mut MemberState,
+    impulse: &SpatialVector,
+    inverse_mass: &InverseMass,
+    h: f64,
+) {
     if !member.moves() {
         return;
     }
-    let given = Screw { linear: member.force * h + impulse.linear, angular: member.torque * h + impulse.angular };
-    let gain = weight.of(&given);
+    let given =
+        SpatialVector { linear: member.force * h + impulse.linear, angular: member.torque * h + impulse.angular };
+    let gain = inverse_mass.of(&given);
     let kept = ((-member.drag.0 * h).exp(), (-member.drag.1 * h).exp());
-    motion.linear = motion.linear * kept.0 + gain.linear;
-    motion.angular = motion.angular * kept.1 + gain.angular;
+    state.linear = state.linear * kept.0 + gain.linear;
+    state.angular = state.angular * kept.1 + gain.angular;
 }
 
-/// Free flight over h.
-pub(super) fn fly(member: &Member, motion: &mut Motion, h: f64) {
+/// Free motion over h.
+pub(super) fn move_freely(member: &Member, state: &mut MemberState, h: f64) {
     let inverse = member.inertia.map(|inertia| if inertia > 0.0 { inertia.recip() } else { 0.0 });
-    let free = free_rotation(&motion.rotation, &motion.angular, &inverse, &member.freedom, h);
+    let free = free_rotation(&state.rotation, &state.angular, &inverse, &member.freedom, h);
     if let Some((angular, rotation)) = free {
-        motion.position += motion.linear * h;
-        (motion.angular, motion.rotation) = (angular, rotation);
+        state.position += state.linear * h;
+        (state.angular, state.rotation) = (angular, rotation);
     } else {
-        motion.drift(h);
+        state.drift(h);
     }
 }

@@ -30,6 +30,7 @@ mod tests;
 use nalgebra::{SMatrix, SVector};
 
 pub(crate) use elimination::Elimination;
+pub(crate) use layout::Number;
 pub(crate) use ldl::BlockLdl;
 pub(crate) use lu::BlockLu;
 pub(crate) use pivot::{Inverse, Triangular};

@@ -61,12 +61,6 @@ pub(crate) fn inverse_dexp(turn: &Vector3<f64>, angular: &Vector3<f64>) -> Vecto
     angular - once * 0.5 + turn.cross(&once) * c
 }
 
-/// The matrix of r ×.
-#[inline]
-pub(crate) fn cross_matrix(r: &Vector3<f64>) -> Matrix3<f64> {
-    Matrix3::new(0.0, -r.z, r.y, r.z, 0.0, -r.x, -r.y, r.x, 0.0)
-}
-
 /// R diag(p) Rᵀ.
 #[inline]
 pub(crate) fn in_world(principal: &Vector3<f64>, rotation: &Matrix3<f64>) -> Matrix3<f64> {

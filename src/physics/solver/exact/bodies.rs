@@ -1,0 +1,68 @@
+//! From the world's bodies and joints to a mechanism's, and back.
+
+use nalgebra::Vector3;
+
+use super::mechanism::{JointSpring, MechanismLink, Member, MemberState};
+use crate::physics::body::Body;
+use crate::physics::joint::{Joint, Softness};
+
+/// The place of a body in a list whose first `moving` are in order; one that is not there yet is added at the end.
+pub(super) fn place_in(bodies: &mut Vec<u32>, moving: usize, body: u32) -> u32 {
+    let known = bodies[..moving].binary_search(&body).ok();
+    // Bodies that do not move are few.
+    let known = known.or_else(|| bodies[moving..].iter().position(|&other| other == body).map(|at| at + moving));
+    known.unwrap_or_else(|| {
+        bodies.push(body);
+        bodies.len() - 1
+    }) as u32
+}
+
+/// A joint between members at those places.
+pub(super) fn link_of(joint: &Joint, [a, b]: [u32; 2]) -> MechanismLink {
+    let spring = |softness: Softness| JointSpring {
+        frequency: std::f64::consts::TAU * softness.frequency,
+        damping_ratio: softness.damping_ratio,
+        most: softness.max_force,
+    };
+    let [anchor_a, anchor_b] = joint.anchors();
+    MechanismLink { a, b, anchor_a, anchor_b, spring: joint.softness().map(spring) }
+}
+
+pub(super) fn state_of(body: &Body) -> MemberState {
+    MemberState { position: body.position, rotation: body.rotation, linear: body.linear, angular: body.angular }
+}
+
+pub(super) fn put(state: &MemberState, body: &mut Body) {
+    body.position = state.position;
+    body.rotation = state.rotation;
+    body.linear = state.linear;
+    body.angular = state.angular;
+}
+
+pub(super) fn member(body: &Body) -> Member {
+    if !body.is_dynamic() {
+        return Member::FIXED;
+    }
+    Member {
+        mass: body.mass,
+        inverse_mass: body.inverse_mass,
+        inertia: body.inverse_inertia_body.map(f64::recip),
+        freedom: body.rotation_freedom,
+        drag: body.drag,
+        force: body.force,
+        torque: body.torque,
+    }
+}
+
+impl Member {
+    /// A body that constraints do not move.
+    pub const FIXED: Self = Self {
+        mass: 0.0,
+        inverse_mass: Vector3::new(0.0, 0.0, 0.0),
+        inertia: Vector3::new(0.0, 0.0, 0.0),
+        freedom: Vector3::new(1.0, 1.0, 1.0),
+        drag: (0.0, 0.0),
+        force: Vector3::new(0.0, 0.0, 0.0),
+        torque: Vector3::new(0.0, 0.0, 0.0),
+    };
+}

@@ -1,0 +1,136 @@
+//! The tuning constants of the exact method, by the file that reads them.
+
+// The integrators of mechanisms: `gauss`, `lockstep`, `rattle`.
+
+/// Iterations over the stages of [`gauss`](super::gauss) at most.
+pub(super) const GAUSS_ITERATIONS: usize = 40;
+/// Iterations of [`lockstep`](super::lockstep) at most: what takes more is stiff, and left to `gauss`.
+pub(super) const LOCKSTEP_ITERATIONS: usize = 24;
+/// Newton iterations of [`rattle`](super::rattle) at most.
+pub(super) const RATTLE_ITERATIONS: usize = 40;
+/// Change in the last iteration over the square of the change in the first one, 1/m or 1/rad, that ends the
+/// iterations. The first change is the error of continuing the step before, which has half the order of the step
+/// itself, so that this is a small part of the step's own error. Seen by: energy in the truths of `chain` and `top`.
+pub(super) const CHANGE_OVER_SQUARE: f64 = 1e-10;
+/// Change of a turn, rad, or of a displacement, m, that ends the iterations in any case.
+pub(super) const LEAST_CHANGE: f64 = 1e-18;
+/// Change in the last iteration, m or rad, from which on `gauss` has not converged although it got no smaller.
+pub(super) const GAUSS_UNCONVERGED: f64 = 1e-9;
+/// The same for `lockstep`.
+pub(super) const LOCKSTEP_UNCONVERGED: f64 = 1e-13;
+/// Change, m or rad, that no shorter iteration mends: the step is given up.
+pub(super) const DIVERGED: f64 = 1e3;
+/// How far from 1 the square of a rotation's norm may be before it is normalised.
+pub(super) const NORMAL: f64 = 1e-14;
+/// Factor on the softness of a spring at its largest force, along it: any that makes it no stiffness of weight.
+pub(super) const SLACK: f64 = 1e9;
+/// h²K over the inertia below which the geometric stiffness K is left out of the iteration matrix.
+pub(super) const GAUSS_SOFT: f64 = 0.3;
+/// ω²h² of bodies about the line of a joint's pull up to which `lockstep` is tried.
+pub(super) const LOCKSTEP_SOFT: f64 = 3.0;
+/// Share of a change that an iteration of `lockstep` leaves to the next from which on it factors the rows again, at the
+/// poses that the stages have by then.
+pub(super) const SLOW_ITERATION: f64 = 0.35;
+/// How often it does so at most.
+pub(super) const MOST_FACTORS: u32 = 4;
+/// Turn of a step, rad, up to which the series of `lockstep` are exact to rounding.
+pub(super) const SERIES_TURN: f64 = 0.8;
+
+// Rows and their factor: `rows`, `projection`.
+
+/// Least and largest share of its trace that is added to each block on the diagonal where rows may be redundant.
+pub(super) const SHIFTS: [f64; 2] = [1e-10, 1e-3];
+/// Iterations of the method of multipliers: each leaves ε/(σ² + ε) of the error along a singular value σ.
+pub(super) const MULTIPLIER_ITERATIONS: usize = 6;
+/// Iterations of the projection of positions at most.
+pub(super) const PROJECTION_ITERATIONS: usize = 60;
+/// Error of a joint over the length of its arms that rounding leaves.
+pub(super) const JOINT_ROUNDING: f64 = 4e-16;
+/// Turn, rad, that a projection takes levers to be resolved to. By trial: with 1e-4 a sheet of 30 × 30 joints parts,
+/// with 3e-3 four-bar loops lose energy as they pass flat poses.
+pub(super) const PROJECTED_TURN: f64 = 1e-3;
+/// Share of the errors that an iteration leaves from which on the next one has the rows of the pose it led to.
+pub(super) const SLOW_PROJECTION: f64 = 0.8;
+/// Share left with such rows from which on the projection ends.
+pub(super) const STUCK_PROJECTION: f64 = 0.95;
+/// Displacement of a member, m or rad, from where rows were factored up to which velocities are projected with them:
+/// near a singular pose the rows of another pose say too little of where it is singular, and errors grow.
+pub(super) const STALE_ROWS: f64 = 1e-6;
+/// Shortest share of a step in the line search of a projection.
+pub(super) const SHORTEST_SHARE: f64 = 1e-3;
+/// Softness of the rows of a spring where only rigid joints are to hold, 1/kg.
+pub(super) const LOOSE: f64 = 1e200;
+
+// Steps and their division: `stepper`, `mechanism`.
+
+/// A step is divided into 2 to this power substeps at most.
+pub(super) const MOST_DIVISIONS: u32 = 12;
+/// Evaluations of all rows that a step may take, whatever the number of joints. Hard steps take some hundred.
+pub(super) const MOST_EVALUATIONS: u32 = 500;
+/// Evaluations times joints that a step may take: few joints may take more evaluations.
+pub(super) const MOST_JOINT_EVALUATIONS: u64 = 200_000;
+/// A step is divided into 2 to this power substeps where they are Euler's.
+pub(super) const EULER_DIVISIONS: u32 = 6;
+/// Turn of a free body in a substep, rad: at twice that, a box that flips over its middle axis keeps no digit for a
+/// second.
+pub(super) const LONGEST_TURN: f64 = 0.8;
+/// Substeps in a row that must converge before longer ones are tried.
+pub(super) const CONVERGED_BEFORE_LONGER: u32 = 8;
+/// Error of a joint after the projection that is reported, m. Near poses where ways to move branch a millionth may be
+/// left: no linear step tells which to take.
+pub(super) const PARTED: f64 = 1e-5;
+/// ωt of a spring in a kick of length t that is softened: kicks and free motion in turn are stable for ω2t up to 2, and
+/// a body may have two springs.
+pub(super) const KICKED_SPRING: f64 = 0.7;
+
+// Contact: `contact`.
+
+/// Gap up to which surfaces touch, m.
+pub(super) const TOUCHING: f64 = 1e-9;
+/// Approach up to which nothing bounces, m/s: from there bounces go on for another 2e/(1 − e) times 1e-5 s.
+pub(super) const LEAST_BOUNCE: f64 = 1e-4;
+/// Impacts at one time, for each pair of a group, until the approaches that remain are stopped.
+pub(super) const IMPACTS_OF_A_PAIR: usize = 100;
+/// Forecasts of a smooth step at most.
+pub(super) const MOST_FORECASTS: usize = 12;
+/// Error of a forecast, m, that is none.
+pub(super) const FORECAST_ERROR: f64 = 1e-13;
+/// Error of a forecast, m, that is accepted where it falls no more.
+pub(super) const STALLED_ERROR: f64 = 1e-10;
+/// Overlap at the end of a forecast, m, from which on contact points that it did not hold are held.
+pub(super) const UNFORESEEN: f64 = 1e-7;
+/// Residual of a solve times its length, m, up to which a step counts as solved.
+pub(super) const UNSOLVED: f64 = 1e-7;
+/// Overlap within which the time of a landing is found, m.
+pub(super) const LANDED: f64 = 1e-11;
+/// Overlap of contact points that are held, m, for which a smooth step is cut short.
+pub(super) const MISSED: f64 = 1e-6;
+/// Kinetic energy that rounding and order may make in a smooth step, as a share of what there is. Seen by: energy on
+/// `pile` and `dominoes`.
+pub(super) const ENERGY_GAINED: f64 = 3e-3;
+/// Kinetic energy over mass that counts as none, J/kg.
+pub(super) const NO_ENERGY: f64 = 1e-12;
+/// Smooth steps are not cut to less than this share of a substep for either.
+pub(super) const SHORTEST_STEP: f64 = 1.0 / 256.0;
+/// Longest share of a substep that goes by one forecast alone.
+pub(super) const ROUGH_STEP: f64 = 1.0 / 16.0;
+/// Factor by which a smooth step may be longer than the one before, at first: what could not be foreseen is mostly over
+/// after a short one.
+pub(super) const FIRST_GROWTH: f64 = 64.0;
+/// Factor on that for each smooth step that has to be cut.
+pub(super) const GROWTH_AFTER_CUT: f64 = 0.25;
+/// The least that it falls to.
+pub(super) const LEAST_GROWTH: f64 = 1.25;
+/// Landings in a substep after which nothing bounces.
+pub(super) const MOST_LANDINGS: u32 = 1_000;
+/// Smooth steps tried to find the time of one landing.
+pub(super) const MOST_TRIALS: usize = 80;
+/// Residual of a contact point that is asked for, m/s, and the one where the work of a step is spent.
+pub(super) const TOLERANCES: [f64; 2] = [1e-10, 1e-5];
+/// Factorisations that a step may take here, whatever the number of points.
+pub(super) const MOST_FACTORISATIONS: u32 = 1_000;
+/// Factorisations times points that a step may take: the hardest of `limbs` took a quarter of a million; few points may
+/// take more factorisations. After that no forecast is mended.
+pub(super) const MOST_POINT_FACTORISATIONS: u64 = 1_500_000;
+/// Slip from which on a contact point slides, m/s.
+pub(super) const SLIDING: f64 = 1e-6;

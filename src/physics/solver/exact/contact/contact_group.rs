@@ -1,0 +1,433 @@
+//! Bodies in reach of each other, with what joints hold to them, taken through a step.
+//!
+//! A smooth step ([`SmoothStep`]) holds all contact points but those of pairs that are bouncing, which it leaves free.
+//! Where such a pair would come to overlap, the smooth step ends at that time instead (to [`LANDED`] of overlap), the
+//! impacts that are due pass ([`Impacts`]), and another smooth step follows. Bounces slower than [`LEAST_BOUNCE`] are
+//! none, and after [`MOST_LANDINGS`] in a substep nothing bounces for the rest of it.
+//!
+//! A smooth step whose forecast does not come true is halved, again and again. What still does not come true at
+//! [`SHORTEST_STEP`] goes by the forecast at its start alone, and so does all that is left of a step that has taken its
+//! share of work ([`GroupSolver::is_spent`]). Both are reported.
+
+use bevy::platform::collections::HashMap;
+use nalgebra::Vector3;
+
+use super::super::bodies::{link_of, member, place_in, put, state_of};
+use super::super::constants::{
+    ENERGY_GAINED, FIRST_GROWTH, GROWTH_AFTER_CUT, LANDED, LEAST_BOUNCE, LEAST_GROWTH, MISSED, MOST_LANDINGS,
+    MOST_TRIALS, NO_ENERGY, ROUGH_STEP, SHORTEST_STEP, TOUCHING,
+};
+use super::super::mechanism::{MechanismLink, Member, MemberState};
+use super::super::stepper::StepEffort;
+use super::gap_points::{GapPoint, GapPoints, PointSearch, ReachablePair};
+use super::group_solver::{GroupSolver, GroupView};
+use super::impacts::{Impacts, approach};
+use super::smooth_step::{SmoothStep, SmoothTerms, place};
+use crate::physics::body::{Bodies, Body, SurfaceMaterial};
+use crate::physics::collision::closing_distance;
+use crate::physics::collision::{FeatureId, Pair};
+use crate::physics::contact::{ContactCache, surface};
+use crate::physics::joint::{Joint, Joints};
+use crate::physics::settings::FrictionModel;
+
+/// The load of each contact point, by pair and feature.
+type PointLoads = HashMap<(u32, FeatureId), PointLoad>;
+
+/// What a contact point carries.
+#[derive(Clone, Debug)]
+struct PointLoad {
+    /// Over the step, N·s on B; then its mean, N.
+    impulse: Vector3<f64>,
+    /// Force of the last solve that had the point, N on B.
+    last: Vector3<f64>,
+    /// The point in that solve.
+    point: GapPoint,
+}
+
+/// A contact point with the force through it.
+pub(crate) struct PointForce {
+    pub pair: Pair,
+    /// In the world, m: at the end of the step, or where it carried something last.
+    pub point: Vector3<f64>,
+    /// Unit, from A to B.
+    pub normal: Vector3<f64>,
+    /// m; negative: a gap.
+    pub depth: f64,
+    /// Mean over the step, N on B.
+    pub force: Vector3<f64>,
+    /// Of the step's last solve, N on B; none where that was not of this point.
+    pub last_force: Option<Vector3<f64>>,
+}
+
+/// The settings that a step depends on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ContactTerms {
+    pub h: f64,
+    pub parts: u32,
+    /// Fastest closing of an overlap, m/s.
+    pub correction_speed: f64,
+    /// Approach up to which nothing bounces, m/s.
+    pub restitution_speed: f64,
+}
+
+/// Bodies in reach of each other, and what joints hold to them.
+#[derive(Default)]
+pub(crate) struct ContactGroup {
+    /// Those that move first.
+    bodies: Vec<u32>,
+    moving: usize,
+    /// Of links, then of springs.
+    joints: Vec<u32>,
+    links: Vec<MechanismLink>,
+    springs: Vec<MechanismLink>,
+    pairs: Vec<ReachablePair>,
+    members: Vec<Member>,
+    shapes: Vec<Body>,
+    states: Vec<MemberState>,
+    points: GapPoints,
+    search: PointSearch,
+    free: Vec<bool>,
+    smooth: SmoothStep,
+    /// Whether the smooth step ends where something lands.
+    lands: bool,
+    impacts: Impacts,
+    loads: PointLoads,
+    /// Mean forces of the step, N, on B.
+    joint_forces: Vec<Vector3<f64>>,
+    pub effort: StepEffort,
+}
+
+/// How long the next smooth step may be.
+struct Stride {
+    /// s.
+    longest: f64,
+    growth: f64,
+}
+
+impl Stride {
+    /// Takes in how long a smooth step was, s, and whether it had to be cut.
+    fn note(&mut self, length: f64, is_cut: bool) {
+        if is_cut {
+            self.growth = (GROWTH_AFTER_CUT * self.growth).max(LEAST_GROWTH);
+        }
+        self.longest = self.growth * length;
+    }
+}
+
+impl ContactGroup {
+    /// Of those bodies that move, joints and pairs, by their indices in the world.
+    pub fn new(moving: Vec<u32>, joints: Vec<u32>, pairs: &[Pair], all_joints: &Joints) -> Self {
+        let mut bodies = moving;
+        let moving = bodies.len();
+        let mut place = |body: u32| place_in(&mut bodies, moving, body);
+        let pair = |&pair: &Pair| {
+            // What their surfaces are like is taken in with the state.
+            ReachablePair { bodies: pair, ends: [place(pair.a), place(pair.b)], surface: SurfaceMaterial::default() }
+        };
+        let pairs = pairs.iter().map(pair).collect();
+        let (rigid, soft): (Vec<u32>, Vec<u32>) =
+            joints.into_iter().partition(|&joint| all_joints.list[joint as usize].softness().is_none());
+        let mut link = |&joint: &u32| {
+            let joint = &all_joints.list[joint as usize];
+            link_of(joint, [place(joint.a), place(joint.b)])
+        };
+        let links = rigid.iter().map(&mut link).collect();
+        let springs = soft.iter().map(&mut link).collect();
+        Self { bodies, moving, joints: [rigid, soft].concat(), links, springs, pairs, ..Self::default() }
+    }
+
+    /// Takes the state in; of either model of friction this method has the cone.
+    pub fn gather(&mut self, bodies: &Bodies, joints: &Joints, friction: FrictionModel) {
+        let list = || self.bodies.iter().map(|&body| &bodies.list[body as usize]);
+        self.members.clear();
+        self.members.extend(list().map(member));
+        self.states.clear();
+        self.states.extend(list().map(state_of));
+        self.shapes.clear();
+        self.shapes.extend(list().cloned());
+        self.joint_forces.clear();
+        self.joint_forces.extend(self.joints.iter().map(|&joint| joints.list[joint as usize].force));
+        for pair in &mut self.pairs {
+            let [a, b] = pair.ends.map(|end| &self.shapes[end as usize]);
+            pair.surface = surface(a, b, friction);
+        }
+    }
+
+    /// Whether the step has taken all the work that it may.
+    fn is_spent(&self) -> bool {
+        self.smooth.positions.is_spent() || self.smooth.velocities.is_spent() || self.impacts.solver.is_spent()
+    }
+
+    /// Takes the group through a step. `cache` has the forces of the step before.
+    pub fn step(&mut self, terms: &ContactTerms, cache: &ContactCache) {
+        self.effort = StepEffort::default();
+        self.loads.clear();
+        let last_forces = std::mem::take(&mut self.joint_forces);
+        self.joint_forces.resize(last_forces.len(), Vector3::zeros());
+        for _ in 0..terms.parts {
+            self.advance(terms, cache, &last_forces);
+        }
+        let step = terms.h * f64::from(terms.parts);
+        self.joint_forces.iter_mut().for_each(|impulse| *impulse /= step);
+        self.loads.values_mut().for_each(|load| load.impulse /= step);
+        let solvers = [&mut self.smooth.positions, &mut self.smooth.velocities, &mut self.impacts.solver];
+        for solver in solvers {
+            self.effort.solves += std::mem::take(&mut solver.steps);
+            self.effort.unsettled += std::mem::take(&mut solver.failures);
+            solver.work = 0;
+        }
+    }
+
+    fn advance(&mut self, terms: &ContactTerms, cache: &ContactCache, last_forces: &[Vector3<f64>]) {
+        let least = terms.restitution_speed.max(LEAST_BOUNCE);
+        let (mut left, mut stride) = (terms.h, Stride { longest: terms.h, growth: FIRST_GROWTH });
+        let mut events = 0;
+        while left > 1e-12 * terms.h {
+            self.find_points(left);
+            self.pass_impacts(least);
+            let may_bounce = events < MOST_LANDINGS && !self.is_spent();
+            self.free.clear();
+            let points = &self.points;
+            let free = |(index, pair): (usize, &ReachablePair)| {
+                let own = points.of(index);
+                let rests = approach(own, &self.states).abs() <= least;
+                pair.surface.restitution > 0.0 && may_bounce && !rests
+            };
+            self.free.extend(self.pairs.iter().enumerate().map(free));
+            let h = self.step_until_landing(&mut stride, left, terms, cache, last_forces);
+            self.commit(h);
+            left -= h;
+            if self.lands {
+                events += 1;
+                self.effort.cuts += 1;
+            }
+        }
+        self.effort.unsettled += u32::from(events >= MOST_LANDINGS);
+    }
+
+    fn find_points(&mut self, h: f64) {
+        let Self { points, pairs, shapes, states, search, .. } = self;
+        place(shapes, states);
+        for (shape, state) in shapes.iter_mut().zip(&*states) {
+            (shape.linear, shape.angular) = (state.linear, state.angular);
+        }
+        let reach = |pair: &ReachablePair| {
+            let [a, b] = pair.ends.map(|end| &shapes[end as usize]);
+            closing_distance(a, b, h) + TOUCHING
+        };
+        points.find(pairs, shapes, reach, search);
+    }
+
+    fn pass_impacts(&mut self, least: f64) {
+        let may_bounce = !self.is_spent();
+        let Self { members, moving, links, pairs, points, states, impacts, loads, joint_forces, .. } = self;
+        let view = GroupView { members, moving: *moving, links };
+        impacts.pass(view, pairs, points, least, may_bounce, states, |held, solver| {
+            add_up(held, solver, loads, joint_forces, None);
+        });
+    }
+
+    /// A smooth step over the time left, s, or as long as a forecast comes true, or until a free pair lands. Returns its
+    /// length, and notes how long the next may be.
+    fn step_until_landing(
+        &mut self,
+        stride: &mut Stride,
+        left: f64,
+        terms: &ContactTerms,
+        cache: &ContactCache,
+        last_forces: &[Vector3<f64>],
+    ) -> f64 {
+        let mut most = left.min(stride.longest);
+        if self.is_spent() {
+            most = left.min(ROUGH_STEP * terms.h);
+            self.smooth_step(most, true, terms, cache, last_forces);
+            self.lands = false;
+            return most;
+        }
+        let cuts = self.effort.cuts;
+        let mut overlap = self.smooth_step(most, false, terms, cache, last_forces);
+        while !self.smooth.is_true || self.missed() > MISSED || self.gains_energy() {
+            if most <= terms.h * SHORTEST_STEP || self.is_spent() {
+                if !self.smooth.is_true {
+                    most = most.min(ROUGH_STEP * terms.h);
+                    overlap = self.smooth_step(most, true, terms, cache, last_forces);
+                }
+                break;
+            }
+            most *= 0.5;
+            self.effort.cuts += 1;
+            overlap = self.smooth_step(most, false, terms, cache, last_forces);
+        }
+        stride.note(most, self.effort.cuts > cuts);
+        self.lands = overlap > LANDED;
+        if !self.lands {
+            return most;
+        }
+        // Illinois' rule on the overlap less half of what is allowed; bisection where one end is not known.
+        let target = 0.5 * LANDED;
+        let (mut low, mut high) = (0.0, most);
+        let (mut at_low, mut at_high) = (f64::NEG_INFINITY, overlap - target);
+        for trial in 0..MOST_TRIALS {
+            let share = if at_low.is_finite() && trial % 8 != 7 { at_low / (at_low - at_high) } else { 0.5 };
+            let h = low + (high - low) * share;
+            if h <= low || h >= high || self.is_spent() {
+                break;
+            }
+            overlap = self.smooth_step(h, false, terms, cache, last_forces);
+            if (0.0..=LANDED).contains(&overlap) {
+                return h;
+            }
+            let value = overlap - target;
+            if value > 0.0 {
+                (high, at_high) = (h, value);
+                at_low *= 0.5;
+            } else {
+                (low, at_low) = (h, value);
+                at_high *= 0.5;
+            }
+        }
+        // As near as rounding, or the work that it may take, lets it come, on the far side.
+        self.smooth_step(high, false, terms, cache, last_forces);
+        high
+    }
+
+    /// A smooth step of h, s. The deepest overlap of free pairs at its end, m; negative: the least gap of those found.
+    fn smooth_step(
+        &mut self,
+        h: f64,
+        is_rough: bool,
+        terms: &ContactTerms,
+        cache: &ContactCache,
+        last_forces: &[Vector3<f64>],
+    ) -> f64 {
+        let is_spent = self.is_spent();
+        let Self { smooth, members, moving, links, springs, pairs, free, states, points, shapes, search, .. } = self;
+        (smooth.positions.is_rough, smooth.velocities.is_rough) = (is_spent, is_spent);
+        let view = GroupView { members, moving: *moving, links };
+        let (correction_speed, closing) = (terms.correction_speed, terms.h);
+        let given = SmoothTerms { view, springs, pairs, free, correction_speed, closing, is_rough };
+        let start_force = |point: &GapPoint| cache.force(pairs[point.pair as usize].bodies, point.feature);
+        smooth.step(&given, states, points, shapes, search, start_force, &last_forces[..links.len()], h);
+        let landed = smooth.points.list.iter().filter(|point| free[point.pair as usize]);
+        landed.map(|point| -point.gap).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// How much deeper held pairs overlap at the end of the smooth step than before, m: contacts that no forecast had.
+    fn missed(&self) -> f64 {
+        let deepest =
+            |points: &GapPoints, pair: usize| points.of(pair).iter().map(|point| -point.gap).fold(0.0, f64::max);
+        let held = (0..self.pairs.len()).filter(|&pair| !self.free[pair]);
+        held.map(|pair| deepest(&self.smooth.points, pair) - deepest(&self.points, pair)).fold(0.0, f64::max)
+    }
+
+    /// Whether the smooth step made kinetic energy that no force, spring or support gave: it is too long for how fast
+    /// something turns. Bodies lifted out of an overlap are no such case.
+    fn gains_energy(&self) -> bool {
+        let Self { smooth, members, moving, states, springs, .. } = self;
+        let is_driven = !states[*moving..].iter().all(MemberState::is_still);
+        if is_driven || !springs.is_empty() {
+            return false;
+        }
+        let kinetic = |states: &[MemberState]| -> f64 {
+            members.iter().zip(states).take(*moving).map(|(member, state)| member.kinetic_energy(state)).sum()
+        };
+        let work: f64 = members
+            .iter()
+            .zip(states.iter().zip(&smooth.end))
+            .take(*moving)
+            .map(|(member, (start, end))| member.force.dot(&(end.position - start.position)))
+            .sum();
+        let (before, after) = (kinetic(states), kinetic(&smooth.end));
+        let mass: f64 = members.iter().map(|member| member.mass).sum();
+        after - before - work.max(0.0) > ENERGY_GAINED * after + NO_ENERGY * mass
+    }
+
+    /// Makes the end of the smooth step the state.
+    fn commit(&mut self, h: f64) {
+        let Self { smooth, states, loads, joint_forces, links, effort, .. } = self;
+        effort.jammed += smooth.jammed;
+        effort.unsettled += u32::from(!smooth.is_true);
+        states.clone_from(&smooth.end);
+        for (solver, held) in [&smooth.positions, &smooth.velocities].into_iter().zip(&smooth.held) {
+            add_up(held, solver, loads, joint_forces, Some(0.5 * h));
+        }
+        for (sum, force) in joint_forces[links.len()..].iter_mut().zip(&smooth.spring_forces) {
+            *sum += force * h;
+        }
+    }
+
+    /// Writes bodies and joint forces back.
+    pub fn scatter(&self, bodies: &mut [Body], joints: &mut [Joint]) {
+        for (&index, state) in self.bodies.iter().zip(&self.states).take(self.moving) {
+            put(state, &mut bodies[index as usize]);
+        }
+        for (&joint, force) in self.joints.iter().zip(&self.joint_forces) {
+            joints[joint as usize].force = *force;
+        }
+    }
+
+    /// Rows of the last solve.
+    pub fn rows(&self) -> u32 {
+        3 * (self.links.len() + self.smooth.held[1].len()) as u32
+    }
+
+    /// By pair: the points at the end of the step, then those that carried something in it and are gone.
+    pub fn point_forces(&self) -> Vec<PointForce> {
+        let points = &self.smooth.points;
+        let force = |pair: u32, point: &GapPoint, load: Option<&PointLoad>, is_last: bool| PointForce {
+            pair: self.pairs[pair as usize].bodies,
+            point: point.point,
+            normal: point.normal,
+            depth: -point.gap,
+            force: load.map_or_else(Vector3::zeros, |load| load.impulse),
+            last_force: is_last.then(|| load.map_or_else(Vector3::zeros, |load| load.last)),
+        };
+        let is_gone = |&(pair, feature): &(u32, FeatureId)| points.position(pair, feature).is_none();
+        let mut gone: Vec<_> = self.loads.iter().filter(|&(at, _)| is_gone(at)).collect();
+        gone.sort_unstable_by_key(|(at, _)| **at);
+        let mut gone = gone.into_iter().peekable();
+        let mut forces = Vec::new();
+        for (index, free) in (0..).zip(&self.free) {
+            for point in points.of(index as usize) {
+                let is_held = !free && point.gap <= TOUCHING;
+                forces.push(force(index, point, self.loads.get(&(index, point.feature)), is_held));
+            }
+            while let Some((_, load)) = gone.next_if(|((pair, _), _)| *pair == index) {
+                forces.push(force(index, &load.point, Some(load), false));
+            }
+        }
+        forces
+    }
+
+    /// Keeps the forces for the next step.
+    pub fn store(&self, cache: &mut ContactCache) {
+        for (index, pair) in self.pairs.iter().enumerate() {
+            let last = |point: &GapPoint| self.loads.get(&(index as u32, point.feature)).map(|load| load.last);
+            let points = self.smooth.points.of(index);
+            cache.insert(
+                pair.bodies,
+                points.iter().map(|point| (point.feature, last(point).unwrap_or_else(Vector3::zeros))),
+            );
+        }
+    }
+}
+
+/// Adds the impulses of a solve to the loads. Those of a solve over a time, s, are the last forces, too.
+fn add_up(
+    held: &[GapPoint],
+    solver: &GroupSolver,
+    loads: &mut PointLoads,
+    joint_impulses: &mut [Vector3<f64>],
+    time: Option<f64>,
+) {
+    for (point, impulse) in held.iter().zip(&solver.impulses.contacts) {
+        let nothing = || PointLoad { impulse: Vector3::zeros(), last: Vector3::zeros(), point: point.clone() };
+        let load = loads.entry((point.pair, point.feature)).or_insert_with(nothing);
+        load.impulse += impulse;
+        load.point.clone_from(point);
+        if let Some(time) = time {
+            load.last = impulse / time;
+        }
+    }
+    joint_impulses.iter_mut().zip(&solver.impulses.joints).for_each(|(sum, impulse)| *sum += impulse);
+}

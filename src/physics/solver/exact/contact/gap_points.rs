@@ -1,0 +1,112 @@
+//! The points where bodies touch, or may touch within a step, at the poses that they have.
+
+use nalgebra::Vector3;
+
+use super::super::mechanism::MemberState;
+use crate::physics::body::{Body, SurfaceMaterial};
+use crate::physics::collision::{ContactPoint, FeatureId, Pair};
+use crate::physics::collision::{PairSearch, touch};
+use crate::physics::contact::namesake;
+
+/// Two bodies in reach of each other.
+#[derive(Clone, Debug)]
+pub(super) struct ReachablePair {
+    /// By their indices in the world.
+    pub bodies: Pair,
+    /// By their places here.
+    pub ends: [u32; 2],
+    pub surface: SurfaceMaterial,
+}
+
+/// A contact point with its gap, at the poses it was found at.
+#[derive(Clone, Debug)]
+pub(super) struct GapPoint {
+    /// Index of its pair.
+    pub pair: u32,
+    pub feature: FeatureId,
+    pub ends: [u32; 2],
+    /// In the world, m.
+    pub point: Vector3<f64>,
+    /// From the centres of mass, world axes.
+    pub arms: [Vector3<f64>; 2],
+    /// Unit, from A to B.
+    pub normal: Vector3<f64>,
+    /// m; negative: they overlap.
+    pub gap: f64,
+    pub friction: f64,
+}
+
+impl GapPoint {
+    /// Velocity of B's point relative to A's, m/s.
+    pub fn velocity(&self, states: &[MemberState]) -> Vector3<f64> {
+        let [a, b] = [0, 1].map(|end| point_velocity(&states[self.ends[end] as usize], &self.arms[end]));
+        b - a
+    }
+
+    /// How fast its gap opens, m/s.
+    pub fn opening(&self, states: &[MemberState]) -> f64 {
+        self.normal.dot(&self.velocity(states))
+    }
+}
+
+pub(super) fn point_velocity(state: &MemberState, arm: &Vector3<f64>) -> Vector3<f64> {
+    state.linear + state.angular.cross(arm)
+}
+
+/// The contact points of all pairs, in their order.
+#[derive(Clone, Debug, Default)]
+pub(super) struct GapPoints {
+    pub list: Vec<GapPoint>,
+    /// Where the points of each pair begin; then the number of all.
+    starts: Vec<u32>,
+}
+
+impl GapPoints {
+    pub fn of(&self, pair: usize) -> &[GapPoint] {
+        &self.list[self.starts[pair] as usize..self.starts[pair + 1] as usize]
+    }
+
+    /// The index of the point of the same features.
+    pub fn position(&self, pair: u32, feature: FeatureId) -> Option<usize> {
+        let pair = pair as usize;
+        let at = namesake(self.of(pair).iter().map(|point| point.feature), feature)?;
+        Some(self.starts[pair] as usize + at)
+    }
+
+    /// Finds them at the bodies' poses, up to a gap for each pair, m.
+    pub fn find(
+        &mut self,
+        pairs: &[ReachablePair],
+        bodies: &[Body],
+        gap: impl Fn(&ReachablePair) -> f64,
+        search: &mut PointSearch,
+    ) {
+        self.list.clear();
+        self.starts.clear();
+        for (index, pair) in (0..).zip(pairs) {
+            self.starts.push(self.list.len() as u32);
+            let [a, b] = pair.ends.map(|end| &bodies[end as usize]);
+            search.search.forget();
+            search.points.clear();
+            let Some(overlap) = touch(a, b, gap(pair), &mut search.search, &mut search.points) else { continue };
+            self.list.extend(search.points.iter().map(|point| GapPoint {
+                pair: index,
+                feature: point.feature,
+                ends: pair.ends,
+                point: point.point,
+                arms: [point.point - a.position, point.point - b.position],
+                normal: overlap.normal,
+                gap: -point.depth,
+                friction: pair.surface.friction,
+            }));
+        }
+        self.starts.push(self.list.len() as u32);
+    }
+}
+
+/// Buffers of the search.
+#[derive(Default)]
+pub(super) struct PointSearch {
+    search: PairSearch,
+    points: Vec<ContactPoint>,
+}
