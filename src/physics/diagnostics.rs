@@ -88,9 +88,10 @@ fn measure(
     }
     sum.linear_momentum = linear.into();
     sum.angular_momentum = angular.into();
-    for joint in joints.list.iter().filter(|joint| joint.softness.is_none()) {
+    for joint in joints.list.iter().filter(|joint| joint.softness().is_none()) {
         let (a, b) = (&bodies.list[joint.a as usize], &bodies.list[joint.b as usize]);
-        let error = b.position - a.position + b.rotation * joint.anchor_b - a.rotation * joint.anchor_a;
+        let [anchor_a, anchor_b] = joint.anchors();
+        let error = b.position - a.position + b.rotation * anchor_b - a.rotation * anchor_a;
         sum.joint_error = sum.joint_error.max(error.norm());
     }
     sum.penetration = contacts.points.iter().fold(0.0, |deepest, point| point.depth.max(deepest));

@@ -28,7 +28,7 @@ pub(crate) const READ_ONLY: u32 = 1 << 31;
 pub(crate) struct Record<S>(pub [S; WIDTH]);
 
 /// As many scalars as a kernel takes at once.
-pub(crate) trait Lanes: SimdRealField + Copy + Debug + Send + Sync + 'static {
+pub(crate) trait Lanes: SimdRealField + Copy + Debug + Default + Send + Sync + 'static {
     /// Of one lane.
     type Scalar: Scalar + Default + Send + Sync + Debug;
     /// How many.

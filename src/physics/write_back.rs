@@ -137,8 +137,8 @@ fn restore_state(table: &mut StateTable, row: usize, body: &mut Body) {
 pub(super) fn write_joint_loads(joints: Res<Joints>, mut loads: Query<(&JointSlot, &mut JointLoad)>) {
     for (slot, mut load) in &mut loads {
         if let Some(joint) = joints.list.get(slot.index as usize) {
-            let force = DVec3::from(joint.force);
-            load.set_if_neq(JointLoad { force, torque: DVec3::ZERO, lambda: force.length() });
+            let (force, torque) = (DVec3::from(joint.force), DVec3::from(joint.torque));
+            load.set_if_neq(JointLoad { force, torque, lambda: force.length().hypot(torque.length()) });
         }
     }
 }

@@ -1,8 +1,7 @@
 //! Constraints as rows. A constraint knows geometry and makes [`row::Row`]s; a solver knows rows.
 //!
-//! One file a constraint: [`ball_joint`]; contacts have their own folder, [`super::contact`].
+//! Rows of contacts are in [`super::contact`], of joints in [`super::joint`].
 
-pub(crate) mod ball_joint;
 pub(crate) mod row;
 
 #[cfg(test)]

@@ -30,6 +30,9 @@ pub(crate) struct Twist<N> {
     pub angular: Vector3<N>,
 }
 
+/// Force and torque, or linear and angular impulse, on one body: what is dual to a twist.
+pub(crate) type Wrench<N> = Twist<N>;
+
 /// What a row needs to know of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BodyTerms<N> {
@@ -48,8 +51,8 @@ pub(crate) enum Bounds<N> {
     Fixed(N, N),
     /// |λ| ≤ μ λ_n with λ_n the present multiplier of the row that many rows before.
     Friction { coefficient: N, normal_rows_back: u32 },
-    /// √(Σλ²) ≤ `most` over three rows that stand together, of which this is number `place`, from 0.
-    Norm { most: N, place: u32 },
+    /// √(Σλ²) ≤ `most` over `count` rows, at most 3, that stand together, of which this is number `place`, from 0.
+    Norm { most: N, place: u32, count: u32 },
 }
 
 /// The force, or where it is larger than `most`, ≥ 0, the one of that Euclidean norm along it.
@@ -86,9 +89,32 @@ impl<N: SimdRealField + Copy> Twist<N> {
     pub fn zero() -> Self {
         Self { linear: Vector3::zeros(), angular: Vector3::zeros() }
     }
+
+    /// The power of a wrench along it.
+    pub fn dot(&self, wrench: &Wrench<N>) -> N {
+        self.linear.dot(&wrench.linear) + self.angular.dot(&wrench.angular)
+    }
+
+    /// It and a share of another.
+    pub fn plus(&self, other: &Self, share: N) -> Self {
+        Self { linear: self.linear + other.linear * share, angular: self.angular + other.angular * share }
+    }
+}
+
+impl<N: SimdRealField + Copy> Default for Twist<N> {
+    fn default() -> Self {
+        Self::zero()
+    }
 }
 
 impl<N: SimdRealField + Copy> RowPair<N> {
+    /// In another scalar.
+    pub fn map<M: SimdRealField + Copy>(&self, of: impl Fn(N) -> M) -> RowPair<M> {
+        let [linear_a, angular_a, linear_b, angular_b] =
+            [self.linear_a, self.angular_a, self.linear_b, self.angular_b].map(|block| block.map(&of));
+        RowPair { linear_a, angular_a, linear_b, angular_b }
+    }
+
     /// J V.
     pub fn dot(&self, a: &Twist<N>, b: &Twist<N>) -> N {
         self.linear_a.dot(&a.linear)

@@ -1,6 +1,5 @@
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 
-use super::ball_joint;
 use super::row::{BodyTerms, Bounds, RowPair, Twist};
 use crate::physics::contact::{PointConstraint, penetration_bias, tangents};
 use crate::physics::testing::Random;
@@ -44,21 +43,6 @@ fn rate(constraint: impl Fn(&Pose, &Pose) -> f64, poses: &[Pose; 2], twists: &[T
 
 fn assert_close(value: f64, expected: f64, tolerance: f64) {
     assert!((value - expected).abs() <= tolerance, "{value} instead of {expected}");
-}
-
-#[test]
-fn ball_joint_rows_are_the_gradient_of_the_separation() {
-    let random = &mut Random::new(1);
-    for _ in 0..200 {
-        let poses = [Pose::random(random), Pose::random(random)];
-        let twists = [random_twist(random), random_twist(random)];
-        let anchors = [random.vector(), random.vector()];
-        let rows = ball_joint::jacobian(poses[0].rotation * anchors[0], poses[1].rotation * anchors[1]);
-        for (axis, row) in rows.iter().enumerate() {
-            let separation = |a: &Pose, b: &Pose| (b.point(&anchors[1]) - a.point(&anchors[0]))[axis];
-            assert_close(row.dot(&twists[0], &twists[1]), rate(separation, &poses, &twists), 1e-8);
-        }
-    }
 }
 
 /// The site where two bodies meet at a world point.

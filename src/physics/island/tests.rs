@@ -7,8 +7,7 @@ use crate::physics::joint::Joint;
 use nalgebra::Vector3;
 
 fn joint(a: u32, b: u32) -> Joint {
-    let zero = Vector3::zeros();
-    Joint { entity: Entity::PLACEHOLDER, a, b, anchor_a: zero, anchor_b: zero, softness: None, force: zero }
+    Joint::new(Entity::PLACEHOLDER, [a, b], default())
 }
 
 fn touch(a: u32, b: u32) -> Manifold {

@@ -4,6 +4,10 @@ use bevy::ecs::entity::{EntityMapper, MapEntities};
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
+use super::definition::{Frame, JointDefinition, Laws};
+use super::kind::JointKind;
+use super::softness::Softness;
+
 /// Holds `anchor_a` of `body_a` at `anchor_b` of `body_b`, free to rotate. An entity of its own.
 ///
 /// Joined bodies do not collide unless [`collide`](Self::collide) says so. Despawning a body
@@ -23,8 +27,8 @@ use bevy::prelude::*;
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, PartialEq)]
-#[component(map_entities, on_add = super::slot::number_joint)]
-#[require(crate::physics::joint::slot::JointSlot)]
+#[component(map_entities, on_remove = super::kind::forget)]
+#[require(JointDefinition)]
 pub struct BallJoint {
     /// One body.
     pub body_a: Entity,
@@ -38,17 +42,6 @@ pub struct BallJoint {
     pub collide: bool,
     /// A spring and damper instead of a rigid joint (default: rigid).
     pub softness: Option<Softness>,
-}
-
-/// A joint as a damped spring with a bounded force.
-#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
-pub struct Softness {
-    /// Undamped frequency, Hz, positive.
-    pub frequency: f64,
-    /// Damping ratio ζ ≥ 0; 1 is critical.
-    pub damping_ratio: f64,
-    /// Largest force, N: of its Euclidean norm, whatever its direction.
-    pub max_force: f64,
 }
 
 impl BallJoint {
@@ -81,5 +74,17 @@ impl MapEntities for BallJoint {
     fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
         self.body_a = mapper.get_mapped(self.body_a);
         self.body_b = mapper.get_mapped(self.body_b);
+    }
+}
+
+impl JointKind for BallJoint {
+    fn definition(&self) -> JointDefinition {
+        JointDefinition {
+            bodies: [self.body_a, self.body_b],
+            frames: [Frame::at(self.anchor_a), Frame::at(self.anchor_b)],
+            translation: Laws { spring: self.softness, ..Laws::LOCKED },
+            collide: self.collide,
+            ..default()
+        }
     }
 }

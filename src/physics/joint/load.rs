@@ -10,8 +10,8 @@ use bevy::prelude::*;
 pub struct JointLoad {
     /// Force on body B at the joint, N, world axes.
     pub force: DVec3,
-    /// Torque on body B about the joint, N·m, world axes (zero for a ball joint).
+    /// Torque on body B about its anchor, N·m, world axes (zero for a ball joint).
     pub torque: DVec3,
-    /// Euclidean norm |λ| of the joint's multipliers, N.
+    /// Euclidean norm |λ| of force and torque together: of a ball joint, of its force, N.
     pub lambda: f64,
 }

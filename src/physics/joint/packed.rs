@@ -3,6 +3,8 @@
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
+use super::definition::JointDefinition;
+use super::softness::Softness;
 use crate::physics::bit_set::BitSet;
 
 /// One joint as the step sees it.
@@ -12,12 +14,11 @@ pub(crate) struct Joint {
     /// Indices into [`Bodies`].
     pub a: u32,
     pub b: u32,
-    /// From the centres of mass, body axes.
-    pub anchor_a: Vector3<f64>,
-    pub anchor_b: Vector3<f64>,
-    pub softness: Option<crate::physics::joint::Softness>,
+    pub definition: JointDefinition,
     /// Force on B in the last step, world axes, mean over its substeps, N.
     pub force: Vector3<f64>,
+    /// Its torque on B about B's anchor, N·m.
+    pub torque: Vector3<f64>,
 }
 
 /// All joints, in the order in which they were made.
@@ -33,6 +34,21 @@ pub(crate) struct Joints {
 impl Joint {
     /// Stands for a body that is gone, until the joints are packed anew.
     pub const GONE: u32 = u32::MAX;
+
+    /// A joint that has carried nothing yet.
+    pub fn new(entity: Entity, [a, b]: [u32; 2], definition: JointDefinition) -> Self {
+        Self { entity, a, b, definition, force: Vector3::zeros(), torque: Vector3::zeros() }
+    }
+
+    /// Its points on A and B, from the centres of mass, body axes.
+    pub fn anchors(&self) -> [Vector3<f64>; 2] {
+        self.definition.frames.map(|frame| frame.anchor)
+    }
+
+    /// How its anchors give, if they do.
+    pub fn softness(&self) -> Option<Softness> {
+        self.definition.translation.spring
+    }
 }
 
 impl Joints {

@@ -2,15 +2,13 @@
 
 use bevy::ecs::system::SystemChangeTick;
 use bevy::prelude::*;
-use nalgebra::Vector3;
 
 use crate::physics::bit_set::BitSet;
 use crate::physics::body::Bodies;
 use crate::physics::body::BodySlot;
 use crate::physics::body::{QuarantineReason, Quarantined, RigidBody};
 use crate::physics::joint::JointSlot;
-use crate::physics::joint::{BallJoint, JoinedPairs, Softness};
-use crate::physics::joint::{Joint, Joints};
+use crate::physics::joint::{JoinedPairs, Joint, JointDefinition, Joints, any_changed};
 use crate::physics::messages::{BodyQuarantined, set_aside};
 use crate::physics::sleep::Sleep;
 use crate::physics::stats::StepStats;
@@ -26,8 +24,8 @@ pub(super) struct PackedFor {
 
 /// Whether the joints must be packed anew. A condition of its own: it needs little of the world.
 pub(super) fn joints_changed(
-    joints: Query<Ref<BallJoint>>,
-    quarantined: Query<(), (With<BallJoint>, With<Quarantined>)>,
+    joints: Query<Ref<JointDefinition>>,
+    quarantined: Query<(), (With<JointDefinition>, With<Quarantined>)>,
     bodies: Res<Bodies>,
     packed_for: Res<PackedFor>,
     ticks: SystemChangeTick,
@@ -38,7 +36,7 @@ pub(super) fn joints_changed(
 
 /// Packs the joints.
 pub(super) fn gather_joints(
-    mut query: Query<(Entity, Ref<BallJoint>, &mut JointSlot, Has<Quarantined>)>,
+    mut query: Query<(Entity, Ref<JointDefinition>, &mut JointSlot, Has<Quarantined>)>,
     members: Query<(&BodySlot, &RigidBody)>,
     bodies: Res<Bodies>,
     mut joints: ResMut<Joints>,
@@ -54,10 +52,10 @@ pub(super) fn gather_joints(
         members.get(entity).ok().filter(|(slot, _)| slot.index != u32::MAX).map(|(slot, &kind)| (slot.index, kind))
     };
     let mut stays = vec![false; joints.list.len()];
-    let mut packed: Vec<(u64, Joint, bool)> = Vec::with_capacity(query.iter().len());
-    for (entity, joint, mut slot, is_quarantined) in &mut query {
+    let mut packed: Vec<(u64, Joint)> = Vec::with_capacity(query.iter().len());
+    for (entity, definition, mut slot, is_quarantined) in &mut query {
         let index_before = std::mem::replace(&mut slot.index, u32::MAX);
-        let (Some((a, kind_a)), Some((b, kind_b))) = (member(joint.body_a), member(joint.body_b)) else {
+        let [Some((a, kind_a)), Some((b, kind_b))] = definition.bodies.map(member) else {
             commands.entity(entity).despawn();
             continue;
         };
@@ -66,35 +64,34 @@ pub(super) fn gather_joints(
             packed_for.quarantined += 1;
             continue;
         }
-        if let Err(reason) = check_joint(&joint, [kind_a, kind_b]) {
+        if let Err(reason) = check_joint(&definition, [kind_a, kind_b]) {
             set_aside(entity, reason, &mut commands, &mut quarantine);
             packed_for.quarantined += 1;
             continue;
         }
         // A joint that stays goes on from what it carried.
         let known = joints.list.get(index_before as usize).filter(|known| known.entity == entity);
-        let force = known.map_or_else(Vector3::zeros, |known| known.force);
-        if known.is_some() && !joint.is_changed() {
+        let mut joint = Joint::new(entity, [a, b], *definition);
+        if let Some(known) = known {
+            (joint.force, joint.torque) = (known.force, known.torque);
+        }
+        if known.is_some() && !definition.is_changed() {
             stays[index_before as usize] = true;
         } else {
             [a, b].into_iter().for_each(|body| sleep.disturb(body, &bodies));
         }
-        let (anchor_a, anchor_b) = (joint.anchor_a.into(), joint.anchor_b.into());
-        packed.push((
-            slot.born,
-            Joint { entity, a, b, anchor_a, anchor_b, softness: joint.softness, force },
-            joint.collide,
-        ));
+        packed.push((slot.born, joint));
     }
     for (joint, _) in joints.list.iter().zip(stays).filter(|(_, stays)| !stays) {
         let ends = [joint.a, joint.b].into_iter().filter(|&body| body != Joint::GONE);
         ends.for_each(|body| sleep.disturb(body, &bodies));
     }
-    packed.sort_unstable_by_key(|&(born, ..)| born);
-    joined.rebuild(packed.iter().filter(|(.., collide)| !collide).map(|(_, joint, _)| (joint.a, joint.b)));
+    packed.sort_unstable_by_key(|&(born, _)| born);
     joints.version += 1;
     joints.list.clear();
-    joints.list.extend(packed.into_iter().map(|(_, joint, _)| joint));
+    joints.list.extend(packed.into_iter().map(|(_, joint)| joint));
+    let apart = joints.list.iter().filter(|joint| !joint.definition.collide);
+    joined.rebuild(apart.map(|joint| (joint.a, joint.b)));
     let Joints { list, joined, .. } = &mut *joints;
     *joined = BitSet::default();
     list.iter().flat_map(|joint| [joint.a, joint.b]).for_each(|body| joined.set(body, true));
@@ -106,27 +103,11 @@ pub(super) fn gather_joints(
     stats.joints = joints.list.len() as u32;
 }
 
-fn any_changed(joints: &Query<Ref<BallJoint>>, ticks: &SystemChangeTick) -> bool {
-    let (last_run, this_run) = (ticks.last_run(), ticks.this_run());
-    joints.contiguous_iter().expect("joints are stored in tables").any(|column| {
-        // Without a branch, for the vectorizer.
-        let changed = column.changed_ticks_slice().iter();
-        changed.fold(false, |any, tick| any | tick.is_newer_than(last_run, this_run))
-    })
-}
-
-fn check_joint(joint: &BallJoint, kinds: [RigidBody; 2]) -> Result<(), QuarantineReason> {
-    let soft_is_sane = joint.softness.is_none_or(|Softness { frequency, damping_ratio, max_force }| {
-        frequency > 0.0
-            && frequency.is_finite()
-            && damping_ratio >= 0.0
-            && damping_ratio.is_finite()
-            && max_force >= 0.0
-    });
-    if !joint.anchor_a.is_finite() || !joint.anchor_b.is_finite() || !soft_is_sane {
+fn check_joint(joint: &JointDefinition, kinds: [RigidBody; 2]) -> Result<(), QuarantineReason> {
+    if !joint.is_valid() {
         return Err(QuarantineReason::NotFinite);
     }
-    if joint.body_a == joint.body_b || !kinds.contains(&RigidBody::Dynamic) {
+    if joint.bodies[0] == joint.bodies[1] || !kinds.contains(&RigidBody::Dynamic) {
         return Err(QuarantineReason::BadJoint);
     }
     Ok(())

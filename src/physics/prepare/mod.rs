@@ -24,7 +24,7 @@ use gather_joints::{PackedFor, gather_joints, joints_changed};
 use super::joint::JoinedPairs;
 use crate::physics::body::BirthCounter;
 use crate::physics::body::Bodies;
-use crate::physics::joint::Joints;
+use crate::physics::joint::{BallJoint, JointKind, Joints, define_joints};
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 
 pub(super) fn plugin(app: &mut App) {
@@ -37,4 +37,11 @@ pub(super) fn plugin(app: &mut App) {
             PhysicsSchedule,
             (gather_bodies, gather_joints.run_if(joints_changed)).chain().in_set(PhysicsSystems::Prepare),
         );
+    add_joint::<BallJoint>(app);
+}
+
+/// Makes joints of a kind of component.
+fn add_joint<J: JointKind>(app: &mut App) {
+    let define = define_joints::<J>.after(gather_bodies).before(gather_joints);
+    app.add_systems(PhysicsSchedule, define.in_set(PhysicsSystems::Prepare));
 }

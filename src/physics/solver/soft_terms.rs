@@ -1,49 +1,46 @@
-//! How errors are mended, in the terms of one substep: by springs, or by moving bodies out of them.
+//! How position errors are corrected, in the terms of one substep: by springs, or by moving bodies out of them.
 
 use crate::physics::lanes::Lanes;
 
 /// A speed beyond all, m/s, whose square is still finite in `f32`.
 pub(crate) const UNLIMITED: f64 = 1e18;
 
-/// How far contacts give and how they come back, in the terms of one substep.
+/// How a soft constraint acts, in the terms of one substep.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SoftTerms<L> {
-    /// ω/(2ζ + hω), 1/s.
+    /// Velocity bias over error, ω/(2ζ + hω), 1/s.
     pub rate: L,
-    /// σ.
+    /// σ, the factor on the effective mass.
     pub mass: L,
-    /// ι.
+    /// ι, the share of the accumulated impulse that is taken back.
     pub impulse: L,
-    /// Fastest way out of an error, m/s, positive.
-    pub push: L,
+    /// Largest speed out of an error, m/s, positive.
+    pub max_speed: L,
     /// 1/h.
     pub per_step: L,
-    /// Depth left alone, m.
+    /// Depth that is not corrected, m.
     pub slop: L,
 }
 
 impl<L: Lanes> SoftTerms<L> {
     /// A spring of `frequency` Hz and `damping` ratio over substeps of `h`.
-    pub fn new(frequency: f64, damping: f64, push: f64, slop: f64, h: f64) -> Self {
+    pub fn new(frequency: f64, damping: f64, max_speed: f64, slop: f64, h: f64) -> Self {
         let omega = std::f64::consts::TAU * frequency;
         let a = h * omega * (2.0 * damping + h * omega);
         Self {
-            rate: L::of(omega / (2.0 * damping + h * omega)),
             mass: L::of(a / (1.0 + a)),
             impulse: L::of(1.0 / (1.0 + a)),
-            push: L::of(push),
-            per_step: L::of(1.0 / h),
-            slop: L::of(slop),
+            ..Self::rigid(omega / (2.0 * damping + h * omega), max_speed, slop, h)
         }
     }
 
-    /// No spring: a share of every error, given as a `rate` in 1/s, is taken back whatever the force.
-    pub fn rigid(rate: f64, push: f64, slop: f64, h: f64) -> Self {
+    /// No spring: the bias is `rate`, 1/s, times the error, whatever the force.
+    pub fn rigid(rate: f64, max_speed: f64, slop: f64, h: f64) -> Self {
         Self {
             rate: L::of(rate),
             mass: L::one(),
             impulse: L::zero(),
-            push: L::of(push),
+            max_speed: L::of(max_speed),
             per_step: L::of(1.0 / h),
             slop: L::of(slop),
         }
@@ -53,12 +50,12 @@ impl<L: Lanes> SoftTerms<L> {
 /// How one sweep over positions moves bodies out of their errors, the velocities left as they are.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Projection<L> {
-    /// Share of a contact's error.
-    pub contact: L,
-    /// Share of a joint's error.
-    pub joint: L,
-    /// Most that one update mends, m.
-    pub most: L,
-    /// Depth left alone, m.
+    /// Share of a contact's error that an update corrects.
+    pub contact_share: L,
+    /// Share of a joint's error that an update corrects.
+    pub joint_share: L,
+    /// Largest correction of one update, m.
+    pub max_correction: L,
+    /// Depth that is not corrected, m.
     pub slop: L,
 }

@@ -1,4 +1,4 @@
-//! Into how many substeps a step is cut for what is solved exactly in each of them.
+//! How many substeps a step is cut into for what is solved exactly in each of them.
 //!
 //! Nothing has to be passed on from row to row there, so that what is left to resolve is the motion. Its error goes
 //! with the square of how far bodies turn in a substep.
@@ -6,24 +6,24 @@
 use crate::physics::body::Body;
 use crate::physics::settings::SolverSettings;
 
-/// How many substeps are made one where no body turns that far: joints end as near to each other, and what turns
+/// How many substeps are made one where no body turns far: joints end as near to each other, and what turns
 /// slowly has no more error than what turns fast.
 const SLOWER: u32 = 2;
 
-/// A step and its parts.
+/// What the settings say of a step and its substeps.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Substeps {
     /// Length of the step, s.
     pub step: f64,
-    /// As the settings say; impulses of contacts are kept for as many parts.
+    /// As the settings say; impulses of contacts are kept for as many.
     pub most: u32,
     /// Whether fewer will do where little turns.
     fitted: bool,
 }
 
-/// What is chosen for a step.
+/// The equal intervals that a step is cut into.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Parts {
+pub(crate) struct Intervals {
     pub count: u32,
     /// Length of each, s.
     pub h: f64,
@@ -41,10 +41,10 @@ impl Substeps {
 
     /// For a step of these bodies, all substeps if one turns by over `far`, rad, in a step. Contacts then take
     /// rotations into account in each of them.
-    pub fn for_bodies<'w>(&self, mut bodies: impl Iterator<Item = &'w Body>, far: f64) -> Parts {
+    pub fn for_bodies<'w>(&self, mut bodies: impl Iterator<Item = &'w Body>, far: f64) -> Intervals {
         let turns_far = bodies.any(|body| body.angular.norm() * self.step > far);
         let count = if turns_far || !self.fitted { self.most } else { self.most.div_ceil(SLOWER) };
         let replaces = f64::from(self.most) / f64::from(count);
-        Parts { count, h: self.step / f64::from(count), replaces, turns_far }
+        Intervals { count, h: self.step / f64::from(count), replaces, turns_far }
     }
 }

@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use bevy::tasks::ComputeTaskPool;
 
-use super::on_workers;
+use super::workers::on_workers;
 
 /// Spins before a worker lets others have its core: the operating system may have more threads
 /// than cores.

@@ -5,43 +5,29 @@
 //!
 //! (M + h²K_δ + Σ JᵀρJ) v = M v₀ + h f + Σ Jᵀ (λ̂ − ρ b), b = ½ h J̇v₀ for joints,
 //!
-//! M with the geometric stiffness that the step cannot resolve ([`Swing`]), so that poses end on the joints to second
-//! order; what is left of gaps is closed by the same factor in the positions alone. Contacts keep the geometry of the
-//! start of the step, as in sweeps, unless a body turns far ([`Substeps`]). Newton's method on which rows act is left
-//! as it stands after [`ITERATIONS`] guesses: a row too many or too few for a substep is mended in the next.
+//! M with the geometric stiffness that the step cannot resolve ([`StiffnessShares`]), so that poses end on the joints to
+//! second order; what is left of gaps is corrected by the same factor in the positions alone. Contacts keep the geometry
+//! of the start of the step, as in sweeps, unless a body turns far ([`Substeps`]). Where active-set iterations do not
+//! end they are left as they stand: a row too many or too few for a substep is corrected in the next.
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{
-    Closing, DirectIsland, Motion, World, across, halves, inertia_of_spin, link_of, momentum_of, moves_freely, patch_of,
+use super::constants::{
+    DEPTH_CORRECTION, GAP_CORRECTION, MOTION_CONTACT_PENALTY, MOTION_ITERATIONS, MOTION_PRODUCTS, MOTION_TURN,
+    SHORT_ITERATIONS,
 };
-use crate::physics::body::Body;
-use crate::physics::body::RigidBody;
+use super::island::{DirectIsland, World, momentum_of, moves_freely, relative_motion, world_inertia};
+use super::rows::{Correction, halves};
 use crate::physics::body::free_rotation::turn_freely;
+use crate::physics::body::{Body, RigidBody};
 use crate::physics::collision::fastest_approach;
+use crate::physics::constraint::row::Twist;
 use crate::physics::contact::restitution_threshold;
+use crate::physics::joint::Joint;
 use crate::physics::settings::SolverSettings;
-use crate::physics::solver::joint_tree::{Swing, add_pull};
-use crate::physics::solver::linear::BodyVector as Part;
-use crate::physics::solver::substeps::{Parts, Substeps};
-
-/// Products of blocks in a factorisation up to which an island is solved in motion.
-const MOST_PRODUCTS: usize = 1_000;
-/// Turn of a body in a step from which on the island takes all substeps, rad. Limbs that lie on each other roll about
-/// this fast, and their joints part no more; from 0.13 rad on some do by centimetres.
-const FAR: f64 = 0.1;
-/// Weight of rows of contacts over the mass of the island: of what comes fast, so much is stopped in a substep; what
-/// rests is exact, as the rows act about what pushed before. With much more, guesses do not come to an end.
-const HARDNESS: f64 = 3.0;
-/// Guesses which rows act, in a substep.
-const ITERATIONS: usize = 6;
-/// Guesses after a substep whose guesses did not come to an end: limbs in a heap, most of which slide, seldom have
-/// theirs come to one, and their next substep goes on from the last.
-const ENOUGH: usize = 2;
-/// Share of the gaps of joints that is closed in a substep.
-const JOINTS_CLOSED: f64 = 0.5;
-/// Share of depths that is closed in a substep.
-const DEPTHS_CLOSED: f64 = 0.1;
+use crate::physics::solver::joint_tree::{StiffnessShares, add_stiffness};
+use crate::physics::solver::linear::BodyVector;
+use crate::physics::solver::substeps::{Intervals, Substeps};
 
 /// What the motion of an island depends on.
 #[derive(Clone, Copy, Debug)]
@@ -69,7 +55,8 @@ impl DirectIsland {
     pub fn set_off(&mut self, world: &impl World, terms: &MotionTerms) -> bool {
         let sets_off = self.can_set_off(world, terms);
         if sets_off {
-            self.parts = terms.substeps.for_bodies(self.members.iter().map(|&member| world.body(member)), FAR);
+            self.intervals =
+                terms.substeps.for_bodies(self.members.iter().map(|&member| world.body(member)), MOTION_TURN);
         }
         sets_off
     }
@@ -86,12 +73,12 @@ impl DirectIsland {
         if self.contacts.iter().any(bounces) {
             return false;
         }
-        self.is_analysed(world) && self.pattern.products() <= MOST_PRODUCTS
+        self.is_analysed(world) && self.elimination.products() <= MOTION_PRODUCTS
     }
 
     /// Into what its step is cut.
-    pub fn parts(&self) -> Parts {
-        self.parts
+    pub fn intervals(&self) -> Intervals {
+        self.intervals
     }
 
     /// What does not move here but touches or holds it.
@@ -99,70 +86,63 @@ impl DirectIsland {
         &self.partners
     }
 
-    /// Solves for a substep: velocities and impulses, and what closes gaps besides.
+    /// Solves for a substep: velocities and impulses, and the correction of position errors.
     pub fn substep(&mut self, world: &impl World, terms: &MotionTerms, is_first: bool) {
-        let Parts { h, replaces, turns_far, .. } = self.parts;
-        self.is_going_on = false;
-        let (of_contacts, of_joints) = self.ends.split_at(self.contacts.len());
+        let Intervals { h, replaces, turns_far, .. } = self.intervals;
+        self.has_rows = false;
         if is_first || turns_far {
-            for ((patch, &slot), ends) in self.patches.iter_mut().zip(&self.contacts).zip(of_contacts) {
-                *patch = patch_of(world, slot, ends, replaces);
-            }
+            self.make_contact_rows(world, [h, replaces, MOTION_CONTACT_PENALTY], |_, _| {});
         }
-        for ((link, &joint), ends) in self.links.iter_mut().zip(&self.joints).zip(of_joints) {
-            let spring = link.spring;
-            *link = link_of(world, joint, ends, h);
-            if !is_first && let (Some(now), Some(before)) = (&mut link.spring, spring) {
-                now.resume(&before);
+        self.make_joint_rows(world, h, |rows, before, joint| match (&mut rows.softness, &before.softness) {
+            (Some(now), Some(before)) if !is_first => now.resume(before),
+            (Some(_), _) => {}
+            (None, _) => {
+                rows.prescribed.linear +=
+                    turning_acceleration(world, joint, rows.sides.map(|side| side.arm)) * (0.5 * h);
             }
-            if link.spring.is_none() {
-                link.given.linear += turning_acceleration(world, joint, link.sides.map(|side| side.arm)) * (0.5 * h);
-            }
-        }
+        });
         self.take_momenta(world, h);
         self.factored.clear();
-        self.hardness = HARDNESS;
-        let enough = if self.has_settled { ITERATIONS } else { ENOUGH };
-        self.has_settled = self.settle(1.0 / h, enough..=ITERATIONS);
+        let least = if self.has_converged { MOTION_ITERATIONS } else { SHORT_ITERATIONS };
+        self.has_converged = self.iterate(least..=MOTION_ITERATIONS);
         if self.factored.is_empty() {
-            self.correction.fill(Part::zeros());
+            self.correction.fill(BodyVector::zeros());
             return;
         }
-        let closing = |share| Closing { share_per_step: share / h, fastest: terms.correction_speed };
-        self.correct([closing(DEPTHS_CLOSED), closing(JOINTS_CLOSED)]);
+        let rates = [DEPTH_CORRECTION / h, GAP_CORRECTION / h];
+        self.correct(&Correction { rates, speeds: [terms.correction_speed; 2] });
     }
 
-    /// Momenta and inertias, stiffened by what joints pull with.
+    /// Momenta, and inertias with the geometric stiffness of the impulses of joints.
     fn take_momenta(&mut self, world: &impl World, h: f64) {
-        let Self { stiffnesses, links, members, inertias, momentum, pattern, .. } = self;
+        let Self { stiffnesses, joint_rows, members, inertias, momentum, elimination, .. } = self;
         stiffnesses.clear();
         stiffnesses.resize(members.len(), Matrix3::zeros());
-        for link in links.iter() {
-            for (side, pull) in link.sides.iter().zip([-link.expected, link.expected]) {
+        for rows in joint_rows.iter() {
+            for (side, impulse) in rows.sides.iter().zip([-rows.expected, rows.expected]) {
                 if let Some(body) = side.body {
-                    add_pull(&mut stiffnesses[body as usize], &side.arm, &pull);
+                    add_stiffness(&mut stiffnesses[body as usize], &side.arm, &impulse);
                 }
             }
         }
         for (local, (&member, stiffness)) in members.iter().zip(&*stiffnesses).enumerate() {
             let body = world.body(member);
-            let mut inertia = inertia_of_spin(body);
+            let mut inertia = world_inertia(body);
             let stiffness = stiffness * h;
             let smallest = 1.0 / body.inverse_inertia_body.max();
-            let swing = Swing::of(0.5 * stiffness.trace() / smallest);
             let mut damped = Matrix3::zeros();
-            if let Some(swing) = swing {
-                inertia += stiffness * swing.added;
-                damped = stiffness * swing.damped;
+            if let Some(shares) = StiffnessShares::of(0.5 * stiffness.trace() / smallest) {
+                inertia += stiffness * shares.added;
+                damped = stiffness * shares.damped;
             }
-            momentum[pattern.place(local as u32) as usize] = momentum_of(body, &inertia, h);
+            momentum[elimination.place(local as u32) as usize] = momentum_of(body, &inertia, h);
             inertias[local] = (body.mass, inertia + damped);
         }
     }
 
     /// The state of a member after a substep of length `h`, s, written to it.
     pub fn move_on(&self, local: usize, body: &mut Body, h: f64) {
-        let place = self.pattern.place(local as u32) as usize;
+        let place = self.place(local);
         let (linear, angular) = halves(&self.velocity[place]);
         let (shift, turn) = halves(&self.correction[place]);
         body.linear = linear;
@@ -179,18 +159,17 @@ impl DirectIsland {
 
     /// Has contacts go on from what the substep did.
     pub fn carry_on(&mut self, h: f64) {
-        let Self { patches, pattern, velocity, correction, .. } = self;
-        for patch in patches.iter_mut() {
-            let moved = across(pattern, velocity, &patch.sides, &patch.given);
-            let corrected = across(pattern, correction, &patch.sides, &Motion::default());
-            patch.go_on(&moved.plus(&corrected, 1.0), h);
+        let Self { contact_rows, elimination, velocity, correction, .. } = self;
+        for rows in contact_rows.iter_mut() {
+            let moved = relative_motion(elimination, velocity, &rows.sides, &rows.prescribed);
+            let corrected = relative_motion(elimination, correction, &rows.sides, &Twist::zero());
+            rows.advance(&moved.plus(&corrected, 1.0), h);
         }
     }
 }
 
 /// J̇V of a joint: how its anchors would part for turning alone.
-fn turning_acceleration(world: &impl World, joint: u32, [arm_a, arm_b]: [Vector3<f64>; 2]) -> Vector3<f64> {
-    let joint = world.joint(joint);
+fn turning_acceleration(world: &impl World, joint: &Joint, [arm_a, arm_b]: [Vector3<f64>; 2]) -> Vector3<f64> {
     let inward = |body: &Body, arm: &Vector3<f64>| match body.kind {
         RigidBody::Static => Vector3::zeros(),
         RigidBody::Dynamic | RigidBody::Kinematic => body.angular.cross(&body.angular.cross(arm)),

@@ -2,17 +2,20 @@
 
 use nalgebra::{Matrix3, SVector, UnitQuaternion, Vector3};
 
-use super::super::linear::{BodyBlock as Block, BodyVector as Part};
-use super::patch::{Blocks, Link, Motion, Patch, Side, Spring, motion, wrench};
-use super::{Closing, has_gained, level, part_of};
+use super::contact::DirectContact;
+use super::island::{has_gained, level};
+use super::joint::{DirectJoint, SoftLaw};
+use super::rows::{Correction, RowBlocks, Rows, Side, body_vector};
 use crate::physics::collision::{ContactGeometry, ContactState};
+use crate::physics::constraint::row::{Twist, Wrench};
 use crate::physics::contact::tangents;
 use crate::physics::lanes::Record;
+use crate::physics::solver::linear::{BodyBlock as Block, BodyVector as Part};
 use crate::physics::testing::Random;
 
 /// A contact with points on A and B in their axes, and what is needed to look at it from outside.
 struct Sample {
-    patch: Patch,
+    rows: DirectContact,
     normal: Vector3<f64>,
     friction: [Vector3<f64>; 2],
     /// Points from A's centre and from B's.
@@ -31,7 +34,8 @@ fn sample(random: &mut Random, impulses: [f32; 8]) -> Sample {
     let points = on_a.iter().map(|&a| (a, axes[1].transpose() * (axes[0] * a - apart)));
     let geometry = ContactGeometry::new(&local_normal, &local_tangent, 0.7, 3, points);
     let state = ContactState { geometry, impulses: Record(impulses) };
-    let patch = Patch::new(&state, &axes, &apart, 1.0);
+    let mut rows = DirectContact::new(&state, &axes, &apart, 1.0);
+    (rows.penalty, rows.per_step) = (1.0, 60.0);
     let normal = axes[0] * geometry.normal();
     let tangent = axes[0] * geometry.tangent();
     let points: Vec<[Vector3<f64>; 2]> = (0..3)
@@ -43,7 +47,7 @@ fn sample(random: &mut Random, impulses: [f32; 8]) -> Sample {
         .collect();
     let middle = [0, 1].map(|side| points.iter().map(|point| point[side]).sum::<Vector3<f64>>() / 3.0);
     let radius = points.iter().map(|point| (point[0] - middle[0]).norm()).sum::<f64>() / 3.0;
-    Sample { patch, normal, friction: [tangent, normal.cross(&tangent)], points, middle, radius }
+    Sample { rows, normal, friction: [tangent, normal.cross(&tangent)], points, middle, radius }
 }
 
 /// The rows of a sample on (v_A, ω_A, v_B, ω_B), three points, two tangents and twist.
@@ -68,7 +72,7 @@ fn name(sides: &mut [Side; 2]) {
 }
 
 /// vᵀAv of what the rows between two bodies add to the matrix.
-fn energy(blocks: &Blocks, v: &SVector<f64, 12>) -> f64 {
+fn energy(blocks: &RowBlocks, v: &SVector<f64, 12>) -> f64 {
     let (of_a, of_b): (Part, Part) = (v.fixed_rows::<6>(0).into(), v.fixed_rows::<6>(6).into());
     let [own_a, own_b] = blocks.own;
     of_a.dot(&(own_a * of_a)) + of_b.dot(&(own_b * of_b)) + 2.0 * of_a.dot(&(blocks.across * of_b))
@@ -78,33 +82,33 @@ fn energy(blocks: &Blocks, v: &SVector<f64, 12>) -> f64 {
 fn the_stiffness_of_a_joint_is_that_of_its_rows() {
     let mut random = Random::new(8);
     for _ in 0..20 {
-        let mut link = Link { weight: random.within(1.0, 5.0), ..Link::default() };
-        name(&mut link.sides);
-        for side in &mut link.sides {
+        let mut rows = DirectJoint { penalty: random.within(1.0, 5.0), ..DirectJoint::default() };
+        name(&mut rows.sides);
+        for side in &mut rows.sides {
             side.arm = random.vector();
         }
         let v = SVector::<f64, 12>::from_fn(|_, _| random.within(-1.0, 1.0));
-        let part = |side: usize| motion(&v.fixed_rows::<6>(6 * side).into(), &link.sides[side].arm).linear;
-        let slip = part(1) - part(0);
+        let of = |side: usize| rows.sides[side].motion(&v.fixed_rows::<6>(6 * side).into()).linear;
+        let slip = of(1) - of(0);
         let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found}, not {expected}");
-        close(energy(&link.blocks(), &v), link.weight * slip.norm_squared());
-        let weight = Matrix3::from_diagonal(&Vector3::new(2.0, 3.0, 4.0));
-        link.spring = Some(Spring::new(weight, Vector3::zeros(), f64::INFINITY));
-        close(energy(&link.blocks(), &v), slip.dot(&(weight * slip)));
+        close(energy(&rows.blocks(), &v), rows.penalty * slip.norm_squared());
+        let stiffness = Matrix3::from_diagonal(&Vector3::new(2.0, 3.0, 4.0));
+        rows.softness = Some(SoftLaw::new(stiffness, Vector3::zeros(), f64::INFINITY));
+        close(energy(&rows.blocks(), &v), slip.dot(&(stiffness * slip)));
     }
 }
 
 #[test]
-fn what_is_kept_of_a_joint_is_made_anew_when_its_arms_move() {
-    let mut link = Link { weight: 2.0, ..Link::default() };
-    name(&mut link.sides);
-    let mut kept = Blocks::default();
+fn blocks_of_a_joint_are_made_anew_when_its_arms_move() {
+    let mut rows = DirectJoint { penalty: 2.0, ..DirectJoint::default() };
+    name(&mut rows.sides);
+    let mut kept = RowBlocks::default();
     let mut made = 0;
     for arm in [0.5, 0.5, 0.6] {
-        link.sides[0].arm.x = arm;
-        kept.update(&link.shape(), link.weight, || {
+        rows.sides[0].arm.x = arm;
+        kept.update(&rows.key(), || {
             made += 1;
-            link.blocks()
+            rows.blocks()
         });
         assert_eq!(kept.own[0][(5, 1)], 2.0 * arm);
     }
@@ -112,68 +116,70 @@ fn what_is_kept_of_a_joint_is_made_anew_when_its_arms_move() {
 }
 
 #[test]
-fn the_stiffness_of_a_patch_is_that_of_its_rows() {
+fn the_stiffness_of_a_contact_is_that_of_its_rows() {
     let mut random = Random::new(3);
     for _ in 0..20 {
         let mut sample = sample(&mut random, [1.0, 2.0, 0.5, 0.1, 0.0, 0.0, 0.0, 0.0]);
-        let weight = random.within(1.0, 5.0);
-        name(&mut sample.patch.sides);
+        let penalty = random.within(1.0, 5.0);
+        sample.rows.penalty = penalty;
+        name(&mut sample.rows.sides);
         let v = SVector::<f64, 12>::from_fn(|_, _| random.within(-1.0, 1.0));
-        let energy = energy(&sample.patch.blocks(weight), &v);
-        let expected: f64 = rows(&sample).iter().map(|row| weight * row.dot(&v).powi(2)).sum();
+        let energy = energy(&sample.rows.blocks(), &v);
+        let expected: f64 = rows(&sample).iter().map(|row| penalty * row.dot(&v).powi(2)).sum();
         assert!((energy - expected).abs() < 1e-6 * expected, "{energy} instead of {expected}");
     }
 }
 
 #[test]
-fn impulses_and_motions_are_dual() {
+fn wrenches_and_motions_are_dual() {
     // The power of an impulse at the point is that of its wrench on the bodies.
     let mut random = Random::new(4);
     for _ in 0..20 {
-        let (arm, impulse) = (random.vector(), Motion { linear: random.vector(), angular: random.vector() });
+        let side = Side { body: None, arm: random.vector() };
+        let impulse = Wrench { linear: random.vector(), angular: random.vector() };
         let part = Part::from_fn(|_, _| random.within(-1.0, 1.0));
-        let there = motion(&part, &arm);
-        let power = there.linear.dot(&impulse.linear) + there.angular.dot(&impulse.angular);
-        let error = (power - part.dot(&wrench(&impulse, &arm))).abs();
+        let there = side.motion(&part);
+        let error = (there.dot(&impulse) - part.dot(&side.wrench(&impulse))).abs();
         assert!(error < 1e-12, "{error}");
     }
 }
 
 #[test]
-fn what_a_patch_takes_in_is_bounded_by_the_cone() {
+fn impulses_of_a_contact_are_bounded_by_the_cone() {
     let mut random = Random::new(5);
     for _ in 0..50 {
         let mut sample = sample(&mut random, [1.0, 2.0, 0.5, 0.3, -0.2, 0.1, 0.0, 0.0]);
-        let moving = Motion { linear: random.vector() * 3.0, angular: random.vector() * 3.0 };
-        sample.patch.take(&moving, 1.0, 60.0, 0.0);
-        let Record([p, q, r, s, x, y, twist, _]) = sample.patch.impulses(1.0);
-        let pressed = p + q + r + s;
+        let moving = Twist { linear: random.vector() * 3.0, angular: random.vector() * 3.0 };
+        sample.rows.take(&moving, 0.0);
+        let Record([p, q, r, s, x, y, torsion, _]) = sample.rows.impulses(1.0);
+        let load = p + q + r + s;
         assert!(p >= 0.0 && q >= 0.0 && r >= 0.0 && s == 0.0);
-        assert!(x.hypot(y) <= 0.7 * pressed * 1.000_01, "slips with {} under {pressed}", x.hypot(y));
-        assert!(twist.abs() <= 0.7 * sample.radius as f32 * pressed * 1.000_01);
+        assert!(x.hypot(y) <= 0.7 * load * 1.000_01, "slips with {} under {load}", x.hypot(y));
+        assert!(torsion.abs() <= 0.7 * sample.radius as f32 * load * 1.000_01);
     }
 }
 
 #[test]
-fn what_rows_push_falls_as_they_move() {
+fn impulses_of_rows_fall_as_they_move() {
     // The gradient of a convex function: monotone. And where no row changes sides, it is what the stiffness says.
     let mut random = Random::new(6);
-    let (weight, per_step) = (3.0, 60.0);
+    let penalty = 3.0;
     for _ in 0..200 {
         let mut sample = sample(&mut random, [1.0, 2.0, 0.5, 0.3, -0.2, 0.1, 0.0, 0.0]);
-        let mut moving = || Motion { linear: random.vector() * 0.5, angular: random.vector() * 0.5 };
-        let (one, way) = (moving(), moving());
-        sample.patch.take(&one, weight, per_step, 0.0);
-        let there = |share: f64| sample.patch.impulse_at(&one.plus(&way, share), weight, per_step);
-        assert!(way.dot(&there(1.0)) <= way.dot(&there(0.0)) + 1e-12);
+        let mut moving = || Twist { linear: random.vector() * 0.5, angular: random.vector() * 0.5 };
+        let (one, line) = (moving(), moving());
+        sample.rows.penalty = penalty;
+        sample.rows.take(&one, 0.0);
+        let there = |share: f64| sample.rows.impulse_at(&one.plus(&line, share));
+        assert!(line.dot(&there(1.0)) <= line.dot(&there(0.0)) + 1e-12);
         let (start, change) = (there(0.0), 1e-7);
-        let stiffness = sample.patch.stiffness(weight);
-        let expected = stiffness.uu * way.linear + stiffness.uw * way.angular;
+        let stiffness = sample.rows.stiffness();
+        let expected = stiffness.uu * line.linear + stiffness.uw * line.angular;
         let found = (start.linear - there(change).linear) / change;
-        assert!((found - expected).norm() < 1e-4 * weight, "{found} instead of {expected}");
-        let expected = stiffness.uw.tr_mul(&way.linear) + stiffness.ww * way.angular;
+        assert!((found - expected).norm() < 1e-4 * penalty, "{found} instead of {expected}");
+        let expected = stiffness.uw.tr_mul(&line.linear) + stiffness.ww * line.angular;
         let found = (start.angular - there(change).angular) / change;
-        assert!((found - expected).norm() < 1e-4 * weight, "{found} instead of {expected}");
+        assert!((found - expected).norm() < 1e-4 * penalty, "{found} instead of {expected}");
     }
 }
 
@@ -198,13 +204,13 @@ fn what_rows_do_not_take_is_gained() {
     let bodies = [(2.0, Matrix3::from_diagonal(&Vector3::new(0.5, 1.0, 2.0))), (1.0, Matrix3::identity())];
     let at = |speeds: [f64; 2], spin: f64| {
         let spin = [Vector3::z() * spin, Vector3::zeros()];
-        [0, 1].map(|body: usize| part_of(&(Vector3::x() * speeds[body]), &spin[body]))
+        [0, 1].map(|body: usize| body_vector(&(Vector3::x() * speeds[body]), &spin[body]))
     };
     let free = at([1.0, -2.0], 3.0);
     let momenta = [0, 1].map(|body: usize| {
         let (mass, inertia) = bodies[body];
         let (linear, angular) = (free[body].fixed_rows::<3>(0) * mass, inertia * free[body].fixed_rows::<3>(3));
-        part_of(&linear, &angular)
+        body_vector(&linear, &angular)
     });
     for (after, expected) in [
         (free, false),
@@ -219,36 +225,37 @@ fn what_rows_do_not_take_is_gained() {
 }
 
 #[test]
-fn a_spring_pulls_along_its_error_within_its_limit() {
-    let weight = Matrix3::from_diagonal(&Vector3::new(2.0, 3.0, 4.0));
-    let spring = Spring::new(weight, Vector3::new(0.1, -0.2, 0.3), 1.0);
-    let mut link = Link { spring: Some(spring), ..Link::default() };
-    let still = Motion::default();
-    assert!(link.take(&still, 0.0) || link.take(&still, 0.0), "it finds out whether it is spent");
+fn a_soft_joint_pulls_along_its_error_within_its_limit() {
+    let stiffness = Matrix3::from_diagonal(&Vector3::new(2.0, 3.0, 4.0));
+    let soft = SoftLaw::new(stiffness, Vector3::new(0.1, -0.2, 0.3), 1.0);
+    let mut rows = DirectJoint { softness: Some(soft), ..DirectJoint::default() };
+    let still = Twist::zero();
+    assert!(rows.take(&still, 0.0) || rows.take(&still, 0.0), "it finds out whether it is at its limit");
     // −W b = (−0.2, 0.6, −1.2), whose norm is over the limit.
     let expected = Vector3::new(-0.2, 0.6, -1.2).normalize();
-    assert!((link.impulse - expected).norm() < 1e-12, "{}", link.impulse);
-    name(&mut link.sides);
-    assert_eq!(link.blocks().own[0], Block::zeros(), "it gives");
-    let away = Motion { linear: Vector3::new(0.0, 0.0, -0.2), ..Motion::default() };
-    link.take(&away, 0.0);
-    assert!(link.take(&away, 0.0));
-    assert!((link.impulse - Vector3::new(-0.2, 0.6, -0.4)).norm() < 1e-12, "{}", link.impulse);
-    assert_eq!(link.blocks().own[0].fixed_view::<3, 3>(0, 0), weight);
+    assert!((rows.impulse - expected).norm() < 1e-12, "{}", rows.impulse);
+    name(&mut rows.sides);
+    assert_eq!(rows.blocks().own[0], Block::zeros(), "it gives");
+    let away = Twist { linear: Vector3::new(0.0, 0.0, -0.2), ..Twist::default() };
+    rows.take(&away, 0.0);
+    assert!(rows.take(&away, 0.0));
+    assert!((rows.impulse - Vector3::new(-0.2, 0.6, -0.4)).norm() < 1e-12, "{}", rows.impulse);
+    assert_eq!(rows.blocks().own[0].fixed_view::<3, 3>(0, 0), stiffness);
 }
 
 #[test]
-fn a_correction_closes_a_share_of_the_depth() {
+fn a_correction_takes_a_share_of_the_depth() {
     // Two cubes, the upper one 1 cm deep: all four corners ask for a tenth of it in a step.
     let corners = [(0.5, 0.5), (0.5, -0.5), (-0.5, -0.5), (-0.5, 0.5)];
     let points = corners.map(|(x, z)| (Vector3::new(x, 0.5, z), Vector3::new(x, -0.5, z)));
     let geometry = ContactGeometry::new(&Vector3::y(), &Vector3::x(), 0.5, 4, points.into_iter());
     let state = ContactState { geometry, impulses: Record([1.0; 8]) };
     let axes = [Matrix3::identity(); 2];
-    let patch = Patch::new(&state, &axes, &Vector3::new(0.0, 0.99, 0.0), 1.0);
-    let push = patch.correction(&patch.shape(), 1.0, &Closing { share_per_step: 0.1 * 60.0, fastest: 1.0 });
-    assert!((push.linear - Vector3::y() * 4.0 * 0.01 * 0.1 * 60.0).norm() < 1e-3, "{:?}", push.linear);
-    assert!(push.angular.norm() < 1e-6);
-    let slow = patch.correction(&patch.shape(), 1.0, &Closing { share_per_step: 0.1 * 60.0, fastest: 0.01 });
-    assert!((slow.linear.y - 0.04).abs() < 1e-6, "{}", slow.linear.y);
+    let mut rows = DirectContact::new(&state, &axes, &Vector3::new(0.0, 0.99, 0.0), 1.0);
+    rows.penalty = 1.0;
+    let of = |speed: f64| rows.correction(&rows.key(), &Correction { rates: [0.1 * 60.0; 2], speeds: [speed; 2] });
+    let impulse = of(1.0);
+    assert!((impulse.linear - Vector3::y() * 4.0 * 0.01 * 0.1 * 60.0).norm() < 1e-3, "{:?}", impulse.linear);
+    assert!(impulse.angular.norm() < 1e-6);
+    assert!((of(0.01).linear.y - 0.04).abs() < 1e-6, "{}", of(0.01).linear.y);
 }

@@ -201,7 +201,7 @@ impl Piece {
         let mut place = |body: u32| place_in(&mut self.bodies, moving, body);
         let ends = |joint: &u32| [joints.list[*joint as usize].a, joints.list[*joint as usize].b];
         let pairs: Vec<[u32; 2]> = links.iter().map(|joint| ends(joint).map(&mut place)).collect();
-        let gives = links.iter().any(|&joint| joints.list[joint as usize].softness.is_some());
+        let gives = links.iter().any(|&joint| joints.list[joint as usize].softness().is_some());
         let (order, mut mechanism) = Mechanism::plan(moving, locked, gives, &pairs);
         self.joints = order.iter().map(|&link| links[link as usize]).collect();
         let link = |&link: &u32| link_of(&joints.list[links[link as usize] as usize], pairs[link as usize]);
@@ -256,7 +256,8 @@ pub(super) fn link_of(joint: &Joint, [a, b]: [u32; 2]) -> Link {
         damping_ratio: softness.damping_ratio,
         most: softness.max_force,
     };
-    Link { a, b, anchor_a: joint.anchor_a, anchor_b: joint.anchor_b, spring: joint.softness.map(spring) }
+    let [anchor_a, anchor_b] = joint.anchors();
+    Link { a, b, anchor_a, anchor_b, spring: joint.softness().map(spring) }
 }
 
 pub(super) fn motion(body: &Body) -> Motion {

@@ -13,26 +13,12 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use crate::physics::body::Body;
-use crate::physics::body::RigidBody;
+use super::constants::{FRAME_SPEED, FRAME_TURN, GYROSCOPIC_TURN, UNMOVED_WHITENING};
 use crate::physics::body::free_rotation::free_rotation;
+use crate::physics::body::{Body, RigidBody};
 use crate::physics::lanes::{Lanes, READ_ONLY, Record, WIDTH, add_scaled, dot, vector};
 use crate::physics::scalar::Scalar;
-use crate::physics::threads::Shared;
-
-/// W of what constraints do not move.
-const UNMOVED: f64 = 1.0 / (1_u64 << 40) as f64;
-
-/// Turn in a step beyond which a body that is held or touched is left without gyroscopic torque, rad: by then its
-/// inertia at the start of the step says too little of that at the end, and energy could come of it.
-const FAST: f64 = 0.5;
-
-/// Turn up to which a body keeps the frame that rows of contacts were made for, rad; see [`crate::physics::solver::impulse::soft_step`].
-const KEPT: f64 = 0.01;
-
-/// Angular speed up to which it does, rad/s: what leans for being soft does so slowly, and what turns by itself keeps
-/// its angular momentum only in the frame that it has.
-const SLOW: f64 = 0.1;
+use crate::physics::threads::{Claims, Shared};
 
 /// Records of a body's frame: the rotation that rows of contacts are made for by columns, W by columns, inverse mass,
 /// the turn from that rotation to the present one.
@@ -41,31 +27,27 @@ const FRAME: usize = 3;
 /// The bodies of a group, own ones first, guests after.
 #[derive(Default)]
 pub(crate) struct GroupBodies<S> {
-    /// v, ψ.
     velocity: Vec<Record<S>>,
-    /// d, θ' since the start of the step.
-    moved: Vec<Record<S>>,
-    /// What external forces add to v, ψ in a substep.
+    displacement: Vec<Record<S>>,
     kick: Vec<Record<S>>,
-    /// What the impulses of the last substep added, all of it.
     carried: Vec<Record<S>>,
-    /// v, ψ at the start of the substep, external forces included.
     start: Vec<Record<S>>,
-    /// Factors on v, ψ for drag.
     keep: Vec<Record<S>>,
-    /// [`FRAME`] records each.
     frames: Vec<Record<S>>,
-    /// Centres of mass at the start of the step.
     positions: Vec<Vector3<f64>>,
-    /// W, to come back from ψ.
     whitening: Vec<Matrix3<f64>>,
+    /// Of bodies, and of the records of frames.
+    claims: [Claims; 2],
 }
 
 /// W and its inverse on what can turn.
 fn whitening(body: &Body) -> (Matrix3<f64>, Matrix3<f64>) {
     let unmoved = body.inverse_inertia_body == Vector3::zeros();
     if body.kind != RigidBody::Dynamic || unmoved {
-        return (Matrix3::from_diagonal_element(UNMOVED), Matrix3::from_diagonal_element(1.0 / UNMOVED));
+        return (
+            Matrix3::from_diagonal_element(UNMOVED_WHITENING),
+            Matrix3::from_diagonal_element(1.0 / UNMOVED_WHITENING),
+        );
     }
     let root = body.inverse_inertia_body.map(f64::sqrt);
     let (to_spin, to_psi) = if root.x == root.y && root.y == root.z {
@@ -86,8 +68,8 @@ fn whitening(body: &Body) -> (Matrix3<f64>, Matrix3<f64>) {
 /// from there, and the turn from it to the present one.
 fn frame_of(body: &Body) -> (UnitQuaternion<f64>, Vector3<f64>) {
     let turn = turn_between(&body.frame, &body.rotation);
-    let is_slow = body.has_stepped && body.angular.norm() < SLOW;
-    let is_kept = body.kind == RigidBody::Dynamic && is_slow && turn.norm() < KEPT;
+    let is_slow = body.has_stepped && body.angular.norm() < FRAME_SPEED;
+    let is_kept = body.kind == RigidBody::Dynamic && is_slow && turn.norm() < FRAME_TURN;
     if is_kept { (body.frame, turn) } else { (body.rotation, Vector3::zeros()) }
 }
 
@@ -114,9 +96,14 @@ fn record<S: Scalar>(linear: &Vector3<f64>, angular: &Vector3<f64>) -> Record<S>
 impl<S: Scalar + Default> GroupBodies<S> {
     /// Makes room for so many bodies.
     pub fn resize(&mut self, count: usize) {
-        for records in
-            [&mut self.velocity, &mut self.moved, &mut self.kick, &mut self.carried, &mut self.start, &mut self.keep]
-        {
+        for records in [
+            &mut self.velocity,
+            &mut self.displacement,
+            &mut self.kick,
+            &mut self.carried,
+            &mut self.start,
+            &mut self.keep,
+        ] {
             records.resize(count, Record::default());
         }
         self.frames.resize(count * FRAME, Record::default());
@@ -126,16 +113,18 @@ impl<S: Scalar + Default> GroupBodies<S> {
 
     /// Handles on all of it.
     pub fn share(&mut self) -> SharedBodies<'_, S> {
+        let [of_bodies, of_frames] = &mut self.claims;
+        of_bodies.cover(self.velocity.len());
         SharedBodies {
-            velocity: Shared::new(&mut self.velocity),
-            moved: Shared::new(&mut self.moved),
-            kick: Shared::new(&mut self.kick),
-            carried: Shared::new(&mut self.carried),
-            start: Shared::new(&mut self.start),
-            keep: Shared::new(&mut self.keep),
-            frames: Shared::new(&mut self.frames),
-            positions: Shared::new(&mut self.positions),
-            whitening: Shared::new(&mut self.whitening),
+            velocity: Shared::with(&mut self.velocity, of_bodies),
+            displacement: Shared::with(&mut self.displacement, of_bodies),
+            kick: Shared::with(&mut self.kick, of_bodies),
+            carried: Shared::with(&mut self.carried, of_bodies),
+            start: Shared::with(&mut self.start, of_bodies),
+            keep: Shared::with(&mut self.keep, of_bodies),
+            frames: Shared::new(&mut self.frames, of_frames),
+            positions: Shared::with(&mut self.positions, of_bodies),
+            whitening: Shared::with(&mut self.whitening, of_bodies),
         }
     }
 }
@@ -144,32 +133,84 @@ impl<S: Scalar + Default> GroupBodies<S> {
 #[derive(Clone, Copy)]
 pub(crate) struct SharedBodies<'a, S> {
     /// v, ψ.
-    pub velocity: Shared<'a, Record<S>>,
+    velocity: Shared<'a, Record<S>>,
     /// d, θ' since the start of the step.
-    pub moved: Shared<'a, Record<S>>,
+    displacement: Shared<'a, Record<S>>,
+    /// What external forces add to v, ψ in a substep.
     kick: Shared<'a, Record<S>>,
+    /// What the impulses of the last substep added, all of it.
     carried: Shared<'a, Record<S>>,
+    /// v, ψ at the start of the substep, external forces included.
     start: Shared<'a, Record<S>>,
+    /// Factors on v, ψ for drag.
     keep: Shared<'a, Record<S>>,
     /// [`FRAME`] records each.
-    pub frames: Shared<'a, Record<S>>,
+    frames: Shared<'a, Record<S>>,
     /// Centres of mass at the start of the step.
-    pub positions: Shared<'a, Vector3<f64>>,
+    positions: Shared<'a, Vector3<f64>>,
+    /// W, to come back from ψ.
     whitening: Shared<'a, Matrix3<f64>>,
 }
 
-/// All that is done to one body. To each, nobody else may be using the body of that index.
-impl<S: Scalar + Default> SharedBodies<'_, S> {
-    /// Takes a body in, for a `step` of substeps of length `h`. What turning in the step does to the angular
-    /// velocity of a body that is not round is done at once.
+impl<'a, S: Scalar + Default> SharedBodies<'a, S> {
+    /// The body of that index, for this thread.
     ///
     /// # Safety
-    /// Nobody else may be using the record of that index.
-    pub unsafe fn gather(self, index: usize, body: &Body, step: f64, h: f64) {
+    /// While it lives, nobody else may read or write that body.
+    pub unsafe fn claim(&self, index: usize) -> ClaimedBody<'_, 'a, S> {
+        ClaimedBody { bodies: self, index }
+    }
+
+    /// The bodies of a block, for this thread.
+    ///
+    /// # Safety
+    /// While it lives, nobody else may read or write bodies that are not [`READ_ONLY`], nor write those that are.
+    #[inline(always)]
+    pub unsafe fn claim_pairs<L: Lanes<Scalar = S>>(&self, ends: Ends) -> ClaimedPairs<'_, 'a, L> {
+        ClaimedPairs { bodies: self, ends }
+    }
+
+    /// Centre of B less centre of A, m, at the start of the step; [`READ_ONLY`] flags do not matter.
+    ///
+    /// # Safety
+    /// Nobody may be writing the two.
+    pub unsafe fn offset(&self, a: u32, b: u32) -> Vector3<f64> {
+        // SAFETY: as the caller promises.
+        let [a, b] = [a, b].map(|body| unsafe { self.positions.read((body & !READ_ONLY) as usize) });
+        b - a
+    }
+}
+
+/// One body of a group, for one thread.
+pub(crate) struct ClaimedBody<'b, 'a, S> {
+    bodies: &'b SharedBodies<'a, S>,
+    index: usize,
+}
+
+impl<S: Scalar + Default> ClaimedBody<'_, '_, S> {
+    fn get<T: Copy>(&self, list: Shared<T>) -> T {
+        // SAFETY: nobody else has the body, as whoever claimed it promised.
+        unsafe { list.read(self.index) }
+    }
+
+    fn set<T>(&mut self, list: Shared<T>, value: T) {
+        self.set_at(list, self.index, value);
+    }
+
+    /// `index` is of this body.
+    fn set_at<T>(&mut self, list: Shared<T>, index: usize, value: T) {
+        // SAFETY: nobody else has the body, as whoever claimed it promised.
+        unsafe { *list.element(index) = value }
+    }
+
+    /// Takes a body in, for a `step` of substeps of length `h`. What turning in the step does to the angular
+    /// velocity of a body that is not round is done at once.
+    pub fn gather(&mut self, body: &Body, step: f64, h: f64) {
         let (to_spin, to_psi) = whitening(body);
-        let push = body.inverse_mass.component_mul(&body.force) * h;
-        let turn = if body.kind == RigidBody::Dynamic { to_spin.tr_mul(&body.torque) * h } else { Vector3::zeros() };
-        let turns_fast = body.angular.norm() * step > FAST;
+        let linear_kick = body.inverse_mass.component_mul(&body.force) * h;
+        let angular_kick =
+            if body.kind == RigidBody::Dynamic { to_spin.tr_mul(&body.torque) * h } else { Vector3::zeros() };
+        let turns_fast = body.angular.norm() * step > GYROSCOPIC_TURN;
         let Body { rotation, angular, inverse_inertia_body, rotation_freedom, .. } = body;
         let turned = if turns_fast {
             None
@@ -179,16 +220,14 @@ impl<S: Scalar + Default> SharedBodies<'_, S> {
         let angular = turned.map_or(body.angular, |(angular, _)| angular);
         let (linear_drag, angular_drag) = body.drag;
         let keep = |drag: f64| Vector3::repeat(1.0 / (1.0 + drag * h));
-        // SAFETY: as the caller promises.
-        unsafe {
-            *self.velocity.element(index) = record(&body.linear, &(to_psi * angular));
-            *self.moved.element(index) = Record::default();
-            *self.carried.element(index) = Record::default();
-            *self.kick.element(index) = record(&push, &turn);
-            *self.keep.element(index) = record(&keep(linear_drag), &keep(angular_drag));
-            *self.positions.element(index) = body.position;
-            *self.whitening.element(index) = to_spin;
-        }
+        let SharedBodies { velocity, displacement, carried, .. } = *self.bodies;
+        self.set(velocity, record(&body.linear, &(to_psi * angular)));
+        self.set(displacement, Record::default());
+        self.set(carried, Record::default());
+        self.set(self.bodies.kick, record(&linear_kick, &angular_kick));
+        self.set(self.bodies.keep, record(&keep(linear_drag), &keep(angular_drag)));
+        self.set(self.bodies.positions, body.position);
+        self.set(self.bodies.whitening, to_spin);
         let (frame, turned) = frame_of(body);
         let axes = frame.to_rotation_matrix().into_inner();
         let mut numbers = [S::of(0.0); FRAME * WIDTH];
@@ -198,71 +237,115 @@ impl<S: Scalar + Default> SharedBodies<'_, S> {
         }
         let (records, _) = numbers.as_chunks::<WIDTH>();
         for (place, &numbers) in records.iter().enumerate() {
-            // SAFETY: as the caller promises.
-            unsafe { *self.frames.element(index * FRAME + place) = Record(numbers) };
+            self.set_at(self.bodies.frames, self.index * FRAME + place, Record(numbers));
         }
     }
 
-    /// Forces act, and every constraint pushes as it did in the last substep. Impulses along rows
-    /// that do not turn within a step add to the same change of velocity each time, so that no row
-    /// need be looked at.
-    ///
-    /// # Safety
-    /// Nobody else may be using the record of that index.
-    pub unsafe fn begin_substep(self, index: usize, is_first: bool) {
-        // SAFETY: as the caller promises.
-        let (velocity, start) = unsafe { (self.velocity.element(index), self.start.element(index)) };
-        // SAFETY: as the caller promises.
-        let (kick, carried) = unsafe { (self.kick.get(index), self.carried.get(index)) };
-        for lane in 0..WIDTH {
-            let free = velocity.0[lane] + kick.0[lane];
-            start.0[lane] = free;
-            velocity.0[lane] = if is_first { free } else { free + carried.0[lane] };
+    /// Forces act, and in all but the first substep the impulses of the last one again. Impulses along rows
+    /// that do not turn within a step add to the same change of velocity each time, so that no row need be read.
+    pub fn begin_substep(&mut self, is_first: bool) {
+        let SharedBodies { velocity, start, kick, carried, .. } = *self.bodies;
+        let (mut now, kick) = (self.get(velocity), self.get(kick));
+        (0..WIDTH).for_each(|lane| now.0[lane] += kick.0[lane]);
+        self.set(start, now);
+        if !is_first {
+            let carried = self.get(carried);
+            (0..WIDTH).for_each(|lane| now.0[lane] += carried.0[lane]);
         }
+        self.set(velocity, now);
     }
 
     /// Positions follow velocities.
-    ///
-    /// # Safety
-    /// Nobody else may be using the record of that index.
-    pub unsafe fn drift(self, index: usize, h: S) {
-        // SAFETY: as the caller promises.
-        let (moved, velocity) = unsafe { (self.moved.element(index), self.velocity.get(index)) };
-        for lane in 0..WIDTH {
-            moved.0[lane] += velocity.0[lane] * h;
-        }
+    pub fn drift(&mut self, h: S) {
+        let SharedBodies { velocity, displacement, .. } = *self.bodies;
+        let (mut moved, velocity) = (self.get(displacement), self.get(velocity));
+        (0..WIDTH).for_each(|lane| moved.0[lane] += velocity.0[lane] * h);
+        self.set(displacement, moved);
     }
 
     /// Remembers what this substep's impulses added, then drag acts.
-    ///
-    /// # Safety
-    /// Nobody else may be using the record of that index.
-    pub unsafe fn end_substep(self, index: usize) {
-        // SAFETY: as the caller promises.
-        let (velocity, carried) = unsafe { (self.velocity.element(index), self.carried.element(index)) };
-        // SAFETY: as the caller promises.
-        let (start, keep) = unsafe { (self.start.get(index), self.keep.get(index)) };
+    pub fn end_substep(&mut self) {
+        let SharedBodies { velocity, start, keep, carried, .. } = *self.bodies;
+        let (mut now, mut change) = (self.get(velocity), self.get(velocity));
+        let (start, keep) = (self.get(start), self.get(keep));
         for lane in 0..WIDTH {
-            carried.0[lane] = velocity.0[lane] - start.0[lane];
-            velocity.0[lane] *= keep.0[lane];
+            change.0[lane] -= start.0[lane];
+            now.0[lane] *= keep.0[lane];
         }
+        self.set(carried, change);
+        self.set(velocity, now);
     }
 
     /// Writes the state at the end of the step to a body.
-    ///
-    /// # Safety
-    /// Nobody may be writing the record of that index.
-    pub unsafe fn scatter(self, index: usize, body: &mut Body) {
-        // SAFETY: as the caller promises.
-        let (velocity, moved) = unsafe { (self.velocity.get(index), self.moved.get(index)) };
-        // SAFETY: as the caller promises.
-        let to_spin = unsafe { self.whitening.get(index) };
-        let part = |record: &Record<S>, first: usize| Vector3::from_fn(|axis, _| record.0[first + axis].to_f64());
+    pub fn scatter(&self, body: &mut Body) {
+        let (velocity, moved) = (self.get(self.bodies.velocity), self.get(self.bodies.displacement));
+        let to_spin = self.get(self.bodies.whitening);
+        let half = |record: &Record<S>, first: usize| Vector3::from_fn(|axis, _| record.0[first + axis].to_f64());
         (body.frame, _) = frame_of(body);
-        body.linear = part(velocity, 0);
-        body.angular = to_spin * part(velocity, 3);
+        body.linear = half(&velocity, 0);
+        body.angular = to_spin * half(&velocity, 3);
         body.has_stepped = true;
-        body.advance(&part(moved, 0), &(to_spin * part(moved, 3)));
+        body.advance(&half(&moved, 0), &(to_spin * half(&moved, 3)));
+    }
+}
+
+/// The bodies A and B of each pair of a block, by their indices in the group, [`READ_ONLY`] flagged.
+pub(crate) type Ends = [[u32; WIDTH]; 2];
+
+/// Numbers of the bodies A and B of each pair of a block.
+pub(crate) type PairRecords<L> = [[L; WIDTH]; 2];
+
+/// The bodies of a block's pairs, for one thread.
+pub(crate) struct ClaimedPairs<'b, 'a, L: Lanes> {
+    bodies: &'b SharedBodies<'a, L::Scalar>,
+    ends: Ends,
+}
+
+impl<L: Lanes> ClaimedPairs<'_, '_, L> {
+    /// v, ψ.
+    #[inline(always)]
+    pub fn velocities(&self) -> PairRecords<L> {
+        self.gather(self.bodies.velocity, &self.ends)
+    }
+
+    #[inline(always)]
+    pub fn set_velocities(&mut self, records: PairRecords<L>) {
+        self.scatter(self.bodies.velocity, records);
+    }
+
+    /// d, θ' since the start of the step.
+    #[inline(always)]
+    pub fn displacements(&self) -> PairRecords<L> {
+        self.gather(self.bodies.displacement, &self.ends)
+    }
+
+    #[inline(always)]
+    pub fn set_displacements(&mut self, records: PairRecords<L>) {
+        self.scatter(self.bodies.displacement, records);
+    }
+
+    /// The frames of A's and of B's.
+    pub fn frames(&self) -> [Frames<L>; 2] {
+        let [one, two, three] = [0, 1, 2].map(|place| {
+            let places = self.ends.map(|bodies| bodies.map(|body| (body & !READ_ONLY) * FRAME as u32 + place));
+            self.gather(self.bodies.frames, &places)
+        });
+        [0, 1].map(|end| Frames::new(&one[end], &two[end], &three[end]))
+    }
+
+    #[inline(always)]
+    fn gather(&self, list: Shared<Record<L::Scalar>>, [a, b]: &Ends) -> PairRecords<L> {
+        // SAFETY: nobody writes what the claim covers, as whoever made it promised.
+        unsafe { [L::gather(list, a), L::gather(list, b)] }
+    }
+
+    #[inline(always)]
+    fn scatter(&mut self, list: Shared<Record<L::Scalar>>, [a, b]: PairRecords<L>) {
+        // SAFETY: nobody else has what the claim covers, as whoever made it promised.
+        unsafe {
+            L::scatter(a, list, &self.ends[0]);
+            L::scatter(b, list, &self.ends[1]);
+        }
     }
 }
 
@@ -276,17 +359,7 @@ pub(crate) struct Frames<L: Lanes> {
 }
 
 impl<L: Lanes> Frames<L> {
-    /// Takes them in.
-    ///
-    /// # Safety
-    /// Nobody may be writing them.
-    pub unsafe fn gather(frames: Shared<Record<L::Scalar>>, bodies: &[u32; WIDTH]) -> Self {
-        let part = |index: u32| {
-            let places = bodies.map(|body| (body & !READ_ONLY) * FRAME as u32 + index);
-            // SAFETY: as the caller promises.
-            unsafe { L::gather(frames, &places) }
-        };
-        let (one, two, three) = (part(0), part(1), part(2));
+    fn new(one: &[L; WIDTH], two: &[L; WIDTH], three: &[L; WIDTH]) -> Self {
         Self {
             axes: [vector(&one[0..]), vector(&one[3..]), Vector3::new(one[6], one[7], two[0])],
             whitening: [vector(&two[1..]), vector(&two[4..]), Vector3::new(two[7], three[0], three[1])],

@@ -9,6 +9,13 @@ use crate::physics::lanes::{READ_ONLY, WIDTH};
 /// Colours told apart: the bits of a mask.
 const COLORS: usize = 64;
 
+/// A colour of joints or contacts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Color {
+    Joints(u32),
+    Contacts(u32),
+}
+
 /// Constraints in the order in which blocks take them.
 #[derive(Default)]
 pub(crate) struct Coloring {
@@ -23,11 +30,14 @@ pub(crate) struct Coloring {
 }
 
 impl Coloring {
-    /// Forgets everything, for a group of `bodies`.
-    pub fn clear(&mut self) {
+    /// Takes in a group of so many bodies: stages for constraints between these, told by index, of which those from
+    /// `split` on share no block with those before and come after them; blocks hold at most `lanes`.
+    pub fn set(&mut self, bodies: usize, pairs: &[(u32, u32)], split: usize, lanes: usize) {
         self.order.clear();
         self.blocks.clear();
         self.stages.clear();
+        self.add(bodies, 0, &pairs[..split], lanes);
+        self.add(bodies, split as u32, &pairs[split..], lanes);
     }
 
     /// The constraints of a block.
@@ -36,9 +46,8 @@ impl Coloring {
         &self.order[start as usize..end as usize]
     }
 
-    /// Adds stages for constraints between these bodies, told by index and numbered from `first`; blocks hold
-    /// at most `lanes`.
-    pub fn add(&mut self, bodies: usize, first: u32, pairs: &[(u32, u32)], lanes: usize) {
+    /// Adds stages for constraints numbered from `first`.
+    fn add(&mut self, bodies: usize, first: u32, pairs: &[(u32, u32)], lanes: usize) {
         debug_assert!(lanes <= WIDTH);
         self.used.clear();
         self.used.resize(bodies, 0);

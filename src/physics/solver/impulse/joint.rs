@@ -4,44 +4,39 @@
 //! With Q = −[r]ₓ W the velocity of the anchors' parting is u = v_B − v_A + Q_B ψ_B − Q_A ψ_A, and
 //! one update, with K = M_A⁻¹ + M_B⁻¹ + Q_A Q_Aᵀ + Q_B Q_Bᵀ, is λ ← λ − K⁻¹ σ (u + bias) − ι λ with the
 //! soft terms of contacts. The error is C + d_B − d_A + Q_B θ'_B − Q_A θ'_A.
-#![allow(unsafe_code)]
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::bodies::Frames;
+use super::bodies::{ClaimedPairs, Ends, Frames};
+use super::pair::Pair;
 use crate::physics::constraint::row::bounded;
 use crate::physics::joint::Softness;
-use crate::physics::lanes::{Lanes, READ_ONLY, Record, WIDTH, add_scaled, dot, inverse, vector};
+use crate::physics::lanes::{Lanes, READ_ONLY, WIDTH, add_scaled, dot, inverse};
 use crate::physics::scalar::Scalar;
 use crate::physics::solver::soft_terms::{Projection, SoftTerms, UNLIMITED};
-use crate::physics::threads::Shared;
 
-/// One joint as a block takes it in.
+/// One joint, as its lane takes it in.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct JointSite {
-    /// Indices into the group's bodies, [`READ_ONLY`] flagged.
-    pub a: u32,
-    pub b: u32,
-    /// From the centres of mass, body axes.
-    pub anchor_a: Vector3<f64>,
-    pub anchor_b: Vector3<f64>,
+pub(crate) struct JointInput {
+    /// On A and on B, from the centres of mass, body axes.
+    pub anchors: [Vector3<f64>; 2],
     /// Centre of B less centre of A, m.
-    pub apart: Vector3<f64>,
-    /// On B, N·s, what it carried in the last substep.
+    pub offset: Vector3<f64>,
+    /// On B in the last substep, N·s.
     pub impulse: Vector3<f64>,
     /// None: rigid.
     pub softness: Option<Softness>,
 }
 
-/// Joints that are springs, whatever the pass.
+/// The terms of joints that are soft by themselves, whatever the sweep.
 #[derive(Clone, Debug)]
-struct Springs<L: Lanes> {
+struct JointSoftness<L: Lanes> {
     terms: SoftTerms<L>,
-    /// Most a spring pushes in a substep, N·s.
+    /// Largest impulse in a substep, N·s.
     limit: L,
 }
 
-impl<L: Lanes> Springs<L> {
+impl<L: Lanes> JointSoftness<L> {
     fn new(softness: impl Fn(usize) -> Option<Softness>, h: f64) -> Option<Self> {
         softness(0)?;
         let each = |pick: &dyn Fn(Softness) -> f64| {
@@ -64,18 +59,15 @@ impl<L: Lanes> Springs<L> {
 /// Joints of [`Lanes::COUNT`] pairs that share no body that moves.
 #[derive(Clone, Debug)]
 pub(crate) struct JointBlock<L: Lanes> {
-    a: [u32; WIDTH],
-    b: [u32; WIDTH],
-    inverse_mass_a: Vector3<L>,
-    inverse_mass_b: Vector3<L>,
-    /// Rows of Q.
-    angular_a: [Vector3<L>; 3],
-    angular_b: [Vector3<L>; 3],
+    pub ends: Ends,
+    inverse_mass: [Vector3<L>; 2],
+    /// Rows of Q_A and Q_B.
+    angular: [[Vector3<L>; 2]; 3],
     error: Vector3<L>,
     /// Inverse of K: xx, xy, xz, yy, yz, zz.
     mass: [L; 6],
     impulse: Vector3<L>,
-    springs: Option<Springs<L>>,
+    softness: Option<JointSoftness<L>>,
 }
 
 /// Inverse of a symmetric positive matrix, by cofactors; zero where it is singular.
@@ -91,105 +83,75 @@ impl<L: Lanes> JointBlock<L> {
     pub fn idle() -> Self {
         let (zero, none) = (L::zero(), Vector3::repeat(L::zero()));
         Self {
-            a: [READ_ONLY; WIDTH],
-            b: [READ_ONLY; WIDTH],
-            inverse_mass_a: none,
-            inverse_mass_b: none,
-            angular_a: [none; 3],
-            angular_b: [none; 3],
+            ends: [[READ_ONLY; WIDTH]; 2],
+            inverse_mass: [none; 2],
+            angular: [[none; 2]; 3],
             error: none,
             mass: [zero; 6],
             impulse: none,
-            springs: None,
+            softness: None,
         }
     }
 
-    /// Takes in at most [`Lanes::COUNT`] joints, all rigid or all springs. Lanes left over do nothing.
-    ///
-    /// # Safety
-    /// Nobody may be writing the frames.
-    pub unsafe fn new(sites: &[JointSite], frames: Shared<Record<L::Scalar>>, h: f64) -> Self {
-        let site = |lane: usize| &sites[lane.min(sites.len() - 1)];
-        let idle = |lane: usize| if lane < sites.len() { 0 } else { READ_ONLY };
-        let a: [u32; WIDTH] = std::array::from_fn(|lane| site(lane).a | idle(lane));
-        let b: [u32; WIDTH] = std::array::from_fn(|lane| site(lane).b | idle(lane));
-        let each = |pick: fn(&JointSite) -> &Vector3<f64>| {
-            Vector3::from_fn(|axis, _| L::each(|lane| <L::Scalar as Scalar>::of(pick(site(lane))[axis])))
+    /// Takes in at most [`Lanes::COUNT`] joints, all rigid or all soft, whose bodies are at the block's `ends`. Lanes
+    /// left over do nothing.
+    pub fn take_in(&mut self, inputs: &[JointInput], pairs: &ClaimedPairs<L>, h: f64) {
+        let input = |lane: usize| &inputs[lane.min(inputs.len() - 1)];
+        let each = |pick: fn(&JointInput) -> &Vector3<f64>| {
+            Vector3::from_fn(|axis, _| L::each(|lane| <L::Scalar as Scalar>::of(pick(input(lane))[axis])))
         };
-        // SAFETY: as the caller promises.
-        let (of_a, of_b) = unsafe { (Frames::<L>::gather(frames, &a), Frames::<L>::gather(frames, &b)) };
-        let arm_a = of_a.turn_on(&of_a.turn(&each(|site| &site.anchor_a)));
-        let arm_b = of_b.turn_on(&of_b.turn(&each(|site| &site.anchor_b)));
-        let rows = |frames: &Frames<L>, arm: &Vector3<L>| {
+        let frames = pairs.frames();
+        let arm = |frame: &Frames<L>, anchor: Vector3<L>| frame.turn_on(&frame.turn(&anchor));
+        let arm_a = arm(&frames[0], each(|input| &input.anchors[0]));
+        let arm_b = arm(&frames[1], each(|input| &input.anchors[1]));
+        let rows = |frame: &Frames<L>, arm: &Vector3<L>| {
             let zero = L::zero();
             // Row i of −[r]ₓ is (r × e_i)ᵀ.
             [Vector3::new(zero, arm.z, -arm.y), Vector3::new(-arm.z, zero, arm.x), Vector3::new(arm.y, -arm.x, zero)]
-                .map(|row| frames.whiten(&row))
+                .map(|row| frame.whiten(&row))
         };
-        let (angular_a, angular_b) = (rows(&of_a, &arm_a), rows(&of_b, &arm_b));
+        let (of_a, of_b) = (rows(&frames[0], &arm_a), rows(&frames[1], &arm_b));
+        self.inverse_mass = frames.map(|frame| frame.inverse_mass);
         let k = Matrix3::from_fn(|row, column| {
-            let linear = if row == column { of_a.inverse_mass[row] + of_b.inverse_mass[row] } else { L::zero() };
-            linear + dot(&angular_a[row], &angular_a[column]) + dot(&angular_b[row], &angular_b[column])
+            let [a, b] = &self.inverse_mass;
+            let linear = if row == column { a[row] + b[row] } else { L::zero() };
+            linear + dot(&of_a[row], &of_a[column]) + dot(&of_b[row], &of_b[column])
         });
-        Self {
-            a,
-            b,
-            inverse_mass_a: of_a.inverse_mass,
-            inverse_mass_b: of_b.inverse_mass,
-            angular_a,
-            angular_b,
-            error: each(|site| &site.apart) + arm_b - arm_a,
-            mass: inverse_symmetric(&k),
-            impulse: each(|site| &site.impulse),
-            springs: Springs::new(|lane| site(lane).softness, h),
-        }
+        self.angular = [0, 1, 2].map(|row| [of_a[row], of_b[row]]);
+        self.error = each(|input| &input.offset) + arm_b - arm_a;
+        self.mass = inverse_symmetric(&k);
+        self.impulse = each(|input| &input.impulse);
+        self.softness = JointSoftness::new(|lane| input(lane).softness, h);
     }
 
     /// Adds what the impulses at hand do to the velocities.
-    ///
-    /// # Safety
-    /// Nobody else may be using the bodies of its pairs.
-    pub unsafe fn warm_start(&self, velocity: Shared<Record<L::Scalar>>) {
-        // SAFETY: as the caller promises.
-        let mut pair = unsafe { self.gather(velocity) };
+    pub fn warm_start(&self, pairs: &mut ClaimedPairs<L>) {
+        let mut pair = Pair::new(pairs.velocities(), &self.inverse_mass);
         self.apply(&mut pair, &self.impulse);
-        // SAFETY: as the caller promises.
-        unsafe { self.scatter(pair, velocity) };
+        pairs.set_velocities(pair.records());
     }
 
-    /// One update, with springs where `soft` says how, rigid and without bias where not.
-    ///
-    /// # Safety
-    /// Nobody else may be using the bodies of its pairs.
-    pub unsafe fn solve(
-        &mut self,
-        velocity: Shared<Record<L::Scalar>>,
-        moved: Shared<Record<L::Scalar>>,
-        soft: Option<&SoftTerms<L>>,
-    ) {
-        // SAFETY: as the caller promises.
-        let mut pair = unsafe { self.gather(velocity) };
-        let mut parting = self.along(&pair);
-        let soft = self.springs.as_ref().map(|springs| &springs.terms).or(soft);
+    /// One update, with the terms of `soft` where given, rigid and without bias where not.
+    pub fn solve(&mut self, pairs: &mut ClaimedPairs<L>, soft: Option<&SoftTerms<L>>) {
+        let mut pair = Pair::new(pairs.velocities(), &self.inverse_mass);
+        let mut seen = self.rows(&pair);
+        let soft = self.softness.as_ref().map(|softness| &softness.terms).or(soft);
         if let Some(soft) = soft {
-            // SAFETY: positions rest during a sweep.
-            let moved = unsafe { [L::gather(moved, &self.a), L::gather(moved, &self.b)] };
-            let error = self.error + self.along(&moved);
+            let error = self.error + self.rows(&Pair::new(pairs.displacements(), &self.inverse_mass));
             let speed = dot(&error, &error).simd_sqrt() * soft.rate;
-            let rate = soft.rate * (soft.push / speed.simd_max(soft.push));
-            parting = add_scaled(&parting, &error, rate) * soft.mass;
+            let rate = soft.rate * (soft.max_speed / speed.simd_max(soft.max_speed));
+            seen = add_scaled(&seen, &error, rate) * soft.mass;
         }
-        let mut change = -self.against(&parting);
+        let mut change = -self.effective_mass(&seen);
         if let Some(soft) = soft {
             change = add_scaled(&change, &self.impulse, -soft.impulse);
         }
-        if let Some(Springs { limit, .. }) = self.springs {
+        if let Some(JointSoftness { limit, .. }) = self.softness {
             change = bounded(self.impulse + change, limit) - self.impulse;
         }
         self.impulse += change;
         self.apply(&mut pair, &change);
-        // SAFETY: as the caller promises.
-        unsafe { self.scatter(pair, velocity) };
+        pairs.set_velocities(pair.records());
     }
 
     /// Forgets the impulses at hand.
@@ -197,26 +159,22 @@ impl<L: Lanes> JointBlock<L> {
         self.impulse = Vector3::repeat(L::zero());
     }
 
-    /// Moves the bodies out of a share of the error. Springs have none.
-    ///
-    /// # Safety
-    /// Nobody else may be using the bodies of its pairs.
-    pub unsafe fn project(&self, moved: Shared<Record<L::Scalar>>, terms: &Projection<L>) {
-        if self.springs.is_some() {
+    /// Moves the bodies out of a share of the error. Joints that are soft by themselves have none.
+    pub fn project(&self, pairs: &mut ClaimedPairs<L>, terms: &Projection<L>) {
+        if self.softness.is_some() {
             return;
         }
-        // SAFETY: as the caller promises.
-        let mut pair = unsafe { self.gather(moved) };
-        let error = self.error + self.along(&pair);
-        let share = terms.joint * (terms.most / dot(&error, &error).simd_sqrt().simd_max(terms.most));
-        self.apply(&mut pair, &(self.against(&error) * -share));
-        // SAFETY: as the caller promises.
-        unsafe { self.scatter(pair, moved) };
+        let mut pair = Pair::new(pairs.displacements(), &self.inverse_mass);
+        let error = self.error + self.rows(&pair);
+        let most = terms.max_correction;
+        let share = terms.joint_share * (most / dot(&error, &error).simd_sqrt().simd_max(most));
+        self.apply(&mut pair, &(self.effective_mass(&error) * -share));
+        pairs.set_displacements(pair.records());
     }
 
-    /// K⁻¹ times what the rows see.
+    /// K⁻¹ times that.
     #[inline(always)]
-    fn against(&self, seen: &Vector3<L>) -> Vector3<L> {
+    fn effective_mass(&self, seen: &Vector3<L>) -> Vector3<L> {
         let [xx, xy, xz, yy, yz, zz] = self.mass;
         Vector3::new(
             dot(&Vector3::new(xx, xy, xz), seen),
@@ -225,40 +183,18 @@ impl<L: Lanes> JointBlock<L> {
         )
     }
 
-    /// What the rows make of velocities or moves of the two bodies.
+    /// What the rows see of the bodies' motions.
     #[inline(always)]
-    fn along(&self, [a, b]: &[[L; WIDTH]; 2]) -> Vector3<L> {
-        let (turn_a, turn_b) = (vector(&a[3..]), vector(&b[3..]));
-        Vector3::from_fn(|axis, _| {
-            b[axis] - a[axis] + dot(&self.angular_b[axis], &turn_b) - dot(&self.angular_a[axis], &turn_a)
-        })
+    fn rows(&self, pair: &Pair<L>) -> Vector3<L> {
+        let linear = pair.linear();
+        Vector3::from_fn(|axis, _| pair.row(linear[axis], &self.angular[axis]))
     }
 
     #[inline(always)]
-    fn apply(&self, [a, b]: &mut [[L; WIDTH]; 2], impulse: &Vector3<L>) {
-        let (mut turn_a, mut turn_b) = (vector(&a[3..]), vector(&b[3..]));
+    fn apply(&self, pair: &mut Pair<L>, impulse: &Vector3<L>) {
+        pair.apply_linear(impulse);
         for axis in 0..3 {
-            a[axis] -= self.inverse_mass_a[axis] * impulse[axis];
-            b[axis] += self.inverse_mass_b[axis] * impulse[axis];
-            turn_a = add_scaled(&turn_a, &self.angular_a[axis], -impulse[axis]);
-            turn_b = add_scaled(&turn_b, &self.angular_b[axis], impulse[axis]);
-        }
-        a[3..6].copy_from_slice(turn_a.as_slice());
-        b[3..6].copy_from_slice(turn_b.as_slice());
-    }
-
-    #[inline(always)]
-    unsafe fn gather(&self, velocity: Shared<Record<L::Scalar>>) -> [[L; WIDTH]; 2] {
-        // SAFETY: as the caller promises.
-        unsafe { [L::gather(velocity, &self.a), L::gather(velocity, &self.b)] }
-    }
-
-    #[inline(always)]
-    unsafe fn scatter(&self, [a, b]: [[L; WIDTH]; 2], velocity: Shared<Record<L::Scalar>>) {
-        // SAFETY: as the caller promises.
-        unsafe {
-            L::scatter(a, velocity, &self.a);
-            L::scatter(b, velocity, &self.b);
+            pair.apply_angular(&self.angular[axis], impulse[axis]);
         }
     }
 

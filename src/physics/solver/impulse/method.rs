@@ -1,6 +1,8 @@
 //! Which file has which of the methods on the impulse engine. Those on force-level rows never come here.
 
-use super::{Color, GroupTerms, Plan, Stage};
+use super::coloring::Color;
+use super::constants::POSITION_SWEEPS;
+use super::stage::{GroupTerms, Plan, Stage};
 use super::{sequential_impulses, soft_step, xpbd};
 use crate::physics::lanes::Lanes;
 use crate::physics::settings::{Method, SolverSettings};
@@ -22,7 +24,7 @@ pub(crate) fn stages(
     stages: &mut Vec<Stage>,
 ) {
     stages.clear();
-    stages.extend([Stage::Fly, Stage::Swing]);
+    stages.extend([Stage::FreeMotion, Stage::Trees]);
     if colors.clone().next().is_none() {
         return;
     }
@@ -42,7 +44,7 @@ pub(crate) fn solves_trees(method: Method) -> bool {
 /// Sweeps over all rows in a substep.
 pub(crate) fn sweeps(settings: &SolverSettings) -> u32 {
     match settings.method {
-        Method::SequentialImpulses => settings.iterations + sequential_impulses::POSITION_SWEEPS,
+        Method::SequentialImpulses => settings.iterations + POSITION_SWEEPS,
         Method::Xpbd => settings.iterations + 1,
         _ => 2 * settings.iterations,
     }

@@ -1,38 +1,54 @@
-//! The engine under the impulse methods: bodies and constraints of a group packed for wide
-//! kernels, one file a kind, and the system that takes all groups through a step.
+//! The engine under the impulse methods: bodies and constraints of a group of islands packed for wide kernels, and the
+//! system that takes all groups through a step. A method is a list of stages.
 //!
-//! [`bodies`] whitened velocities; [`contact`], [`joint`] the kernels; [`tree`] exact trees of joints, [`free`] bodies
-//! on their own, which need no sweeps; [`coloring`] which
-//! constraints may be solved side by side; [`group`] who belongs together; [`stage`] what is done
-//! to a group; [`plan`] the frame of a step. A method is a list of stages.
+//! From the bottom: [`coloring`] which constraints may be solved side by side; [`bodies`] whitened velocities, and
+//! [`pair`] those of a block; [`contact`], [`joint`] the kernels; [`tree`] trees of joints, solved exactly; [`stage`]
+//! what a step is made of; [`soft_step`], [`sequential_impulses`], [`xpbd`] the methods, and [`method`] which is which;
+//! [`group`] what belongs together; [`world`] what groups share; [`walk`] what each stage does to a group;
+//! [`direct_islands`] what needs no sweeps.
+//!
+//! # Who touches what
+//! Threads work on the records of bodies, joints and contacts at once, through [`Shared`](crate::physics::threads::Shared).
+//! No two of them touch one record of which either writes:
+//! - *Groups.* Each moving body, each joint and each contact between awake bodies is in one group, and a group writes
+//!   no others. Of bodies that do not move (static and kinematic ones, which may touch several groups) it only reads;
+//!   they are moved when all groups are done.
+//! - *Within a group* each moving body has one [`Place`](group): it moves freely, with its tree, with its directly
+//!   solved island, or as a member that is swept. Constraints go where their bodies do; one with a body in a directly
+//!   solved island is that island's.
+//! - *Stages* follow one another ([`Stages`](crate::physics::threads::Stages)), and each chunk of one is given out
+//!   once. A chunk of a stage of bodies is a range of their indices. One of a stage of constraints is some blocks of a
+//!   colour, whose constraints share no body that moves ([`coloring`]); what does not move is flagged
+//!   [`READ_ONLY`](crate::physics::lanes::READ_ONLY), and kernels do not write it.
+//!
+//! Debug builds assert all of it ([`Claims`](crate::physics::threads::Claims)).
+
+#![allow(unsafe_code)]
 
 mod bodies;
 mod coloring;
+mod constants;
 mod contact;
-mod directly;
+mod direct_islands;
 mod group;
 mod joint;
 mod method;
-mod plan;
+mod pair;
 mod sequential_impulses;
 mod soft_step;
 mod stage;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod walk;
+mod world;
 mod xpbd;
-
-pub(crate) use plan::Plan;
-pub(crate) use stage::{Color, GroupTerms, Stage, Sweep};
-
-use std::sync::atomic::AtomicBool;
 
 use bevy::prelude::*;
 use simba::simd::WideF32x8;
 
 use super::direct::MotionTerms;
-use crate::physics::body::Bodies;
-use crate::physics::body::RigidBody;
+use crate::physics::body::{Bodies, RigidBody};
 use crate::physics::collision::ContactGraph;
 use crate::physics::island::Islands;
 use crate::physics::joint::Joints;
@@ -41,9 +57,9 @@ use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::physics::settings::{Precision, SolverSettings, contacts_last};
 use crate::physics::stats::StepStats;
 use crate::physics::threads::for_each_block;
-use directly::Directly;
-use group::{Exactly, Group};
-use stage::WorldParts;
+use group::{DirectCounts, DirectScope, Group, PlanInput};
+use stage::Plan;
+use world::{SharedWorld, WorldClaims};
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Groups>()
@@ -58,24 +74,12 @@ struct Groups {
 }
 
 /// Groups that are solved in the same lanes.
+#[derive(Default)]
 struct GroupsOf<L: Lanes> {
-    list: Vec<Numbered<L>>,
-    /// Version of the islands that the groups were planned for, and what was to be solved exactly.
-    planned: Option<(u64, Exactly)>,
-}
-
-impl<L: Lanes> Default for GroupsOf<L> {
-    fn default() -> Self {
-        Self { list: Vec::new(), planned: None }
-    }
-}
-
-/// A group, which of the islands' it is, and its stages.
-struct Numbered<L: Lanes> {
-    index: usize,
-    group: Group<L>,
-    directly: Directly,
-    stages: Vec<Stage>,
+    list: Vec<Group<L>>,
+    /// Version of the islands that the groups were planned for, and what was to be solved without sweeps.
+    planned: Option<(u64, DirectScope)>,
+    claims: WorldClaims,
 }
 
 fn solve_groups(
@@ -88,7 +92,7 @@ fn solve_groups(
     mut stats: ResMut<StepStats>,
 ) {
     let Groups { single, double } = &mut *groups;
-    let directly = match settings.precision {
+    let counts = match settings.precision {
         Precision::F32 => {
             double.planned = None;
             single.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings)
@@ -110,8 +114,8 @@ fn solve_groups(
     let (manifolds, joints) = islands.constraint_count();
     stats.rows = graph.active_points() + 3 * (manifolds + joints) as u32;
     let sweeps = u64::from(settings.substeps) * u64::from(method::sweeps(&settings));
-    stats.row_updates = u64::from(stats.rows.saturating_sub(directly.rows)) * sweeps + u64::from(directly.row_updates);
-    stats.resting = directly.resting;
+    stats.row_updates = u64::from(stats.rows.saturating_sub(counts.rows)) * sweeps + u64::from(counts.row_updates);
+    stats.resting = counts.resting;
 }
 
 impl<L: Lanes> GroupsOf<L> {
@@ -122,93 +126,67 @@ impl<L: Lanes> GroupsOf<L> {
         graph: &mut ContactGraph,
         islands: &Islands,
         settings: &SolverSettings,
-    ) -> Directly {
+    ) -> DirectCounts {
         let count = islands.count();
         if self.list.len() < count {
-            self.list.resize_with(count, || Numbered {
-                index: 0,
-                group: Group::default(),
-                directly: Directly::default(),
-                stages: Vec::new(),
-            });
+            self.list.resize_with(count, Group::default);
         }
-        let groups = &mut self.list[..count];
-        let exactly = Exactly::of(settings);
-        let planned = Some((islands.version(), exactly));
+        let (groups, threads) = (&mut self.list[..count], settings.threads);
+        let scope = DirectScope::of(settings);
+        let planned = Some((islands.version(), scope));
         if self.planned != planned {
             self.planned = planned;
             groups.iter_mut().enumerate().for_each(|(index, group)| group.index = index);
-            for_each_block(settings.threads, groups, |Numbered { index, group, .. }| {
-                group.plan(*index, islands, bodies, joints, graph, exactly);
+            let input = PlanInput { islands, bodies, joints, graph };
+            for_each_block(threads, groups, |group| group.plan(&input, scope));
+        }
+        if !groups.iter().all(|group| group.islands.is_empty()) {
+            let terms = MotionTerms::of(settings);
+            SharedWorld::share(bodies, joints, graph, &mut self.claims, |world| {
+                for_each_block(threads, groups, |group| {
+                    // SAFETY: no two groups share what either writes, see above.
+                    group.counts = unsafe { group.solve_directly(world, &terms, scope) };
+                });
             });
         }
-        let directly = self.solve_directly(bodies, joints, graph, islands, settings);
-        let groups = &mut self.list[..count];
-        for Numbered { group, stages, .. } in groups.iter_mut() {
+        let mut total = DirectCounts::default();
+        let records = graph.recording.is_some();
+        for group in groups.iter_mut() {
+            let counts = std::mem::take(&mut group.counts);
+            if counts.changed {
+                group.arrange(&PlanInput { islands, bodies, joints, graph });
+            }
+            total.resting += counts.resting;
+            total.rows += counts.rows;
+            total.row_updates += counts.row_updates;
             let plan = Plan {
                 substeps: settings.substeps,
                 iterations: settings.iterations,
-                notes: graph.recording.is_some() || group.may_bounce(),
+                records: records || group.may_bounce,
                 turn: group.turn(&bodies.list, settings.step()),
             };
-            method::stages(settings.method, &plan, group.colors(), stages);
+            let colors = group.colors();
+            method::stages(settings.method, &plan, colors, &mut group.stages);
         }
         let terms = method::terms(settings);
-        let records = graph.recording.is_some();
-        let presses_changed = AtomicBool::new(false);
-        let mut none = [];
-        let world = WorldParts::new(bodies, joints, graph, &presses_changed, &mut none);
-        let step = |Numbered { group, stages, .. }: &mut Numbered<L>, threads: u32| {
-            group.run(stages, &terms, world, records, threads);
-        };
-        // Large groups get all threads, one after the other; of the others each thread takes some.
-        if settings.threads > 1 {
-            groups.iter_mut().filter(|group| group.group.is_large()).for_each(|group| step(group, settings.threads));
-            let is_small = |group: &Numbered<L>| !group.group.is_large() && group.group.has_work();
-            if groups.iter().any(is_small) {
-                for_each_block(settings.threads, groups, |group| {
-                    if is_small(group) {
-                        step(group, 1);
-                    }
-                });
+        SharedWorld::share(bodies, joints, graph, &mut self.claims, |world| {
+            // SAFETY: no two groups share what either writes, see above.
+            let step = |group: &mut Group<L>, threads: u32| unsafe { group.run(&terms, world, threads) };
+            // Large groups get all threads, one after the other; of the others each thread takes some.
+            if threads > 1 {
+                groups.iter_mut().filter(|group| group.is_large()).for_each(|group| step(group, threads));
+                let is_small = |group: &Group<L>| !group.is_large() && group.has_work();
+                if groups.iter().any(is_small) {
+                    for_each_block(threads, groups, |group| {
+                        if is_small(group) {
+                            step(group, 1);
+                        }
+                    });
+                }
+            } else {
+                groups.iter_mut().for_each(|group| step(group, 1));
             }
-        } else {
-            groups.iter_mut().for_each(|group| step(group, 1));
-        }
-        graph.presses_changed |= presses_changed.into_inner();
-        directly
-    }
-
-    /// Takes islands that can be solved directly through the step, and packs the others.
-    fn solve_directly(
-        &mut self,
-        bodies: &mut Bodies,
-        joints: &mut Joints,
-        graph: &mut ContactGraph,
-        islands: &Islands,
-        settings: &SolverSettings,
-    ) -> Directly {
-        let groups = &mut self.list[..islands.count()];
-        let mut total = Directly::default();
-        if groups.iter().all(|Numbered { group, .. }| group.islands.is_empty()) {
-            return total;
-        }
-        let presses_changed = AtomicBool::new(false);
-        let mut none = [];
-        let world = WorldParts::new(bodies, joints, graph, &presses_changed, &mut none);
-        let (terms, exactly) = (MotionTerms::of(settings), Exactly::of(settings));
-        for_each_block(settings.threads, groups, |Numbered { group, directly, .. }| {
-            *directly = group.solve_directly(world, &terms, exactly);
         });
-        graph.presses_changed |= presses_changed.into_inner();
-        for Numbered { index, group, directly, .. } in groups {
-            if directly.changed {
-                group.arrange(*index, islands, bodies, joints, graph);
-            }
-            total.resting += directly.resting;
-            total.rows += directly.rows;
-            total.row_updates += directly.row_updates;
-        }
         total
     }
 }

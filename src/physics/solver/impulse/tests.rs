@@ -1,16 +1,17 @@
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use simba::simd::WideF32x8;
 
-use super::bodies::GroupBodies;
+use super::bodies::{ClaimedBody, ClaimedPairs, Ends, GroupBodies, SharedBodies};
 use super::coloring::Coloring;
-use super::contact::{ContactBlock, ContactSite};
-use super::joint::{JointBlock, JointSite};
+use super::contact::{ContactBlock, ContactInput};
+use super::joint::{JointBlock, JointInput};
 use super::stage::Sweep;
 use crate::physics::body::Body;
 use crate::physics::body::RigidBody;
 use crate::physics::body::world_inverse_inertia;
 use crate::physics::collision::{ContactGeometry, ContactState};
 use crate::physics::lanes::{Lanes, READ_ONLY, Record};
+use crate::physics::scalar::Scalar;
 use crate::physics::solver::soft_terms::{Projection, SoftTerms, UNLIMITED};
 use crate::physics::testing::Random;
 use bevy::prelude::Entity;
@@ -26,8 +27,7 @@ fn colours_share_no_body_and_hold_every_constraint_once() {
         (a, if a == b { 40 | READ_ONLY } else { b })
     }));
     let mut coloring = Coloring::default();
-    coloring.add(41, 0, &pairs[..150], 8);
-    coloring.add(41, 150, &pairs[150..], 8);
+    coloring.set(41, &pairs, 150, 8);
     let mut order = coloring.order.clone();
     order.sort_unstable();
     assert_eq!(order, (0..pairs.len() as u32).collect::<Vec<_>>());
@@ -83,13 +83,27 @@ fn gather<L: Lanes>(bodies: &[Body]) -> GroupBodies<L::Scalar> {
     group.resize(bodies.len());
     let shared = group.share();
     for (index, body) in bodies.iter().enumerate() {
-        // SAFETY: one thread.
-        #[allow(unsafe_code)]
-        unsafe {
-            shared.gather(index, body, STEP, STEP);
-        }
+        one_body(&shared, index).gather(body, STEP, STEP);
     }
     group
+}
+
+/// A body of which nothing else is claimed.
+fn one_body<'b, 'a, S: Scalar + Default>(shared: &'b SharedBodies<'a, S>, index: usize) -> ClaimedBody<'b, 'a, S> {
+    // SAFETY: one thread, and one claim at a time.
+    #[allow(unsafe_code)]
+    unsafe {
+        shared.claim(index)
+    }
+}
+
+/// The pairs of a block of which nothing else is claimed.
+fn pairs<'b, 'a, L: Lanes>(shared: &'b SharedBodies<'a, L::Scalar>, ends: Ends) -> ClaimedPairs<'b, 'a, L> {
+    // SAFETY: one thread, and one claim at a time.
+    #[allow(unsafe_code)]
+    unsafe {
+        shared.claim_pairs(ends)
+    }
 }
 
 /// Velocities as the bodies would have them after the step.
@@ -97,11 +111,7 @@ fn velocities<L: Lanes>(group: &mut GroupBodies<L::Scalar>, bodies: &[Body]) -> 
     let shared = group.share();
     let mut after = bodies.to_vec();
     for (index, body) in after.iter_mut().enumerate().filter(|(_, body)| body.kind == RigidBody::Dynamic) {
-        // SAFETY: one thread.
-        #[allow(unsafe_code)]
-        unsafe {
-            shared.scatter(index, body);
-        }
+        one_body(&shared, index).scatter(body);
     }
     after
 }
@@ -117,14 +127,21 @@ fn read_only(body: usize) -> u32 {
     if body < 2 { body as u32 | READ_ONLY } else { body as u32 }
 }
 
-fn joint_sites(bodies: &[Body], random: &mut Random) -> Vec<JointSite> {
+/// The bodies A and B of the constraint of that index.
+fn pair_of(index: usize) -> [usize; 2] {
+    [index, index + 8]
+}
+
+/// The bodies of a block of the constraints from that index on.
+fn ends_from(first: usize) -> Ends {
+    [0, 1].map(|end| std::array::from_fn(|lane| read_only(pair_of((first + lane) % 8)[end])))
+}
+
+fn joint_inputs(bodies: &[Body], random: &mut Random) -> Vec<JointInput> {
     (0..8)
-        .map(|lane| JointSite {
-            a: read_only(lane),
-            b: read_only(lane + 8),
-            anchor_a: random.vector(),
-            anchor_b: random.vector(),
-            apart: bodies[lane + 8].position - bodies[lane].position,
+        .map(|index| JointInput {
+            anchors: [random.vector(), random.vector()],
+            offset: bodies[pair_of(index)[1]].position - bodies[pair_of(index)[0]].position,
             impulse: Vector3::zeros(),
             softness: None,
         })
@@ -132,29 +149,37 @@ fn joint_sites(bodies: &[Body], random: &mut Random) -> Vec<JointSite> {
 }
 
 /// The velocity at which a joint's anchors part.
-fn parting(bodies: &[Body], site: &JointSite) -> Vector3<f64> {
-    let [a, b] = [site.a, site.b].map(|body| &bodies[(body & !READ_ONLY) as usize]);
-    b.point_velocity(&(b.rotation * site.anchor_b)) - a.point_velocity(&(a.rotation * site.anchor_a))
+fn parting(bodies: &[Body], index: usize, input: &JointInput) -> Vector3<f64> {
+    let [a, b] = pair_of(index).map(|body| &bodies[body]);
+    b.point_velocity(&(b.rotation * input.anchors[1])) - a.point_velocity(&(a.rotation * input.anchors[0]))
+}
+
+/// Does something with blocks of all joints.
+fn with_joint_blocks<L: Lanes>(
+    group: &mut GroupBodies<L::Scalar>,
+    inputs: &[JointInput],
+    mut work: impl FnMut(&mut JointBlock<L>, &mut ClaimedPairs<L>),
+) {
+    for (chunk, inputs) in inputs.chunks(L::COUNT).enumerate() {
+        let mut block = JointBlock::<L>::idle();
+        block.ends = ends_from(chunk * L::COUNT);
+        let shared = group.share();
+        let mut pairs = pairs(&shared, block.ends);
+        block.take_in(inputs, &pairs, STEP);
+        work(&mut block, &mut pairs);
+    }
 }
 
 fn joints_in<L: Lanes>(tolerance: f64) {
     let mut random = Random::new(3);
     let bodies = bodies(&mut random);
-    let sites = joint_sites(&bodies, &mut random);
+    let inputs = joint_inputs(&bodies, &mut random);
     let mut group = gather::<L>(&bodies);
-    for sites in sites.chunks(L::COUNT) {
-        let shared = group.share();
-        // SAFETY: one thread.
-        #[allow(unsafe_code)]
-        unsafe {
-            let mut block = JointBlock::<L>::new(sites, shared.frames, STEP);
-            block.solve(shared.velocity, shared.moved, None);
-        }
-    }
+    with_joint_blocks::<L>(&mut group, &inputs, |block, pairs| block.solve(pairs, None));
     let after = velocities::<L>(&mut group, &bodies);
-    for site in &sites {
-        assert!(parting(&bodies, site).norm() > 0.1);
-        assert!(parting(&after, site).norm() < tolerance, "{:?}", parting(&after, site));
+    for (index, input) in inputs.iter().enumerate() {
+        assert!(parting(&bodies, index, input).norm() > 0.1);
+        assert!(parting(&after, index, input).norm() < tolerance, "{:?}", parting(&after, index, input));
     }
     // What one body gained the other lost, but for those that nothing moves.
     for (a, b) in (2..8).map(|index| (index, index + 8)) {
@@ -187,26 +212,23 @@ fn contacts_in<L: Lanes>(tolerance: f64) {
     let mut random = Random::new(4);
     let bodies = bodies(&mut random);
     let states: Vec<ContactState> = (0..8).map(|lane| contact(&bodies, lane, &mut random)).collect();
-    let sites: Vec<ContactSite> = states
+    let inputs: Vec<ContactInput> = states
         .iter()
         .enumerate()
-        .map(|(lane, state)| ContactSite {
-            a: read_only(lane),
-            b: read_only(lane + 8),
+        .map(|(index, state)| ContactInput {
             geometry: &state.geometry,
             impulses: &state.impulses,
-            apart: bodies[lane + 8].position - bodies[lane].position,
+            offset: bodies[pair_of(index)[1]].position - bodies[pair_of(index)[0]].position,
         })
         .collect();
     let mut group = gather::<L>(&bodies);
-    for sites in sites.chunks(L::COUNT) {
+    for (chunk, inputs) in inputs.chunks(L::COUNT).enumerate() {
+        let mut block = ContactBlock::<L>::idle();
+        block.ends = ends_from(chunk * L::COUNT);
         let shared = group.share();
-        // SAFETY: one thread.
-        #[allow(unsafe_code)]
-        unsafe {
-            let mut block = ContactBlock::<L>::new(sites, shared.frames);
-            block.solve(shared.velocity, shared.moved, &SoftTerms::rigid(0.0, UNLIMITED, 0.0, 1.0), Sweep::Relax);
-        }
+        let mut pairs = pairs(&shared, block.ends);
+        block.take_in(inputs, &pairs);
+        block.solve(&mut pairs, &SoftTerms::rigid(0.0, UNLIMITED, 0.0, 1.0), Sweep::Relax);
     }
     let after = velocities::<L>(&mut group, &bodies);
     let mut pushed = 0;
@@ -243,41 +265,34 @@ fn one_update_stops_points_that_approach_in_any_lanes() {
 }
 
 fn projection<L: Lanes>(share: f64) -> Projection<L> {
-    Projection { contact: L::of(share), joint: L::of(share), most: L::of(1e3), slop: L::of(0.0) }
+    Projection { contact_share: L::of(share), joint_share: L::of(share), max_correction: L::of(1e3), slop: L::of(0.0) }
 }
 
 /// How far each joint's anchors are apart, by the rows of where the bodies were gathered.
 fn separations_after<L: Lanes>(share: f64) -> Vec<(f64, f64)> {
     let mut random = Random::new(6);
     let bodies = bodies(&mut random);
-    let sites = joint_sites(&bodies, &mut random);
+    let inputs = joint_inputs(&bodies, &mut random);
     let mut group = gather::<L>(&bodies);
-    for sites in sites.chunks(L::COUNT) {
-        let shared = group.share();
-        // SAFETY: one thread.
-        #[allow(unsafe_code)]
-        unsafe {
-            let block = JointBlock::<L>::new(sites, shared.frames, STEP);
-            block.project(shared.moved, &projection(share));
-        }
-    }
+    with_joint_blocks::<L>(&mut group, &inputs, |block, pairs| block.project(pairs, &projection(share)));
     let after = velocities::<L>(&mut group, &bodies);
     // Moves are added to poses, with all of a turn in the first order of their rows.
-    let apart = |bodies: &[Body], site: &JointSite, arms: [Vector3<f64>; 2]| {
-        let [a, b] = [site.a, site.b].map(|body| &bodies[(body & !READ_ONLY) as usize]);
+    let apart = |bodies: &[Body], index: usize, arms: [Vector3<f64>; 2]| {
+        let [a, b] = pair_of(index).map(|body| &bodies[body]);
         (b.position + arms[1] - a.position - arms[0]).norm()
     };
-    sites
+    inputs
         .iter()
-        .map(|site| {
-            let [a, b] = [site.a, site.b].map(|body| (body & !READ_ONLY) as usize);
-            let arms = [bodies[a].rotation * site.anchor_a, bodies[b].rotation * site.anchor_b];
+        .enumerate()
+        .map(|(index, input)| {
+            let [a, b] = pair_of(index);
+            let arms = [bodies[a].rotation * input.anchors[0], bodies[b].rotation * input.anchors[1]];
             let turned = |body: usize, arm: &Vector3<f64>| {
                 let turn = (after[body].rotation * bodies[body].rotation.inverse()).scaled_axis();
                 arm + turn.cross(arm)
             };
             assert_eq!(after[b].linear, velocities::<L>(&mut gather::<L>(&bodies), &bodies)[b].linear);
-            (apart(&bodies, site, arms), apart(&after, site, [turned(a, &arms[0]), turned(b, &arms[1])]))
+            (apart(&bodies, index, arms), apart(&after, index, [turned(a, &arms[0]), turned(b, &arms[1])]))
         })
         .collect()
 }
@@ -320,27 +335,20 @@ fn a_soft_contact_settles_where_its_spring_holds_the_weight() {
         let mut group = GroupBodies::<f64>::default();
         group.resize(2);
         let shared = group.share();
-        let site = ContactSite {
-            a: READ_ONLY,
-            b: 1,
-            geometry: &state.geometry,
-            impulses: &state.impulses,
-            apart: ball.position,
-        };
-        // SAFETY: one thread.
-        #[allow(unsafe_code)]
-        let impulses: [Record<f32>; 8] = unsafe {
-            bodies.iter().enumerate().for_each(|(index, body)| shared.gather(index, body, h, h));
-            let mut block = ContactBlock::<f64>::new(&[site], shared.frames);
-            shared.begin_substep(1, true);
-            block.warm_start(shared.velocity);
-            block.solve(shared.velocity, shared.moved, &soft, Sweep::Springs);
-            shared.drift(1, h);
-            block.solve(shared.velocity, shared.moved, &soft, Sweep::Relax);
-            shared.end_substep(1);
-            shared.scatter(1, &mut ball);
-            block.impulses()
-        };
+        let input = ContactInput { geometry: &state.geometry, impulses: &state.impulses, offset: ball.position };
+        bodies.iter().enumerate().for_each(|(index, body)| one_body(&shared, index).gather(body, h, h));
+        let mut block = ContactBlock::<f64>::idle();
+        block.ends = [[READ_ONLY; 8], [1; 8]];
+        block.take_in(&[input], &pairs(&shared, block.ends));
+        one_body(&shared, 1).begin_substep(true);
+        let mut pairs = pairs(&shared, block.ends);
+        block.warm_start(&mut pairs);
+        block.solve(&mut pairs, &soft, Sweep::Soft);
+        one_body(&shared, 1).drift(h);
+        block.solve(&mut pairs, &soft, Sweep::Relax);
+        one_body(&shared, 1).end_substep();
+        one_body(&shared, 1).scatter(&mut ball);
+        let impulses: [Record<f32>; 8] = block.impulses();
         state.impulses = impulses[0];
     }
     let sunk = 1.0 - ball.position.y;

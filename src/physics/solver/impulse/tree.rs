@@ -3,27 +3,13 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use crate::physics::body::Body;
+use super::constants::{TREE_CLOSED, TREE_FACTOR_LAG, TREE_START_ITERATIONS, TREE_TURN};
 use crate::physics::body::free_rotation::turn_freely;
-use crate::physics::body::rotation_by;
-use crate::physics::body::world_inverse_inertia;
+use crate::physics::body::{Body, rotation_by, world_inverse_inertia};
 use crate::physics::constraint::row::Twist;
 use crate::physics::joint::Joint;
 use crate::physics::solver::joint_tree::{JointTree, PoseChange, UNRESOLVED};
-use crate::physics::solver::substeps::{Parts, Substeps};
-
-/// Newton iterations where a tree begins.
-const START_ITERATIONS: usize = 8;
-
-/// Separations under which joints count as closed, m.
-const CLOSED: f64 = 1e-13;
-
-/// Turn of a body in a step from which on the tree takes all substeps, rad: a chain's energy pays for more.
-const FAR: f64 = 0.05;
-
-/// Turn of the last projection, rad, times ω²h², up to which the factor of the pose before serves with one step of
-/// refinement: what is left then is its square of the impulses. Nearly redundant rows would be beyond refinement.
-const MOST_LAG: f64 = 1e-3;
+use crate::physics::solver::substeps::{Intervals, Substeps};
 
 /// A body as its tree moves it.
 #[derive(Clone, Debug)]
@@ -93,22 +79,20 @@ impl TreeBody {
 
 /// A joint of the tree, in its order.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Link {
+struct AnchoredJoint {
     global: u32,
-    /// Local bodies.
-    a: usize,
-    b: usize,
-    anchor_a: Vector3<f64>,
-    anchor_b: Vector3<f64>,
+    /// Local bodies A and B.
+    bodies: [usize; 2],
+    anchors: [Vector3<f64>; 2],
 }
 
-/// A tree and where it is.
+/// A tree of joints and the state of its bodies.
 pub(crate) struct TreeStep {
     tree: JointTree,
     /// Global indices, in the tree's order.
     members: Vec<u32>,
     bodies: Vec<TreeBody>,
-    links: Vec<Link>,
+    joints: Vec<AnchoredJoint>,
     twists: Vec<Twist<f64>>,
     targets: Vec<Vector3<f64>>,
     separations: Vec<Vector3<f64>>,
@@ -122,25 +106,24 @@ impl TreeStep {
     /// A tree whose bodies and joints are told by indices into these lists.
     pub fn new(tree: JointTree, members: &[u32], globals: &[u32], joints: &[Joint]) -> Self {
         let members: Vec<u32> = tree.bodies().iter().map(|&body| members[body as usize]).collect();
-        let links = tree.joints().iter().map(|&joint| {
+        let of_tree = tree.joints().iter().enumerate().map(|(index, &joint)| {
             let global = globals[joint as usize];
-            let Joint { a, b, anchor_a, anchor_b, .. } = joints[global as usize];
-            Link { global, a: a as usize, b: b as usize, anchor_a, anchor_b }
-        });
-        let mut links: Vec<Link> = links.collect();
-        for (index, link) in links.iter_mut().enumerate() {
+            let joint = &joints[global as usize];
             // One that does not move appears once for each of its joints.
-            let local = tree.ends(index);
-            let is_first = members[local[0] as usize] as usize == link.a;
-            [link.a, link.b] = if is_first { local } else { [local[1], local[0]] }.map(|local| local as usize);
-        }
+            let mut bodies = tree.ends(index).map(|local| local as usize);
+            if members[bodies[0]] != joint.a {
+                bodies.reverse();
+            }
+            AnchoredJoint { global, bodies, anchors: joint.anchors() }
+        });
+        let joints: Vec<AnchoredJoint> = of_tree.collect();
         Self {
             twists: vec![Twist::zero(); members.len()],
-            targets: vec![Vector3::zeros(); links.len()],
-            separations: vec![Vector3::zeros(); links.len()],
+            targets: vec![Vector3::zeros(); joints.len()],
+            separations: vec![Vector3::zeros(); joints.len()],
             bodies: Vec::new(),
             members,
-            links,
+            joints,
             tree,
             factored: None,
             is_refined: false,
@@ -154,18 +137,19 @@ impl TreeStep {
 
     /// The joints, global indices.
     pub fn joints(&self) -> impl Iterator<Item = u32> {
-        self.links.iter().map(|link| link.global)
+        self.joints.iter().map(|joint| joint.global)
     }
 
     /// Whether `other` has the same bodies and joints.
     pub fn is_same_as(&self, other: &Self) -> bool {
-        self.members == other.members && self.links == other.links
+        self.members == other.members && self.joints == other.joints
     }
 
     /// A whole step. Returns the length of its substeps, s.
     pub fn step<'w>(&mut self, body: impl Fn(u32) -> &'w Body, substeps: &Substeps) -> f64 {
         self.gather(&body);
-        let Parts { count, h, .. } = substeps.for_bodies(self.moving().iter().map(|&member| body(member)), FAR);
+        let Intervals { count, h, .. } =
+            substeps.for_bodies(self.moving().iter().map(|&member| body(member)), TREE_TURN);
         // Velocities are half a substep behind the poses; those that a user gave are not.
         let is_new = self.moving().iter().all(|&member| !body(member).has_stepped);
         if is_new {
@@ -182,7 +166,7 @@ impl TreeStep {
             None => {
                 self.prepare(h);
                 // What was solved otherwise so far, or moved by hand, is closed at once and without a kick.
-                self.tree.project_positions(&self.separations, START_ITERATIONS, CLOSED);
+                self.tree.project_positions(&self.separations, TREE_START_ITERATIONS, TREE_CLOSED);
                 self.take_pose_changes(|_, _| {});
                 self.prepare(h);
             }
@@ -219,16 +203,16 @@ impl TreeStep {
         for (local, body) in self.bodies.iter().enumerate().filter(|(_, body)| body.moves) {
             self.tree.set_inertia(local, body.inverse_mass, body.inverse_inertia());
         }
-        let swing = self.tree.stiffen(h);
+        let phase_squared = self.tree.stiffen(h);
         self.tree.factor();
-        swing
+        phase_squared
     }
 
     fn set_arms(&mut self) {
-        let Self { tree, bodies, links, separations, .. } = self;
-        for (index, (link, separation)) in links.iter().zip(separations).enumerate() {
-            let (a, b) = (&bodies[link.a], &bodies[link.b]);
-            let (arm_a, arm_b) = (a.rotation * link.anchor_a, b.rotation * link.anchor_b);
+        let Self { tree, bodies, joints, separations, .. } = self;
+        for (index, (joint, separation)) in joints.iter().zip(separations).enumerate() {
+            let [a, b] = joint.bodies.map(|local| &bodies[local]);
+            let (arm_a, arm_b) = (a.rotation * joint.anchors[0], b.rotation * joint.anchors[1]);
             tree.set_arms(index, arm_a, arm_b);
             *separation = (b.position - a.position) + arm_b - arm_a;
         }
@@ -259,8 +243,8 @@ impl TreeStep {
                 body.rotation = rotation_by(&(body.angular * h)) * body.rotation;
             }
         }
-        let swing = self.prepare(h);
-        self.tree.project_positions(&self.separations, 1, CLOSED);
+        let phase_squared = self.prepare(h);
+        self.tree.project_positions(&self.separations, 1, TREE_CLOSED);
         let mut turn: f64 = 0.0;
         self.take_pose_changes(|body, change| {
             turn = turn.max(change.rotation.imag().amax());
@@ -268,10 +252,11 @@ impl TreeStep {
             // The turn is that of a drift's error; its angle and twice its sine differ by a third power.
             body.angular += change.rotation.imag() * (2.0 / h);
         });
-        self.is_refined = swing > UNRESOLVED && turn * swing < MOST_LAG && !self.tree.may_be_redundant();
+        self.is_refined =
+            phase_squared > UNRESOLVED && turn * phase_squared < TREE_FACTOR_LAG && !self.tree.may_be_redundant();
         if self.is_refined {
             self.set_arms();
-        } else if swing > UNRESOLVED {
+        } else if phase_squared > UNRESOLVED {
             self.prepare(h);
         }
     }
@@ -298,6 +283,6 @@ impl TreeStep {
 
     /// The force on B of each joint, in their order, N, in the last substep of length h.
     pub fn forces(&self, h: f64) -> impl Iterator<Item = Vector3<f64>> {
-        (0..self.links.len()).map(move |index| self.tree.impulse(index) / h)
+        (0..self.joints.len()).map(move |index| self.tree.impulse(index) / h)
     }
 }

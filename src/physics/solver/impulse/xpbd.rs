@@ -1,8 +1,8 @@
 //! Extended position-based dynamics with small steps (Müller, Macklin, Chentanez, Jeschke and Kim 2020, *Detailed
 //! Rigid Body Simulation with Extended Position Based Dynamics*).
 //!
-//! Each substep: forces → positions solved → velocities from how far bodies moved → contacts settle. Nothing is
-//! remembered of the substep before; substeps take the place of sweeps (Macklin et al. 2019).
+//! Each substep: forces → positions solved → velocities from how far bodies moved → velocities of contacts solved.
+//! Nothing is remembered of the substep before; substeps take the place of sweeps (Macklin et al. 2019).
 //!
 //! **Positions as velocities.** Their method predicts x* = x + h v, then moves each pair by M⁻¹Jᵀ Δλ,
 //! Δλ = −(C(x) + α̃ λ)/(w + α̃), w = J M⁻¹Jᵀ, α̃ = α/h², and ends with v = (x − x_before)/h. Seen from the pose before,
@@ -17,55 +17,50 @@
 //! ([`SoftTerms`]).
 //!
 //! **Friction.** Static friction is positional: no slip since the start of the substep. It is solved before the
-//! normals, bounded by what they pushed in the substep before. After or among normals that start from zero, it would
+//! normals, bounded by their impulses of the substep before. After or among normals that start from zero, it would
 //! hold against tilts that the next normal takes back, and boxes walk apart (`pyramid 20` by 2 m in 10 s with 16
 //! substeps, which so drifts by 1 mm in 5 s).
 //!
-//! **Contacts settle** (their velocity solve): points that pushed neither part nor approach, friction up to its bound.
-//! That takes out what the way out of an overlap left in the velocities. Bounces follow once a step, as of all methods
-//! here.
+//! **Velocities of contacts**: points with a normal impulse neither part nor approach, friction up to its bound. That
+//! takes out what the correction of an overlap left in the velocities. Restitution follows once a step, as in all
+//! methods here.
 //!
 //! **Good at** walls and loads for its cost: with 8 substeps `pyramid 40` sinks by 20 mm and drifts by 80 mm in 10 s,
 //! `limbs` part by 7 mm, `sandwich 100` sinks by 1 mm; 4, 8 and 16 substeps part `chain 100` by 117, 38 and 12 mm in
 //! 5 s. **Bad at** few substeps: with 4, `stack 30` falls. Nothing is carried over, so that slopes creep, by 1.5 mm/s
 //! at 30°, and `card_house` falls.
 
-use super::{Color, GroupTerms, Plan, Stage};
+use super::coloring::Color;
+use super::constants::XPBD_TURN;
+use super::stage::{GroupTerms, Plan, Stage};
 use crate::physics::lanes::Lanes;
 use crate::physics::settings::SolverSettings;
 use crate::physics::solver::soft_terms::{SoftTerms, UNLIMITED};
-use crate::physics::solver::substeps::Substeps;
-
-/// Turn in a step beyond which rows of joints turn along, rad: what a turn θ of an arm r misses, ½ r θ², comes back as
-/// a speed.
-const FAR: f64 = 0.01;
 
 /// What groups need of the settings.
 pub(crate) fn terms<L: Lanes>(settings: &SolverSettings) -> GroupTerms<L> {
-    let h = settings.step() / f64::from(settings.substeps);
-    let push = settings.correction_speed.unwrap_or(UNLIMITED);
+    let rigid = GroupTerms::new(settings);
+    let h = rigid.h;
+    let max_speed = settings.correction_speed.unwrap_or(UNLIMITED);
     GroupTerms {
-        h,
-        substeps: Substeps::of(settings),
         joint: SoftTerms::rigid(1.0 / h, UNLIMITED, 0.0, h),
-        contact: SoftTerms::rigid(1.0 / h, push, settings.slop, h),
-        projection: None,
-        restitution_speed: settings.restitution_speed.unwrap_or(UNLIMITED),
+        contact: SoftTerms::rigid(1.0 / h, max_speed, settings.slop, h),
+        ..rigid
     }
 }
 
 /// The stages of a step, for a group of these colours.
 pub(crate) fn stages(plan: &Plan, colors: impl Iterator<Item = Color> + Clone, stages: &mut Vec<Stage>) {
     let contacts = colors.clone().filter(|color| matches!(color, Color::Contacts(_)));
-    for part in plan.parts(plan.turns_over(FAR)) {
-        plan.part(part, colors.clone(), stages, |_, stages| {
-            stages.push(Stage::Begin { is_first: true });
-            stages.extend(contacts.clone().map(Stage::Rub));
+    for interval in plan.intervals(plan.turns_over(XPBD_TURN)) {
+        plan.interval(interval, colors.clone(), stages, |_, stages| {
+            stages.push(Stage::BeginSubstep { is_first: true });
+            stages.extend(contacts.clone().map(Stage::SolveFriction));
             for iteration in 0..plan.iterations {
-                stages.extend(colors.clone().map(|color| Stage::Press { color, is_first: iteration == 0 }));
+                stages.extend(colors.clone().map(|color| Stage::SolvePositions { color, is_first: iteration == 0 }));
             }
             stages.push(Stage::Drift);
-            stages.extend(contacts.clone().map(Stage::Settle));
+            stages.extend(contacts.clone().map(Stage::SolveVelocities));
         });
     }
 }

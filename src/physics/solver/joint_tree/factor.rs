@@ -1,16 +1,13 @@
-//! The block L D Lᵀ of J M⁻¹ Jᵀ + γ, and its two substitutions.
+//! The block L D Lᵀ of J M⁻¹ Jᵀ, and its two substitutions.
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Branch, Hub, Inertia, JointTree, NONE};
+use super::constants::LEAST_PIVOT;
+use super::tree::{Branch, Hub, JointTree, NONE, TreeInertia};
 use crate::physics::constraint::row::Twist;
 
-/// A pivot under this part of the diagonal it was left from has lost all its digits: its row is
-/// redundant. Rounding leaves some 1e-16 per joint; a mass ratio of r leaves 1/r.
-const LEAST_PIVOT: f64 = 1e-12;
-
 impl JointTree {
-    /// Factors J M⁻¹ Jᵀ + γ for the inertias, arms and softnesses set.
+    /// Factors J M⁻¹ Jᵀ for the inertias and arms set.
     pub fn factor(&mut self) {
         for hub in &mut self.hubs {
             hub.reset(&self.inertias[hub.body as usize]);
@@ -44,11 +41,11 @@ impl JointTree {
         }
     }
 
-    /// The joint's blocks of J M⁻¹ Jᵀ + γ; hubs add theirs when their N is known.
+    /// The joint's blocks of J M⁻¹ Jᵀ; hubs add theirs when their N is known.
     fn assemble(&mut self, index: usize) {
         let joint = &self.joints[index];
-        let mut diagonal = Matrix3::from_diagonal_element(joint.softness);
-        let mut scale = Vector3::repeat(joint.softness);
+        let mut diagonal = Matrix3::zeros();
+        let mut scale = Vector3::zeros();
         let mut coupling = Matrix3::zeros();
         if let Some(child) = self.inertias.get(joint.child as usize) {
             let block = child.between(&joint.arm_child, &joint.arm_child);
@@ -134,7 +131,7 @@ impl JointTree {
     }
 }
 
-impl Inertia {
+impl TreeInertia {
     /// m⁻¹ − [a]× I⁻¹ [b]×: the velocity at arm a per impulse at arm b.
     pub(super) fn between(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Matrix3<f64> {
         let turned = cross_columns(a, &self.inverse_inertia);
@@ -147,7 +144,7 @@ impl Inertia {
 }
 
 impl Hub {
-    fn reset(&mut self, inertia: &Inertia) {
+    fn reset(&mut self, inertia: &TreeInertia) {
         self.linear = Matrix3::from_diagonal(&inertia.inverse_mass);
         self.mixed = Matrix3::zeros();
         self.angular = inertia.inverse_inertia;

@@ -7,11 +7,9 @@
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-use super::JointTree;
+use super::constants::STEP_LENGTHS;
+use super::tree::{Displacement, JointTree};
 use crate::physics::constraint::row::Twist;
-
-/// How many lengths of a step are tried, each half the one before.
-const TRIALS: usize = 6;
 
 /// How a body is moved: x ← x + `linear`, q ← `rotation` q.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,26 +18,13 @@ pub(crate) struct PoseChange {
     pub rotation: UnitQuaternion<f64>,
 }
 
-/// A pose change under way; bodies that do not move keep the identity.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Motion {
-    linear: Vector3<f64>,
-    rotation: Quaternion<f64>,
-}
-
-impl Default for Motion {
-    fn default() -> Self {
-        Self { linear: Vector3::zeros(), rotation: Quaternion::identity() }
-    }
-}
-
 impl JointTree {
     /// Finds pose changes that close `separations` (C = x_b + r_b − x_a − r_a per joint, local
     /// order, m, at the arms set), in at most that many iterations or until none is over
-    /// `tolerance`, m. Returns the largest separation left. A soft joint is given as zero and
-    /// keeps what it has. Needs [`Self::factor`], from these arms or a little earlier ones.
+    /// `tolerance`, m. Returns the largest separation left. Needs [`Self::factor`], from these arms or a little
+    /// earlier ones.
     pub fn project_positions(&mut self, separations: &[Vector3<f64>], iterations: usize, tolerance: f64) -> f64 {
-        self.motions.fill(Motion::default());
+        self.displacements.fill(Displacement::default());
         let mut worst: f64 = 0.0;
         for ((joint, separation), unknown) in self.joints.iter().zip(separations).zip(&mut self.unknowns) {
             *unknown = separation * -joint.sign;
@@ -52,19 +37,19 @@ impl JointTree {
             }
             self.substitute();
             self.gather_wrenches();
-            self.earlier_motions.copy_from_slice(&self.motions);
+            self.earlier.copy_from_slice(&self.displacements);
             self.step();
-            let mut part = 1.0;
+            let mut share = 1.0;
             let mut left = f64::INFINITY;
             // Newton's direction closes joints, but its length may be too great. Where no pose closes
             // them, no length helps.
-            for _ in 0..TRIALS {
-                self.advance(part);
+            for _ in 0..STEP_LENGTHS {
+                self.advance(share);
                 left = self.separations_left(separations);
                 if left < worst {
                     break;
                 }
-                part *= 0.5;
+                share *= 0.5;
             }
             if left.is_nan() || left >= worst {
                 self.advance(0.0);
@@ -77,10 +62,10 @@ impl JointTree {
 
     /// What [`Self::project_positions`] found, per moving body in local order.
     pub fn pose_changes(&self) -> impl Iterator<Item = PoseChange> + '_ {
-        let moving = self.motions[..self.moving].iter();
-        moving.map(|motion| PoseChange {
-            linear: motion.linear,
-            rotation: UnitQuaternion::new_normalize(motion.rotation),
+        let moving = self.displacements[..self.moving].iter();
+        moving.map(|displacement| PoseChange {
+            linear: displacement.linear,
+            rotation: UnitQuaternion::new_normalize(displacement.rotation),
         })
     }
 
@@ -88,8 +73,8 @@ impl JointTree {
     fn separations_left(&mut self, separations: &[Vector3<f64>]) -> f64 {
         let mut largest: f64 = 0.0;
         for ((joint, separation), unknown) in self.joints.iter().zip(separations).zip(&mut self.unknowns) {
-            let child = self.motions[joint.child as usize].shift_of(&joint.arm_child);
-            let parent = self.motions[joint.parent as usize].shift_of(&joint.arm_parent);
+            let child = self.displacements[joint.child as usize].shift_of(&joint.arm_child);
+            let parent = self.displacements[joint.parent as usize].shift_of(&joint.arm_parent);
             *unknown = parent - child - separation * joint.sign;
             largest = largest.max(unknown.norm_squared());
         }
@@ -103,19 +88,19 @@ impl JointTree {
         }
     }
 
-    /// Moves by that part of the step from where the iteration began.
-    fn advance(&mut self, part: f64) {
-        for ((step, earlier), motion) in self.wrenches.iter().zip(&self.earlier_motions).zip(&mut self.motions) {
-            *motion = earlier.then(step, part);
+    /// Moves by that share of the step from where the iteration began.
+    fn advance(&mut self, share: f64) {
+        for ((step, earlier), displacement) in self.wrenches.iter().zip(&self.earlier).zip(&mut self.displacements) {
+            *displacement = earlier.then(step, share);
         }
     }
 }
 
-impl Motion {
+impl Displacement {
     /// Turned by the unit quaternion along (1, ½θ), which differs from exp(θ) in third order.
-    fn then(&self, step: &Twist<f64>, part: f64) -> Self {
-        let turn = Quaternion::from_parts(1.0, step.angular * (0.5 * part));
-        Self { linear: self.linear + step.linear * part, rotation: turn * self.rotation / turn.norm() }
+    fn then(&self, step: &Twist<f64>, share: f64) -> Self {
+        let turn = Quaternion::from_parts(1.0, step.angular * (0.5 * share));
+        Self { linear: self.linear + step.linear * share, rotation: turn * self.rotation / turn.norm() }
     }
 
     /// How far the end of that arm has moved: the translation and 2 v × (w r + v × r).

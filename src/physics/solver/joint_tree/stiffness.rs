@@ -3,64 +3,45 @@
 //! A force f at the end of an arm r has the torque r × f, which a rotation δθ changes by
 //! (δθ × r) × f = −K δθ with K = (r·f) 1 − r fᵀ (Tournier, Nesme, Gilles and Faure 2015, "Stable
 //! constrained dynamics"). A light rod of mass m and length L under tension P swings about the line
-//! of the pull at ω² = 12 P/(m L). A step that takes Jᵀλ from its start is leapfrog on that swing,
+//! of the tension at ω² = 12 P/(m L). A step that takes Jᵀλ from its start is leapfrog on that oscillation,
 //! unstable for ωh > 2.
 //!
 //! The cure is Newmark's: leapfrog with the inertia I + β h² K is stable for any ωh if β > ¼ (β = ¼
-//! is the trapezoidal rule, on the border for ωh → ∞). A further δ h² K, whose momentum the swing
-//! loses (implicit Euler would be δ = 1), takes out what rounding and the lag of K feed into modes
-//! that the step cannot resolve. Both fade with the square of ω²h² where the step resolves the swing.
+//! is the trapezoidal rule, on the border for ωh → ∞). A further δ h² K, whose momentum the
+//! oscillation loses (implicit Euler would be δ = 1), takes out what rounding and the lag of K feed into modes
+//! that the step cannot resolve. Both fade with the square of ω²h² where the step resolves the oscillation.
 //!
 //! Kept symmetric and positive, K counts only what pulls along each arm, max(0, r·f) (1 − r̂ r̂ᵀ), which
 //! is all there is where the force keeps to the arm.
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::JointTree;
+use super::constants::{ADDED_INERTIA, DAMPING, RESOLVED, STRONG, STRONG_DAMPING};
 use super::factor::product;
+use super::tree::JointTree;
 use crate::physics::constraint::row::Twist;
-
-/// β. Stability asks for over ¼.
-const ADDED_INERTIA: f64 = 0.5;
-
-/// δ where ω²h² is of order 1: keeps `chain 1000` at 1/240 s without a gain of energy, for a loss of
-/// 2 % in 10 s.
-const DAMPING: f64 = 0.2;
-
-/// δ for ω²h² over [`STRONG`]: with less, `chain 1000000` parts (ω²h² = 6000); with this it loses 4 %
-/// in 10 s.
-const STRONG_DAMPING: f64 = 0.6;
-const STRONG: f64 = 100.0;
-
-/// ω²h² over which arms must be those of the pose to the last digit: a turn of δθ between them and
-/// the pose acts like a kick of ω²h δθ. Arms are then to be set after projection, too, and inertias
-/// and factors where that turn is not small.
-pub(crate) const UNRESOLVED: f64 = 1.0;
-
-/// ω²h² under which the step resolves the swing: both terms would be under 1e-4 of the inertia.
-const RESOLVED: f64 = 0.05;
 
 impl JointTree {
     /// Adds geometric stiffness to the inertias set, from the accumulated impulses, taken to have
     /// acted over h, s. To call after [`Self::set_inertia`] and before [`Self::factor`]. Returns the
-    /// largest ω²h² found; see [`UNRESOLVED`].
+    /// largest ω²h² found; see [`UNRESOLVED`](super::UNRESOLVED).
     pub fn stiffen(&mut self, h: f64) -> f64 {
         let mut fastest: f64 = 0.0;
         let stiffness = &mut self.dampings;
         stiffness.fill(Matrix3::zeros());
         for joint in &self.joints {
             if let Some(child) = stiffness.get_mut(joint.child as usize) {
-                add_pull(child, &joint.arm_child, &joint.impulse);
+                add_stiffness(child, &joint.arm_child, &joint.impulse);
             }
-            add_pull(&mut stiffness[joint.parent as usize], &joint.arm_parent, &-joint.impulse);
+            add_stiffness(&mut stiffness[joint.parent as usize], &joint.arm_parent, &-joint.impulse);
         }
         for (damping, inertia) in self.dampings.iter_mut().zip(&mut self.inertias) {
             let stiffness = *damping * h;
             let inverse = &mut inertia.inverse_inertia;
             // Mean over the two directions across the pull.
-            let swing = 0.5 * inverse.dot(&stiffness);
-            fastest = fastest.max(swing);
-            let Some(Swing { added, damped }) = Swing::of(swing) else {
+            let phase_squared = 0.5 * inverse.dot(&stiffness);
+            fastest = fastest.max(phase_squared);
+            let Some(StiffnessShares { added, damped }) = StiffnessShares::of(phase_squared) else {
                 *damping = Matrix3::identity();
                 continue;
             };
@@ -88,26 +69,26 @@ impl JointTree {
     }
 }
 
-/// Shares of h²K for a swing of ω²h².
+/// Shares of h²K that a step needs.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Swing {
+pub(crate) struct StiffnessShares {
     /// Added to the inertia.
     pub added: f64,
     /// Whose momentum is lost.
     pub damped: f64,
 }
 
-impl Swing {
-    /// None where the step resolves the swing.
-    pub fn of(swing: f64) -> Option<Self> {
-        let weight = swing * swing / (1.0 + swing * swing);
-        let damped = DAMPING + (STRONG_DAMPING - DAMPING) * swing / (STRONG + swing);
-        (swing >= RESOLVED).then_some(Self { added: weight * ADDED_INERTIA, damped: weight * damped })
+impl StiffnessShares {
+    /// For an oscillation of that ω²h²; none where the step resolves it.
+    pub fn of(phase_squared: f64) -> Option<Self> {
+        let share = phase_squared * phase_squared / (1.0 + phase_squared * phase_squared);
+        let damped = DAMPING + (STRONG_DAMPING - DAMPING) * phase_squared / (STRONG + phase_squared);
+        (phase_squared >= RESOLVED).then_some(Self { added: share * ADDED_INERTIA, damped: share * damped })
     }
 }
 
-/// Adds max(0, r·f) (1 − r̂ r̂ᵀ).
-pub(crate) fn add_pull(stiffness: &mut Matrix3<f64>, arm: &Vector3<f64>, force: &Vector3<f64>) {
+/// Adds the stiffness of a force at the end of an arm, max(0, r·f) (1 − r̂ r̂ᵀ).
+pub(crate) fn add_stiffness(stiffness: &mut Matrix3<f64>, arm: &Vector3<f64>, force: &Vector3<f64>) {
     let along = arm.dot(force);
     if along > 0.0 {
         let unit = arm * (along / arm.norm_squared());

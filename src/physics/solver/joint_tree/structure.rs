@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Branch, Hub, Inertia, JointTree, NONE, TreeJoint};
+use super::tree::{Branch, Displacement, Hub, JointTree, NONE, TreeInertia, TreeJoint};
 use crate::physics::constraint::row::Twist;
 
 /// A body with more joints than this is a hub.
@@ -183,11 +183,11 @@ impl Walk {
             tree.sources.push(step.by);
             tree.joints.push(TreeJoint::new(child, local[step.from as usize], sign));
         }
-        tree.inertias = vec![Inertia::FIXED; tree.moving];
+        tree.inertias = vec![TreeInertia::FIXED; tree.moving];
         tree.unknowns = vec![Vector3::zeros(); tree.joints.len()];
         tree.wrenches = vec![Twist::zero(); tree.moving];
-        tree.motions = vec![Default::default(); tree.bodies.len()];
-        tree.earlier_motions = tree.motions.clone();
+        tree.displacements = vec![Displacement::default(); tree.bodies.len()];
+        tree.earlier = tree.displacements.clone();
         tree.dampings = vec![Matrix3::identity(); tree.moving];
         tree.couple();
         tree
@@ -217,7 +217,6 @@ impl TreeJoint {
             sign,
             arm_child: Vector3::zeros(),
             arm_parent: Vector3::zeros(),
-            softness: 0.0,
             pivot: Matrix3::zeros(),
             coupling: Matrix3::zeros(),
             scale: Vector3::zeros(),

@@ -1,5 +1,7 @@
 //! One group of islands taken through a step: gather, substeps, scatter.
 
+use std::ops::Range;
+
 use bevy::platform::collections::HashMap;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
@@ -9,11 +11,10 @@ use super::{cg_pgs, joint_space, nncg, pgs};
 use crate::physics::body::world_inverse_inertia;
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::Contacts;
-use crate::physics::constraint::row::{BodyTerms, Row, Twist};
+use crate::physics::constraint::row::{BodyTerms, Row, RowPair, Twist};
 use crate::physics::contact::{ContactCache, KEPT_SHARE, restitution_threshold};
 use crate::physics::island::Islands;
-use crate::physics::joint::Softness;
-use crate::physics::joint::{Joint, Joints};
+use crate::physics::joint::{Joint, JointDefinition, JointRow, Joints};
 use crate::physics::scalar::Scalar;
 use crate::physics::settings::{FrictionModel, Integrator, Method, Precision, SolverSettings};
 
@@ -169,11 +170,14 @@ pub(crate) struct LocalJoint {
     global: u32,
     pub a: u32,
     pub b: u32,
-    pub anchor_a: Vector3<f64>,
-    pub anchor_b: Vector3<f64>,
-    pub softness: Option<Softness>,
-    /// Impulse on B in this step so far, N·s.
+    pub definition: JointDefinition,
+    /// Its rows in the present solve.
+    pub rows: Range<usize>,
+    /// From B's centre of mass to its anchor, world axes.
+    pub arm_b: Vector3<f64>,
+    /// Impulse on B in this step so far, N·s, and its moment about B's anchor, N·m·s.
     impulse: Vector3<f64>,
+    turn: Vector3<f64>,
 }
 
 #[derive(Default)]
@@ -214,6 +218,7 @@ pub(crate) struct IslandSolver {
     /// Index of each local manifold among the step's contacts.
     manifold_source: Vec<u32>,
     joints: Vec<LocalJoint>,
+    joint_rows: Vec<JointRow<f64>>,
     guests: HashMap<u32, u32>,
     single: Workspace<f32>,
     double: Workspace<f64>,
@@ -287,18 +292,12 @@ impl IslandSolver {
             });
         }
         for &index in islands.joints(group) {
-            let Joint { a, b, anchor_a, anchor_b, softness, .. } = joints.list[index as usize];
-            let a = self.local(a, islands, bodies);
-            let b = self.local(b, islands, bodies);
-            self.joints.push(LocalJoint {
-                global: index,
-                a,
-                b,
-                anchor_a,
-                anchor_b,
-                softness,
-                impulse: Vector3::zeros(),
-            });
+            let joint = &joints.list[index as usize];
+            let a = self.local(joint.a, islands, bodies);
+            let b = self.local(joint.b, islands, bodies);
+            let [arm_b, impulse, turn] = [Vector3::zeros(); 3];
+            let definition = joint.definition;
+            self.joints.push(LocalJoint { global: index, a, b, definition, rows: 0..0, arm_b, impulse, turn });
         }
     }
 
@@ -373,8 +372,8 @@ impl IslandSolver {
             contact_rows(&self.bodies, &work.terms, manifold, points, terms, h, &mut work.rows);
         }
         let joints_from = work.rows.len();
-        for joint in &self.joints {
-            joint_rows(&self.bodies, &work.terms, joint, terms, h, &mut work.rows);
+        for joint in &mut self.joints {
+            joint_rows(&self.bodies, &work.terms, joint, terms, h, &mut self.joint_rows, &mut work.rows);
         }
         if terms.warm_starting {
             self.warm_start(&mut work.rows[..joints_from], &mut work.accelerations);
@@ -403,8 +402,14 @@ impl IslandSolver {
     /// Keeps the forces found, which act over `h`, with their joints and, where somebody wants
     /// them, with their contact points.
     fn keep_forces<N: Scalar>(&mut self, rows: &[Row<N>], joints_from: usize, h: f64, terms: &StepTerms) {
-        for (joint, rows) in self.joints.iter_mut().zip(rows[joints_from..].chunks_exact(3)) {
-            joint.impulse += Vector3::from_fn(|axis, _| rows[axis].lambda.to_f64()) * h;
+        for joint in &mut self.joints {
+            let arm = joint.arm_b.map(N::of);
+            for row in &rows[joint.rows.clone()] {
+                let RowPair { linear_b, angular_b, .. } = row.jacobian;
+                let impulse = row.lambda.to_f64() * h;
+                joint.impulse += linear_b.map(Scalar::to_f64) * impulse;
+                joint.turn += (angular_b - arm.cross(&linear_b)).map(Scalar::to_f64) * impulse;
+            }
         }
         if !terms.warm_starting && !terms.record_forces {
             return;
@@ -456,7 +461,9 @@ impl IslandSolver {
             body.angular = local.angular;
         }
         for joint in &self.joints {
-            joints[joint.global as usize].force = joint.impulse / self.h_total;
+            let to = &mut joints[joint.global as usize];
+            to.force = joint.impulse / self.h_total;
+            to.torque = joint.turn / self.h_total;
         }
     }
 

@@ -274,7 +274,7 @@ impl<N: Scalar> JointSpace<N> {
                 add(&mut accelerations[*body as usize], response, change);
             }
             first = swept.end;
-            if let Bounds::Norm { most, place: 2 } = rows[swept.row].bounds {
+            if let Bounds::Norm { most, place: 2, .. } = rows[swept.row].bounds {
                 let lambda = Vector3::from_fn(|place, _| rows[swept.row - 2 + place].lambda);
                 let within = bounded(lambda, most);
                 let change = within - lambda;

@@ -7,10 +7,12 @@
 //! with η the row's target and d_i = J_i M⁻¹ J_iᵀ + γ_i. Rows are taken in their order, λ starts
 //! from zero or, warm started, from what the rows carried before.
 //!
-//! Three rows whose norm is bounded (a spring's) are updated together. If the three updates in turn come beyond the
+//! Rows whose norm is bounded (a spring's) are updated together. If their updates in turn come beyond the
 //! bound, what they started from is taken half-way to where each alone would go, and scaled to the bound: in the end
 //! the force is along what the spring asks for, whatever the order of its axes. Whole ways could overshoot for ever,
-//! as three rows may be one and the same.
+//! as the rows may be one and the same.
+
+use std::ops::Range;
 
 use nalgebra::{SimdRealField, Vector3};
 
@@ -34,10 +36,10 @@ pub(super) fn sweep<N: SimdRealField + Copy>(
 ) {
     let mut index = 0;
     while index < rows.len() {
-        if let Bounds::Norm { most, .. } = rows[index].bounds {
-            let changes = update_three(rows, index, most, accelerations);
-            (0..3).for_each(|place| note(rows, index + place, changes[place]));
-            index += 3;
+        if let Bounds::Norm { most, count, .. } = rows[index].bounds {
+            let changes = update_group(rows, index..index + count as usize, most, accelerations);
+            (0..count as usize).for_each(|place| note(rows, index + place, changes[place]));
+            index += count as usize;
         } else {
             let change = update(rows, index, accelerations);
             note(rows, index, change);
@@ -46,26 +48,29 @@ pub(super) fn sweep<N: SimdRealField + Copy>(
     }
 }
 
-/// Updates the three rows from `first` on, whose norm is at most so much. Returns their Δλ.
-fn update_three<N: SimdRealField + Copy>(
+/// A number of each row of a group; zero for the rows that it is short of three.
+fn each<N: SimdRealField + Copy>(group: &Range<usize>, mut number: impl FnMut(usize) -> N) -> Vector3<N> {
+    Vector3::from_fn(|place, _| if place < group.len() { number(group.start + place) } else { N::zero() })
+}
+
+/// Updates a group of rows, whose norm is at most so much. Returns their Δλ.
+fn update_group<N: SimdRealField + Copy>(
     rows: &mut [Row<N>],
-    first: usize,
+    group: Range<usize>,
     most: N,
     accelerations: &mut [Twist<N>],
 ) -> Vector3<N> {
-    let old = Vector3::from_fn(|place, _| rows[first + place].lambda);
-    let alone = Vector3::from_fn(|place, _| {
-        residual(&rows[first + place], accelerations) * rows[first + place].inverse_diagonal
-    });
-    let free = old + Vector3::from_fn(|place, _| update(rows, first + place, accelerations));
+    let old = each(&group, |row| rows[row].lambda);
+    let alone = each(&group, |row| residual(&rows[row], accelerations) * rows[row].inverse_diagonal);
+    let free = old + each(&group, |row| update(rows, row, accelerations));
     let half_way = bounded(old + alone * (N::one() + N::one()).simd_recip(), most);
     let is_beyond = free.dot(&free).simd_gt(most * most);
-    for (row, half_way) in rows[first..first + 3].iter_mut().zip(&half_way) {
+    for (row, half_way) in rows[group.clone()].iter_mut().zip(&half_way) {
         let change = (*half_way - row.lambda).select(is_beyond, N::zero());
         row.lambda += change;
         add_response(row, change, accelerations);
     }
-    Vector3::from_fn(|place, _| rows[first + place].lambda) - old
+    each(&group, |row| rows[row].lambda) - old
 }
 
 /// Updates row `index` within bounds of its own. Returns Δλ.
@@ -81,7 +86,7 @@ pub(super) fn update<N: SimdRealField + Copy>(rows: &mut [Row<N>], index: usize,
     change
 }
 
-/// The least and greatest λ of row `index`, those of friction at the present λ of its normal row. Of three rows with a
+/// The least and greatest λ of row `index`, those of friction at the present λ of its normal row. Of rows with a
 /// bounded norm, what each could be alone.
 #[inline]
 pub(super) fn limits<N: SimdRealField + Copy>(rows: &[Row<N>], index: usize) -> (N, N) {
@@ -98,11 +103,11 @@ pub(super) fn limits<N: SimdRealField + Copy>(rows: &[Row<N>], index: usize) -> 
 /// Share of a norm's square from which on it counts as at its bound: but for rounding in `f32`.
 const AT_NORM: f64 = 1.0 - 1e-5;
 
-/// Whether row `index` is one of three that are at the bound of their norm.
+/// Whether row `index` is one of those that are at the bound of their norm.
 pub(super) fn is_at_norm<N: Scalar>(rows: &[Row<N>], index: usize) -> bool {
-    let Bounds::Norm { most, place } = rows[index].bounds else { return false };
+    let Bounds::Norm { most, place, count } = rows[index].bounds else { return false };
     let first = index - place as usize;
-    let lambda = Vector3::from_fn(|place, _| rows[first + place].lambda);
+    let lambda = each(&(first..first + count as usize), |row| rows[row].lambda);
     lambda.dot(&lambda) >= most * most * N::of(AT_NORM)
 }
 

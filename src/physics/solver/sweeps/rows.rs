@@ -5,9 +5,9 @@ use crate::physics::scalar::Scalar;
 use nalgebra::{Matrix3, Vector3};
 
 use super::island_solver::{LocalBody, LocalJoint, LocalManifold, LocalPoint, StepTerms};
-use crate::physics::constraint::ball_joint;
 use crate::physics::constraint::row::{BodyTerms, Bounds, Row, Spring, Twist};
 use crate::physics::contact::{PointConstraint, penetration_bias, rebound, tangents};
+use crate::physics::joint::{Bound, JointRow, JointState, Softness};
 use crate::physics::settings::FrictionModel;
 
 /// Slip under which no friction direction can be told, m/s.
@@ -133,40 +133,47 @@ fn slip_frame(
     [along, normal.cross(&along)]
 }
 
-/// The three rows of a ball joint.
+/// The rows of one joint; `scratch` is theirs before they know masses.
 pub(super) fn joint_rows<N: Scalar>(
     bodies: &[LocalBody],
     terms: &[BodyTerms<N>],
-    joint: &LocalJoint,
+    joint: &mut LocalJoint,
     step: &StepTerms,
     h: f64,
+    scratch: &mut Vec<JointRow<f64>>,
     rows: &mut Vec<Row<N>>,
 ) {
-    let (body_a, body_b) = (&bodies[joint.a as usize], &bodies[joint.b as usize]);
-    let arm_a = body_a.rotation * joint.anchor_a;
-    let arm_b = body_b.rotation * joint.anchor_b;
-    // Centres first: their difference is exact however far the scene lies from the origin.
-    let error = (body_b.position - body_a.position) + arm_b - arm_a;
-    let jacobian = ball_joint::jacobian(vector::<N>(&arm_a), vector(&arm_b));
+    let ends = [&bodies[joint.a as usize], &bodies[joint.b as usize]];
+    let velocities = ends.map(|body| Twist { linear: body.linear, angular: body.angular });
+    let offset = ends[1].position - ends[0].position;
+    let state = JointState::new(&joint.definition.frames, offset, ends.map(|body| body.rotation), velocities);
+    scratch.clear();
+    joint.definition.rows(&state, scratch);
+    joint.rows = rows.len()..rows.len() + scratch.len();
+    joint.arm_b = state.arms[1];
     let a = (joint.a, &terms[joint.a as usize]);
     let b = (joint.b, &terms[joint.b as usize]);
-    for (place, pair) in (0..).zip(jacobian) {
-        let axis = place as usize;
-        rows.push(match joint.softness {
+    for row in &*scratch {
+        let jacobian = row.jacobian.map(N::of);
+        let within = |lower, upper| Bounds::Fixed(N::of(lower), N::of(upper));
+        let bounds = match row.bound {
+            Bound::None => within(f64::MIN, f64::MAX),
+            Bound::Within(lower, upper) => within(lower, upper),
+            Bound::Norm { most, place, count } => Bounds::Norm { most: N::of(most), place, count },
+        };
+        rows.push(match row.spring {
             None => {
-                let speed = (step.error_rate * error[axis]).clamp(-step.correction_speed, step.correction_speed);
-                let unbounded = N::of(f64::MAX);
-                Row::rigid(a, b, pair, N::of(-speed), N::of(h), Bounds::Fixed(-unbounded, unbounded))
+                let speed = (step.error_rate * row.error).clamp(-step.correction_speed, step.correction_speed);
+                Row::rigid(a, b, jacobian, N::of(-speed - row.time_rate), N::of(h), bounds)
             }
-            Some(softness) => {
-                let omega = std::f64::consts::TAU * softness.frequency;
+            Some(Softness { frequency, damping_ratio, .. }) => {
+                let omega = std::f64::consts::TAU * frequency;
                 let spring = Spring {
                     stiffness: N::of(omega * omega),
-                    damping: N::of(2.0 * softness.damping_ratio * omega),
-                    error: N::of(error[axis]),
+                    damping: N::of(2.0 * damping_ratio * omega),
+                    error: N::of(row.error),
                 };
-                let bounds = Bounds::Norm { most: N::of(softness.max_force), place };
-                Row::soft(a, b, pair, spring, N::of(h), bounds)
+                Row::soft(a, b, jacobian, spring, N::of(h), bounds)
             }
         });
     }

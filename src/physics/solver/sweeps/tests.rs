@@ -7,9 +7,9 @@ use nalgebra::{DMatrix, DVector, Matrix3, SimdRealField, SimdValue, Vector3};
 use simba::simd::WideF32x8;
 
 use super::pgs;
-use crate::physics::constraint::ball_joint;
 use crate::physics::constraint::row::{BodyTerms, Bounds, Row, RowPair, Spring, Twist};
 use crate::physics::contact::{PointConstraint, tangents};
+use crate::physics::joint::point_jacobian;
 use crate::physics::testing::{Random, immovable};
 
 const H: f64 = 1.0 / 60.0;
@@ -34,7 +34,7 @@ impl Rows {
 
     /// Three rows that hold a point of one body at a point of another.
     fn join(&mut self, a: usize, b: usize, random: &mut Random) {
-        for pair in ball_joint::jacobian(random.vector(), random.vector()) {
+        for pair in point_jacobian(random.vector(), random.vector()) {
             let unbounded = Bounds::Fixed(f64::MIN, f64::MAX);
             let row = Row::rigid(self.with(a), self.with(b), pair, random.within(-1.0, 1.0), H, unbounded);
             self.rows.push(row);
@@ -277,9 +277,9 @@ fn a_spring_at_the_bound_of_its_norm_pulls_along_what_it_asks_for() {
         let mut system = Rows::random(2, random);
         let error = random.vector();
         let far = 10.0_f64.powf(random.within(-3.0, 2.0));
-        for (place, pair) in (0..).zip(ball_joint::jacobian(random.vector(), random.vector())) {
+        for (place, pair) in (0..).zip(point_jacobian(random.vector(), random.vector())) {
             let spring = Spring { stiffness: 900.0, damping: 20.0, error: error[place as usize] * far };
-            let bounds = Bounds::Norm { most: 5.0, place };
+            let bounds = Bounds::Norm { most: 5.0, place, count: 3 };
             system.rows.push(Row::soft(system.with(1), system.with(2), pair, spring, H, bounds));
         }
         let (lambda, accelerations) = system.solve_by_sweeping();
@@ -304,9 +304,9 @@ fn conjugate_directions_bound_the_norm_as_sweeps_do() {
         let mut system = Rows::random(3, random);
         for (a, b) in [(0, 1), (1, 2), (2, 3), (3, 0)] {
             let error = random.vector() * 10.0_f64.powf(random.within(-2.0, 2.0));
-            for (place, pair) in (0..).zip(ball_joint::jacobian(random.vector(), random.vector())) {
+            for (place, pair) in (0..).zip(point_jacobian(random.vector(), random.vector())) {
                 let spring = Spring { stiffness: 900.0, damping: 20.0, error: error[place as usize] };
-                let bounds = Bounds::Norm { most: 5.0, place };
+                let bounds = Bounds::Norm { most: 5.0, place, count: 3 };
                 system.rows.push(Row::soft(system.with(a), system.with(b), pair, spring, H, bounds));
             }
         }
@@ -366,7 +366,7 @@ fn every_kind_of_row<N: SimdRealField + Copy>(
             rows.push(site.friction_row(tangent, h, bounds));
         }
     }
-    for (axis, pair) in ball_joint::jacobian(arm_b, arm_a).into_iter().enumerate() {
+    for (axis, pair) in point_jacobian(arm_b, arm_a).into_iter().enumerate() {
         let (a, b) = ((0, &bodies[0]), (2, &bodies[2]));
         rows.push(if axis == 0 {
             let spring = Spring { stiffness: number(900.0), damping: number(20.0), error: number(0.1) };

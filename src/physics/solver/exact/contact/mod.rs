@@ -150,7 +150,7 @@ impl Touching {
         };
         let pairings = pairs.iter().map(pairing).collect();
         let (rigid, soft): (Vec<u32>, Vec<u32>) =
-            joints.into_iter().partition(|&joint| all_joints.list[joint as usize].softness.is_none());
+            joints.into_iter().partition(|&joint| all_joints.list[joint as usize].softness().is_none());
         let mut link = |&joint: &u32| {
             let joint = &all_joints.list[joint as usize];
             link_of(joint, [place(joint.a), place(joint.b)])

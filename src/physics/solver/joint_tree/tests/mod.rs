@@ -7,7 +7,8 @@ mod velocity;
 
 use nalgebra::{DMatrix, DVector, Matrix3, UnitQuaternion, Vector3};
 
-use super::{JointTree, NONE, partition};
+use super::tree::NONE;
+use super::{JointTree, partition};
 use crate::physics::constraint::row::Twist;
 use crate::physics::testing::Random;
 
@@ -20,7 +21,6 @@ struct Assembly {
     twists: Vec<Twist<f64>>,
     joints: Vec<[u32; 2]>,
     arms: Vec<[Vector3<f64>; 2]>,
-    softness: Vec<f64>,
     separations: Vec<Vector3<f64>>,
     targets: Vec<Vector3<f64>>,
 }
@@ -34,7 +34,6 @@ impl Assembly {
             twists: Vec::new(),
             joints: Vec::new(),
             arms: Vec::new(),
-            softness: Vec::new(),
             separations: Vec::new(),
             targets: Vec::new(),
         }
@@ -64,7 +63,6 @@ impl Assembly {
         let (a, b) = if random.unit() < 0.5 { (a, b) } else { (b, a) };
         self.joints.push([a, b]);
         self.arms.push([random.vector(), random.vector()]);
-        self.softness.push(0.0);
         self.separations.push(random.vector() * 0.01);
         self.targets.push(random.vector());
     }
@@ -113,7 +111,6 @@ impl Assembly {
             let joint = tree.joints()[local] as usize;
             let [arm_a, arm_b] = self.arms[joint];
             tree.set_arms(local, arm_a, arm_b);
-            tree.set_softness(local, self.softness[joint]);
         }
         tree.factor();
     }
@@ -198,12 +195,7 @@ impl Assembly {
     /// Impulses by a dense solution of the same system.
     fn dense_impulses(&self) -> DVector<f64> {
         let (jacobian, inverse_mass) = self.dense();
-        let mut matrix = &jacobian * inverse_mass * jacobian.transpose();
-        for (joint, softness) in self.softness.iter().enumerate() {
-            for axis in 0..3 {
-                matrix[(3 * joint + axis, 3 * joint + axis)] += softness;
-            }
-        }
+        let matrix = &jacobian * inverse_mass * jacobian.transpose();
         let targets = self.targets.iter().flat_map(|target| target.iter().copied());
         let targets = DVector::from_iterator(3 * self.joints.len(), targets);
         matrix.cholesky().expect("independent rows").solve(&(targets - jacobian * self.velocities()))

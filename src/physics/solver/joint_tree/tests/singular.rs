@@ -32,7 +32,6 @@ fn a_body_pinned_twice_is_a_hinge() {
         assembly.twists[fixed as usize] = Twist::zero();
         assembly.joints.push([fixed, rod]);
         assembly.arms.push([Vector3::zeros(), end]);
-        assembly.softness.push(0.0);
         assembly.separations.push(Vector3::zeros());
         assembly.targets.push(Vector3::zeros());
     }
@@ -125,7 +124,6 @@ fn pins_that_pull_a_body_apart_do_no_harm() {
             assembly.twists[fixed as usize] = Twist { linear: speed, angular: Vector3::zeros() };
             assembly.joints.push([fixed, rod]);
             assembly.arms.push([Vector3::zeros(), arm]);
-            assembly.softness.push(0.0);
             assembly.separations.push(-speed * 0.1);
             assembly.targets.push(Vector3::zeros());
         }

@@ -22,22 +22,6 @@ fn impulses_are_those_of_the_dense_system() {
 }
 
 #[test]
-fn softness_adds_to_the_diagonal() {
-    let random = &mut Random::new(2);
-    for mut assembly in assemblies(random) {
-        for softness in &mut assembly.softness {
-            *softness = random.within(0.0, 2.0);
-        }
-        let expected = assembly.dense_impulses();
-        let impulses = assembly.solve();
-        for (joint, impulse) in impulses.iter().enumerate() {
-            let error = (impulse - expected.fixed_rows::<3>(3 * joint)).norm() / expected.amax();
-            assert!(error < 1e-10, "joint {joint}: {error:e}");
-        }
-    }
-}
-
-#[test]
 fn jacobian_is_the_derivative_of_the_separation() {
     let random = &mut Random::new(3);
     let step = 1e-5;

@@ -3,9 +3,9 @@
 use nalgebra::{DVector, Matrix3, Vector3};
 
 use super::{H, Rows, assert_close, flat, single, solve_by_enumeration};
-use crate::physics::constraint::ball_joint;
 use crate::physics::constraint::row::{BodyTerms, Bounds, Row, RowPair, Twist};
 use crate::physics::contact::{PointConstraint, tangents};
+use crate::physics::joint::point_jacobian;
 use crate::physics::scalar::Scalar;
 use crate::physics::solver::sweeps::conjugate_residuals::Face;
 use crate::physics::solver::sweeps::joint_space;
@@ -68,7 +68,7 @@ fn chain(ball: f64) -> Rows {
     for link in 0..11 {
         let arm_a = if link == 0 { Vector3::zeros() } else { along(link - 1) * 0.5 };
         let unbounded = Bounds::Fixed(f64::MIN, f64::MAX);
-        for pair in ball_joint::jacobian(arm_a, along(link) * -0.5) {
+        for pair in point_jacobian(arm_a, along(link) * -0.5) {
             let row = Row::rigid(system.with(link), system.with(link + 1), pair, 0.0, H, unbounded);
             system.rows.push(row);
         }
@@ -330,7 +330,7 @@ fn in_single(row: &Row<f64>) -> Row<f32> {
             Bounds::Friction { coefficient, normal_rows_back } => {
                 Bounds::Friction { coefficient: coefficient as f32, normal_rows_back }
             }
-            Bounds::Norm { most, place } => Bounds::Norm { most: most as f32, place },
+            Bounds::Norm { most, place, count } => Bounds::Norm { most: most as f32, place, count },
         },
         lambda: row.lambda as f32,
     }

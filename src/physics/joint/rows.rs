@@ -1,0 +1,244 @@
+//! The rows of joints: their Jacobians J, errors C and velocity terms J̇v. No others stand anywhere else.
+//!
+//! With r the arms from the centres of mass to the frames' origins, d = x_B + r_B − x_A − r_A, a_k and b_k the axes of
+//! the frames A and B, Ω = ω_B − ω_A; all in world axes. A dot is the change with time, and J̇v is C̈ where nothing
+//! accelerates.
+//!
+//! *Translations.* Where all three are locked, C = d along the world axes e_k (Erleben 2005, p. 71):
+//!
+//! J = [−e_k, −r_A × e_k, e_k, r_B × e_k],  J̇v = e_k · (ω_B × (ω_B × r_B) − ω_A × (ω_A × r_A)).
+//!
+//! Else C = a_k · d for each that is locked; the axis turns with A, which lengthens A's arm by d:
+//!
+//! J = [−a_k, −(r_A + d) × a_k, a_k, r_B × a_k],
+//! J̇v = a_k · (ω_B × (ω_B × r_B) − ω_A × (ω_A × r_A)) + 2 (ω_A × a_k) · ḋ + (ω_A × (ω_A × a_k)) · d.
+//!
+//! *Rotations* have J = [0, −u, 0, u]. With q = (w, v) the rotation of B seen from A, q̇_v = ½(wΩ + Ω × v) in A's axes.
+//! Where all three are locked, C = 2v (w ≥ 0, else of −q), the sine of half the angle along the axis: its Jacobian is
+//! regular up to half a turn, where it has no direction:
+//!
+//! u_k = w a_k + v × a_k,  J̇v = −½ Ω² v_k − u_k · (ω_A × ω_B).
+//!
+//! Else each swing that is locked is a right angle between an axis of A and B's x: with σ the angle of the swing about
+//! an axis at φ from y to z, b_x = (cos σ, sin σ sin φ, −sin σ cos φ) in A's axes, so that −a_z · b_x and a_y · b_x are
+//! sin σ along y and z, whatever the twist. With a right angle between a and b,
+//!
+//! C = a · b,  u = b × a,  J̇v = Ω · ((ω_B × b) × a + b × (ω_A × a)).
+//!
+//! The twist is τ = 2 atan2(v_x, w) = atan2(a_z · b_y − a_y · b_z, a_y · b_y + a_z · b_z). From q̇,
+//! τ̇ = Ω_x + (Ω_y (w v_z + v_x v_y) + Ω_z (v_x v_z − w v_y))/(w² + v_x²), whose brackets are half the components of b_x
+//! along a_y and a_z and whose divisor is ½(1 + a_x · b_x):
+//!
+//! u = (a_x + b_x)/s,  s = 1 + a_x · b_x,  J̇v = Ω · (ω_A × a_x + ω_B × b_x − u ṡ)/s,  ṡ = Ω · (b_x × a_x).
+//!
+//! Where the swing is half a turn the twist has no meaning: s = 0, and the row is zero.
+//!
+//! So a joint that locks the twist alone is one of constant velocity; a swing alone, a universal joint (whose cross has
+//! its arms along a_z and b_x, or a_y and b_x); both swings, a hinge; all three, a rigid one.
+
+use nalgebra::{Matrix3, Quaternion, SimdRealField, UnitQuaternion, Vector3};
+
+use super::definition::{Frame, Hold, JointDefinition, Laws};
+use super::softness::Softness;
+use crate::physics::constraint::row::{RowPair, Twist};
+
+/// Two joined bodies as their joint sees them, world axes, SI.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct JointState<N> {
+    /// From each centre of mass to the frame's origin.
+    pub arms: [Vector3<N>; 2],
+    /// From A's frame to B's.
+    pub separation: Vector3<N>,
+    /// Of the frames.
+    pub rotations: [UnitQuaternion<N>; 2],
+    pub velocities: [Twist<N>; 2],
+}
+
+/// One row of a joint or of a user's own constraint.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct JointRow<N> {
+    pub jacobian: RowPair<N>,
+    /// C, m or rad.
+    pub error: N,
+    /// Ċ = J v + ∂C/∂t.
+    pub rate: N,
+    /// C̈ where nothing accelerates: J̇v and the change of ∂C/∂t.
+    pub velocity_term: N,
+    /// ∂C/∂t.
+    pub time_rate: N,
+    /// A spring along the row instead of a rigid one.
+    pub spring: Option<Softness>,
+    pub bound: Bound<N>,
+}
+
+/// What λ of a row may be, N or N·m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Bound<N> {
+    None,
+    Within(N, N),
+    /// √(Σλ²) ≤ `most` over `count` rows that stand together, of which this is number `place`, from 0.
+    Norm {
+        most: N,
+        place: u32,
+        count: u32,
+    },
+}
+
+impl<N: SimdRealField + Copy> JointState<N>
+where
+    N::Element: SimdRealField,
+{
+    /// Of bodies in those rotations, `offset` from A's centre of mass to B's: a difference that is exact however far
+    /// the two lie from the origin.
+    pub fn new(
+        frames: &[Frame; 2],
+        offset: Vector3<N>,
+        rotations: [UnitQuaternion<N>; 2],
+        velocities: [Twist<N>; 2],
+    ) -> Self {
+        let cast = |number: f64| nalgebra::convert::<f64, N>(number);
+        let arms = [0, 1].map(|body| rotations[body] * frames[body].anchor.map(cast));
+        let turned = [0, 1].map(|body| {
+            let frame = Quaternion::from_vector(frames[body].rotation.coords.map(cast));
+            rotations[body] * UnitQuaternion::new_unchecked(frame)
+        });
+        Self { arms, separation: offset + arms[1] - arms[0], rotations: turned, velocities }
+    }
+
+    /// Centripetal acceleration of B's origin less that of A's.
+    fn swirl(&self) -> Vector3<N> {
+        let [a, b] = [0, 1].map(|body| {
+            let omega = &self.velocities[body].angular;
+            omega.cross(&omega.cross(&self.arms[body]))
+        });
+        b - a
+    }
+
+    fn translation(&self, jacobian: RowPair<N>, error: N, velocity_term: N) -> JointRow<N> {
+        let [a, b] = &self.velocities;
+        let (rate, time_rate) = (jacobian.dot(a, b), N::zero());
+        JointRow { jacobian, error, rate, velocity_term, time_rate, spring: None, bound: Bound::None }
+    }
+
+    fn rotation(&self, axis: Vector3<N>, error: N, velocity_term: N) -> JointRow<N> {
+        let zero = Vector3::zeros();
+        let jacobian = RowPair { linear_a: zero, angular_a: -axis, linear_b: zero, angular_b: axis };
+        self.translation(jacobian, error, velocity_term)
+    }
+
+    /// All three translations, along the world axes.
+    fn point(&self) -> [JointRow<N>; 3] {
+        let (jacobians, swirl) = (point_jacobian(self.arms[0], self.arms[1]), self.swirl());
+        [0, 1, 2].map(|axis| self.translation(jacobians[axis], self.separation[axis], swirl[axis]))
+    }
+
+    /// The translation along an axis of A.
+    fn along(&self, axis: Vector3<N>) -> JointRow<N> {
+        let [a, b] = &self.velocities;
+        let d = self.separation;
+        let jacobian = RowPair::along(axis, self.arms[0] + d, self.arms[1]);
+        let speed = b.linear + b.angular.cross(&self.arms[1]) - a.linear - a.angular.cross(&self.arms[0]);
+        let turning = a.angular.cross(&axis);
+        let twice = turning.dot(&speed) + turning.dot(&speed);
+        let velocity_term = axis.dot(&self.swirl()) + twice + a.angular.cross(&turning).dot(&d);
+        self.translation(jacobian, axis.dot(&d), velocity_term)
+    }
+
+    /// All three rotations, along A's axes.
+    fn orientation(&self) -> [JointRow<N>; 3] {
+        let [frame_a, frame_b] = &self.rotations;
+        let axes = frame_a.to_rotation_matrix().into_inner();
+        let q = frame_a.inverse() * frame_b;
+        let sign = N::one().select(q.w.simd_ge(N::zero()), -N::one());
+        let (w, v) = (q.w * sign, q.imag() * sign);
+        let [a, b] = &self.velocities;
+        let omega = b.angular - a.angular;
+        let (square, turning) = (omega.dot(&omega), a.angular.cross(&b.angular));
+        let half = (N::one() + N::one()).simd_recip();
+        [0, 1, 2].map(|k| {
+            let along: Vector3<N> = axes.column(k).into();
+            let u = along * w + (axes * v).cross(&along);
+            self.rotation(u, v[k] + v[k], -half * square * v[k] - u.dot(&turning))
+        })
+    }
+
+    /// A right angle between an axis of A and one of B.
+    fn right_angle(&self, of_a: Vector3<N>, of_b: Vector3<N>) -> JointRow<N> {
+        let [a, b] = &self.velocities;
+        let change = b.angular.cross(&of_b).cross(&of_a) + of_b.cross(&a.angular.cross(&of_a));
+        let velocity_term = (b.angular - a.angular).dot(&change);
+        self.rotation(of_b.cross(&of_a), of_a.dot(&of_b), velocity_term)
+    }
+
+    /// The twist, for the frames' axes.
+    fn twist(&self, [of_a, of_b]: &[Matrix3<N>; 2]) -> JointRow<N> {
+        let [ax, ay, az]: [Vector3<N>; 3] = [0, 1, 2].map(|k| of_a.column(k).into());
+        let [bx, by, bz]: [Vector3<N>; 3] = [0, 1, 2].map(|k| of_b.column(k).into());
+        let sine = az.dot(&by) - ay.dot(&bz);
+        let cosine = ay.dot(&by) + az.dot(&bz);
+        let sum = N::one() + ax.dot(&bx);
+        let is_defined = sum.simd_gt(N::simd_default_epsilon().simd_sqrt());
+        let scale = sum.select(is_defined, N::one()).simd_recip().select(is_defined, N::zero());
+        let u = (ax + bx) * scale;
+        let [a, b] = &self.velocities;
+        let omega = b.angular - a.angular;
+        let change = a.angular.cross(&ax) + b.angular.cross(&bx) - u * omega.dot(&bx.cross(&ax));
+        let error = sine.simd_atan2(cosine).select(is_defined, N::zero());
+        self.rotation(u, error, omega.dot(&change) * scale)
+    }
+}
+
+impl JointDefinition {
+    /// Adds its rows: translations first.
+    pub fn rows<N: SimdRealField + Copy>(&self, state: &JointState<N>, rows: &mut Vec<JointRow<N>>)
+    where
+        N::Element: SimdRealField,
+    {
+        let is_locked = |laws: &Laws, k: usize| laws.hold[k] == Hold::Locked;
+        let first = rows.len();
+        match self.translation.locked() {
+            0 => {}
+            3 => rows.extend(state.point()),
+            _ => {
+                let axes = state.rotations[0].to_rotation_matrix().into_inner();
+                let locked = (0..3).filter(|&k| is_locked(&self.translation, k));
+                rows.extend(locked.map(|k| state.along(axes.column(k).into())));
+            }
+        }
+        give_way(&mut rows[first..], &self.translation);
+        let first = rows.len();
+        match self.rotation.locked() {
+            0 => {}
+            3 => rows.extend(state.orientation()),
+            _ => {
+                let axes = state.rotations.map(|rotation| rotation.to_rotation_matrix().into_inner());
+                let [a, b] = &axes;
+                let locked = (0..3).filter(|&k| is_locked(&self.rotation, k));
+                rows.extend(locked.map(|k| match k {
+                    0 => state.twist(&axes),
+                    1 => state.right_angle(-a.column(2), b.column(0).into()),
+                    _ => state.right_angle(a.column(1).into(), b.column(0).into()),
+                }));
+            }
+        }
+        give_way(&mut rows[first..], &self.rotation);
+    }
+}
+
+/// J of three locked translations, along the world axes.
+pub(crate) fn point_jacobian<N: SimdRealField + Copy>(arm_a: Vector3<N>, arm_b: Vector3<N>) -> [RowPair<N>; 3] {
+    [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| RowPair::along(axis, arm_a, arm_b))
+}
+
+/// Makes springs of rows where the laws of their group say so.
+fn give_way<N: SimdRealField + Copy>(rows: &mut [JointRow<N>], laws: &Laws) {
+    let Some(spring) = laws.spring else { return };
+    let (most, count) = (nalgebra::convert(spring.max_force), rows.len() as u32);
+    for (place, row) in (0..).zip(rows) {
+        row.spring = Some(spring);
+        row.bound = Bound::Norm { most, place, count };
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,74 @@
+//! The tuning constants of the direct solver and of its trees, each with its unit, its reason, and what notices a
+//! change: a test of `tests/`, or a number that a scene gives.
+
+/// Speed of a body, centre and rim together, up to which it is at rest, m/s: above what a step of gravity gives to what
+/// lies, below what one sees (`resting`).
+pub(super) const REST_SPEED: f64 = 0.05;
+
+/// Products of blocks in a factorisation up to which an island is solved at rest: a wall of a hundred bodies. Noticed by
+/// the clock alone.
+pub(super) const REST_PRODUCTS: usize = 4_000;
+
+/// Products of blocks in a factorisation up to which an island is solved in motion. Noticed by the clock alone.
+pub(super) const MOTION_PRODUCTS: usize = 1_000;
+
+/// Penalty of rows of contacts over the mass of the island, at rest: what moves in a step then is 1e-4 of what would
+/// without the rows, and nothing once their impulses are right. The pivot of a body when its contacts are eliminated
+/// has lost the square of that, over its share of the mass, in digits: with 1e6 a house of cards cannot be factored.
+pub(super) const REST_CONTACT_PENALTY: f64 = 1e4;
+
+/// Penalty of rows of contacts over the mass of the island, in motion: of what comes fast, so much is stopped in a
+/// substep; what rests is exact, as the rows act about the impulses of before. With much more, active-set iterations do
+/// not end (`joints_and_contacts`).
+pub(super) const MOTION_CONTACT_PENALTY: f64 = 3.0;
+
+/// Penalty of rows of joints over the mass of the lighter body. The pivot of that body when its joints are eliminated
+/// has lost the square of that in digits (`joint_grid 30`, `limbs`: how far joints part).
+pub(super) const JOINT_PENALTY: f64 = 1e5;
+
+/// Active-set iterations at rest, and in a substep in motion. What is left wrong is corrected in the next.
+pub(super) const REST_ITERATIONS: usize = 12;
+pub(super) const MOTION_ITERATIONS: usize = 6;
+
+/// Active-set iterations after a substep whose iterations did not end: limbs in a heap, most of which slide, seldom have
+/// theirs end, and their next substep goes on from the last (`limbs`).
+pub(super) const SHORT_ITERATIONS: usize = 2;
+
+/// Where the iterations at rest fail, the next are made after as many steps as last time and as many more, up to this.
+/// Noticed by the clock alone.
+pub(super) const LONGEST_PAUSE: u32 = 64;
+
+/// Speed of a body under which a step counts as having changed nothing, m/s: 0.1 mm in 100 s.
+pub(super) const UNCHANGED_SPEED: f64 = 1e-6;
+
+/// Impulse that is too small to iterate again for, over the weight of a body in a step (`resting`).
+pub(super) const IMPULSE_TOLERANCE: f64 = 1e-3;
+
+/// Share of the slope at its start at which a line search ends, and points that it tries at most: each costs a small
+/// part of a factorisation. Noticed by the number of iterations alone.
+pub(super) const LINE_SEARCH_SLOPE: f64 = 0.01;
+pub(super) const LINE_SEARCH_POINTS: usize = 8;
+
+/// Kinetic energy over that without rows which rounding does not explain.
+pub(super) const ENERGY_ROUNDING: f64 = 1.001;
+
+/// Change of a world inertia over its size, and displacement of a row over its arm, that a factor bears: what it then
+/// solves is off by that share, and the next step makes up for it (`resting`).
+pub(super) const INERTIA_CHANGE: f64 = 1e-3;
+pub(super) const ARM_CHANGE: f64 = 1e-4;
+
+/// Share of depths and gaps that is corrected in a step at rest, and fastest correction of a depth, m/s (`resting`).
+pub(super) const REST_CORRECTION: f64 = 0.1;
+pub(super) const REST_CORRECTION_SPEED: f64 = 0.2;
+
+/// Shares of the depths of contacts, and of the gaps of joints, that are corrected in a substep in motion
+/// (`joints_and_contacts`).
+pub(super) const DEPTH_CORRECTION: f64 = 0.1;
+pub(super) const GAP_CORRECTION: f64 = 0.5;
+
+/// Turn of a body in a step from which on an island takes all substeps, rad. Limbs that lie on each other roll about
+/// this fast, and their joints part no more; from 0.13 rad on some do by centimetres (`limbs`).
+pub(super) const MOTION_TURN: f64 = 0.1;
+
+/// Depth or gap, over the arm, at which surfaces count as just touching: single precision cannot tell.
+pub(super) const TOUCHING: f64 = 1e-5;

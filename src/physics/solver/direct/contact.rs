@@ -1,0 +1,296 @@
+//! The rows of a contact: one for each point, n·u + q·w with q = ρ × n, ρ from the middle of the manifold to the point,
+//! two rows t·u of friction and one n·w of torsion. What they share goes into 3 × 3 blocks:
+//!
+//! K_uu = Σρ_i n nᵀ + ρ_t (1 − n nᵀ), K_uw = n Σρ_i q_iᵀ, K_ww = Σρ_i q_i q_iᵀ + ρ_τ n nᵀ.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::constants::{ARM_CHANGE, TOUCHING};
+use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, Stiffness};
+use crate::physics::collision::{ContactState, POINTS};
+use crate::physics::constraint::row::{Twist, Wrench};
+use crate::physics::lanes::Record;
+
+/// A row whose impulse is not negative.
+#[derive(Clone, Copy, Debug, Default)]
+struct PointRow {
+    /// q.
+    lever: Vector3<f64>,
+    /// Negative: depth.
+    separation: f64,
+    /// λ̂.
+    expected: f64,
+    /// λ.
+    impulse: f64,
+    is_active: bool,
+}
+
+/// A contact.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct DirectContact {
+    pub sides: [Side; 2],
+    pub prescribed: Twist<f64>,
+    /// Impulse over speed of its rows, kg.
+    pub penalty: f64,
+    /// 1/h, 1/s.
+    pub per_step: f64,
+    normal: Vector3<f64>,
+    tangents: [Vector3<f64>; 2],
+    points: [PointRow; POINTS],
+    count: usize,
+    coefficient: f64,
+    /// Mean distance of the points from the middle.
+    radius: f64,
+    /// Gap that counts as none.
+    touch_tolerance: f64,
+    /// Of two tangents and torsion: λ̂.
+    expected: [f64; 3],
+    /// λ.
+    friction: [f64; 3],
+    is_sliding: bool,
+    is_twisting: bool,
+    /// Bound of friction, N·s: μ times the normal impulse.
+    limit: f64,
+    /// Where it slides: a unit along the tangents across the friction, times the root of how much of the
+    /// stiffness is left across it.
+    across: [f64; 2],
+}
+
+impl DirectContact {
+    /// From the state of a contact, with what turns A's and B's axes into the world's, and `offset` the centre of B
+    /// less the origin of A's axes, from which A's arms count. Impulses are taken `scale` times.
+    pub fn new(state: &ContactState, [turn_a, turn_b]: &[Matrix3<f64>; 2], offset: &Vector3<f64>, scale: f64) -> Self {
+        let ContactState { geometry, impulses } = state;
+        let (normal, tangent) = (turn_a * geometry.normal(), turn_a * geometry.tangent());
+        let count = geometry.point_count();
+        let mut contact = Self {
+            normal,
+            tangents: [tangent, normal.cross(&tangent)],
+            count,
+            coefficient: f64::from(geometry.friction()),
+            ..Self::default()
+        };
+        let mut arms = [Vector3::zeros(); POINTS];
+        let mut middle = Vector3::zeros();
+        for (index, (point, arm)) in contact.points[..count].iter_mut().zip(&mut arms).enumerate() {
+            let (on_a, on_b) = geometry.point(index);
+            let (on_a, on_b) = (turn_a * on_a, turn_b * on_b + offset);
+            *arm = (on_a + on_b) * 0.5;
+            middle += *arm;
+            let expected = f64::from(impulses.0[index]) * scale;
+            *point =
+                PointRow { separation: normal.dot(&(on_b - on_a)), expected, impulse: expected, ..PointRow::default() };
+        }
+        middle /= count as f64;
+        contact.sides = [Side { body: None, arm: middle }, Side { body: None, arm: middle - offset }];
+        contact.touch_tolerance = TOUCHING * contact.sides[1].arm.norm();
+        for (point, arm) in contact.points[..count].iter_mut().zip(&arms) {
+            let offset = arm - middle;
+            point.lever = offset.cross(&normal);
+            point.is_active = point.expected > 0.0 || point.separation <= contact.touch_tolerance;
+            contact.radius += offset.norm() / count as f64;
+        }
+        contact.expected = std::array::from_fn(|row| f64::from(impulses.0[POINTS + row]) * scale);
+        contact.friction = contact.expected;
+        contact
+    }
+
+    /// Takes over which rows act from the step before, of points that are still where they were.
+    pub fn resume(&mut self, before: &Self) {
+        let near = ARM_CHANGE * self.radius;
+        for (point, old) in self.points[..self.count].iter_mut().zip(&before.points[..before.count]) {
+            if point.expected == 0.0 && (point.lever - old.lever).norm_squared() <= near * near {
+                point.is_active = old.is_active;
+            }
+        }
+        (self.is_sliding, self.is_twisting, self.across) = (before.is_sliding, before.is_twisting, before.across);
+    }
+
+    /// Goes on from what a substep of length `h`, s, did, with the geometry that it has: points part as they moved.
+    pub fn advance(&mut self, motion: &Twist<f64>, h: f64) {
+        let Self { normal, points, count, .. } = self;
+        for point in &mut points[..*count] {
+            point.separation += (normal.dot(&motion.linear) + point.lever.dot(&motion.angular)) * h;
+            point.expected = point.impulse;
+        }
+        self.expected = self.friction;
+    }
+
+    /// How many points it has.
+    pub fn points(&self) -> usize {
+        self.count
+    }
+
+    /// K of the active rows.
+    pub(super) fn stiffness(&self) -> Stiffness {
+        let (normal, penalty) = (&self.normal, self.penalty);
+        let (mut along, mut lever, mut ww) = (0.0, Vector3::zeros(), Matrix3::zeros());
+        for point in self.active_points() {
+            along += penalty;
+            lever += point.lever * penalty;
+            ww += point.lever * point.lever.transpose() * penalty;
+        }
+        let square = normal * normal.transpose();
+        let across = if self.is_sliding || self.coefficient == 0.0 { 0.0 } else { penalty };
+        if !self.is_twisting && self.coefficient != 0.0 {
+            ww += square * (penalty * self.radius * self.radius);
+        }
+        let mut uu = Matrix3::from_diagonal_element(across) + square * (along - across);
+        if self.is_sliding {
+            let turned = self.tangents[0] * self.across[0] + self.tangents[1] * self.across[1];
+            uu += turned * turned.transpose() * penalty;
+        }
+        Stiffness { uu, uw: normal * lever.transpose(), ww }
+    }
+
+    fn active_points(&self) -> impl Iterator<Item = &PointRow> {
+        self.points[..self.count].iter().filter(|point| point.is_active)
+    }
+
+    /// The wrench of impulses of points, each at its own, and of friction.
+    fn wrench<'p>(&self, points: impl Iterator<Item = (&'p PointRow, f64)>, friction: [f64; 3]) -> Wrench<f64> {
+        let mut wrench = Wrench::zero();
+        for (point, impulse) in points {
+            wrench.linear += self.normal * impulse;
+            wrench.angular += point.lever * impulse;
+        }
+        if self.coefficient != 0.0 {
+            let [x, y, torsion] = friction;
+            wrench.linear += self.tangents[0] * x + self.tangents[1] * y;
+            wrench.angular += self.normal * torsion;
+        }
+        wrench
+    }
+
+    /// Impulse of a point's row at a motion, if it is active.
+    fn trial(&self, point: &PointRow, motion: &Twist<f64>) -> f64 {
+        let speed = self.normal.dot(&motion.linear) + point.lever.dot(&motion.angular);
+        let gap = (point.separation - self.touch_tolerance).max(0.0);
+        point.expected - self.penalty * (speed + gap * self.per_step)
+    }
+
+    /// Friction at a motion by the active rows: what slides keeps its impulse.
+    fn friction_trial(&self, motion: &Twist<f64>) -> [f64; 3] {
+        let stuck = self.friction_if_stuck(motion);
+        let [x, y, torsion] = self.friction;
+        let [across_x, across_y] = self.across;
+        // To first order about where it slid: friction turns with the slip.
+        let turned = across_x * stuck[0] + across_y * stuck[1];
+        let along = if self.is_sliding { [x + across_x * turned, y + across_y * turned] } else { [stuck[0], stuck[1]] };
+        [along[0], along[1], if self.is_twisting { torsion } else { stuck[2] }]
+    }
+
+    fn friction_if_stuck(&self, motion: &Twist<f64>) -> [f64; 3] {
+        let [slip_x, slip_y] = self.tangents.map(|tangent| tangent.dot(&motion.linear));
+        let torsion = self.penalty * self.radius * self.radius * self.normal.dot(&motion.angular);
+        let [x, y, about] = self.expected;
+        [x - self.penalty * slip_x, y - self.penalty * slip_y, about - torsion]
+    }
+
+    /// The nearest that the limit admits.
+    fn bounded(&self, [x, y, torsion]: [f64; 3]) -> [f64; 3] {
+        let size = length(x, y);
+        let shrink = if size > self.limit { self.limit / size } else { 1.0 };
+        let most = self.limit * self.radius;
+        [x * shrink, y * shrink, torsion.clamp(-most, most)]
+    }
+
+    /// Its impulses, divided by `scale`, N·s.
+    pub fn impulses(&self, scale: f64) -> Record<f32> {
+        let mut record = Record::default();
+        for (place, point) in record.0.iter_mut().zip(&self.points[..self.count]) {
+            *place = (point.impulse / scale) as f32;
+        }
+        for (place, friction) in record.0[POINTS..].iter_mut().zip(self.friction) {
+            *place = (friction / scale) as f32;
+        }
+        record
+    }
+}
+
+impl Rows for DirectContact {
+    fn sides(&self) -> &[Side; 2] {
+        &self.sides
+    }
+
+    fn prescribed(&self) -> &Twist<f64> {
+        &self.prescribed
+    }
+
+    fn key(&self) -> RowKey {
+        RowKey {
+            penalty: self.penalty,
+            arms: self.sides.map(|side| side.arm),
+            normal: self.normal,
+            levers: self.points.map(|point| point.lever),
+            is_active: self.points.map(|point| point.is_active),
+            slips: [self.is_sliding, self.is_twisting].map(|slips| slips || self.coefficient == 0.0),
+            across: if self.is_sliding { self.across } else { [0.0; 2] },
+            is_soft: false,
+        }
+    }
+
+    fn blocks(&self) -> RowBlocks {
+        let stiffness = self.stiffness();
+        RowBlocks::new(&self.sides, |x, y| stiffness.between(x, y))
+    }
+
+    fn impulse_at_rest(&self) -> Wrench<f64> {
+        let points = self.active_points().map(|point| (point, self.trial(point, &self.prescribed)));
+        self.wrench(points, self.friction_trial(&self.prescribed))
+    }
+
+    fn impulse_at(&self, motion: &Twist<f64>) -> Wrench<f64> {
+        let points = self.points[..self.count].iter().map(|point| (point, self.trial(point, motion).max(0.0)));
+        // Within the limit at hand.
+        self.wrench(points, self.bounded(self.friction_if_stuck(motion)))
+    }
+
+    fn take(&mut self, motion: &Twist<f64>, tolerance: f64) -> bool {
+        let trials: [f64; POINTS] =
+            std::array::from_fn(|index| if index < self.count { self.trial(&self.points[index], motion) } else { 0.0 });
+        let mut holds = true;
+        for (point, trial) in self.points[..self.count].iter_mut().zip(trials) {
+            let is_wrong = (trial > 0.0) != point.is_active;
+            if is_wrong && trial.abs() > tolerance {
+                holds = false;
+                point.is_active = trial > 0.0;
+            }
+            point.impulse = if is_wrong { 0.0 } else { trial.max(0.0) };
+        }
+        if self.coefficient == 0.0 {
+            return holds;
+        }
+        // The impulse of a row that is not active yet is not known.
+        let load: f64 = self.points[..self.count].iter().map(|point| point.impulse).sum();
+        self.limit = self.coefficient * load;
+        let trial = self.friction_if_stuck(motion);
+        let friction = self.bounded(trial);
+        let bound = |most: f64, slips: bool| if slips { most } else { most + tolerance };
+        let size = length(trial[0], trial[1]);
+        let is_sliding = size > bound(self.limit, self.is_sliding);
+        let is_twisting = trial[2].abs() > bound(self.limit * self.radius, self.is_twisting);
+        let moved = |row: usize| (friction[row] - self.friction[row]).abs();
+        holds &= [is_sliding, is_twisting] == [self.is_sliding, self.is_twisting];
+        holds &= !is_sliding || moved(0).max(moved(1)) <= tolerance;
+        holds &= !is_twisting || moved(2) <= tolerance * self.radius;
+        (self.is_sliding, self.is_twisting, self.friction) = (is_sliding, is_twisting, friction);
+        let left = if is_sliding && size > 0.0 { (self.limit / size).sqrt() / size } else { 0.0 };
+        self.across = [-trial[1] * left, trial[0] * left];
+        holds
+    }
+
+    fn correction(&self, factored: &RowKey, correction: &Correction) -> Wrench<f64> {
+        let acting = self.points[..self.count].iter().zip(factored.is_active).filter(|(_, is_active)| *is_active);
+        let impulses = acting.map(|(point, _)| {
+            let depth = (-point.separation - self.touch_tolerance).max(0.0);
+            (point, self.penalty * depth * correction.of_depth(depth))
+        });
+        self.wrench(impulses, [0.0; 3])
+    }
+}
+
+/// As `hypot`, which guards against overflow at ten times the cost.
+fn length(x: f64, y: f64) -> f64 {
+    x.mul_add(x, y * y).sqrt()
+}

@@ -1,0 +1,490 @@
+//! An island of contacts and joints, and the solve of all of it at once for given masses, momenta and rows.
+
+use std::ops::RangeInclusive;
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::constants::{
+    ENERGY_ROUNDING, IMPULSE_TOLERANCE, JOINT_PENALTY, LINE_SEARCH_POINTS, LINE_SEARCH_SLOPE, REST_PRODUCTS,
+};
+use super::contact::DirectContact;
+use super::joint::{DirectJoint, SoftLaw};
+use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, body_vector, halves};
+use super::snapshot::Snapshot;
+use crate::physics::body::{Body, world_inverse_inertia};
+use crate::physics::collision::{ContactState, Slot};
+use crate::physics::constraint::row::{Twist, Wrench};
+use crate::physics::joint::{Joint, Softness};
+use crate::physics::lanes::Record;
+use crate::physics::solver::linear::{BlockLdl, BodyVector, Elimination, Inverse};
+use crate::physics::solver::soft_terms::{SoftTerms, UNLIMITED};
+use crate::physics::solver::substeps::Intervals;
+
+/// The world as an island reads it.
+pub(crate) trait World {
+    fn body(&self, index: u32) -> &Body;
+    fn slot(&self, index: u32) -> &Slot;
+    fn state(&self, slot: u32) -> &ContactState;
+    fn joint(&self, index: u32) -> &Joint;
+}
+
+/// What is known of how an island can be factored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Analysis {
+    /// It was not needed so far.
+    #[default]
+    Due,
+    /// There is an elimination.
+    Done,
+    /// It is for the sweeps.
+    Unsuitable,
+}
+
+/// An island and its factor.
+#[derive(Default)]
+pub(crate) struct DirectIsland {
+    /// Bodies that move, contacts by slot and joints, global indices.
+    pub(super) members: Vec<u32>,
+    pub(super) contacts: Vec<u32>,
+    pub(super) joints: Vec<u32>,
+    /// Of contacts, then joints: both bodies' places among the members.
+    ends: Vec<[Option<u32>; 2]>,
+    analysis: Analysis,
+    pub(super) elimination: Elimination,
+    /// Whether it was solved here in the last step, at rest or in motion.
+    pub is_solved: bool,
+    /// Whether the iterations of the last substep in motion ended.
+    pub(super) has_converged: bool,
+    /// The substeps of its step in motion.
+    pub(super) intervals: Intervals,
+    /// Geometric stiffness of each member.
+    pub(super) stiffnesses: Vec<Matrix3<f64>>,
+    /// Steps for which none was tried at rest after the last that failed, and those left.
+    pub(super) pause: u32,
+    pub(super) pause_left: u32,
+    matrix: BlockLdl<f64, Inverse>,
+    /// M v₀ + h f, by place in the elimination, like the next three.
+    pub(super) momentum: Vec<BodyVector>,
+    pub(super) velocity: Vec<BodyVector>,
+    /// Velocity of the iteration before.
+    before: Vec<BodyVector>,
+    /// Velocity that corrects position errors besides.
+    pub(super) correction: Vec<BodyVector>,
+    /// Of contacts, then joints: the relative motion of the iteration before, and how far to the one at hand.
+    lines: Vec<(Twist<f64>, Twist<f64>)>,
+    pub(super) contact_rows: Vec<DirectContact>,
+    pub(super) joint_rows: Vec<DirectJoint>,
+    /// Whether the rows of contacts are those of the step before.
+    pub(super) has_rows: bool,
+    /// The rows that the factor was made of, contacts first; empty: there is none.
+    pub(super) factored: Vec<RowKey>,
+    /// What each adds to the matrix.
+    blocks: Vec<RowBlocks>,
+    /// Mass and world inertia of each member that the factor was made of.
+    pub(super) inertias: Vec<(f64, Matrix3<f64>)>,
+    /// Bodies that do not move here but touch or hold it, global indices.
+    pub(super) partners: Vec<u32>,
+    /// Members, then partners, after a step that changed nothing; else empty.
+    pub(super) snapshots: Vec<Snapshot>,
+    /// Step, and the sum of when the manifolds were found, then.
+    pub(super) snapshot_key: (f64, u64),
+}
+
+impl DirectIsland {
+    /// Of bodies that move, contacts by slot and joints, all ascending.
+    pub fn new(members: Vec<u32>, contacts: Vec<u32>, joints: Vec<u32>) -> Self {
+        Self { members, contacts, joints, has_converged: true, ..Self::default() }
+    }
+
+    /// Whether it can be factored, and then what that takes.
+    pub(super) fn is_analysed(&mut self, world: &impl World) -> bool {
+        if self.analysis == Analysis::Due {
+            self.analysis = self.analyse(world);
+        }
+        self.analysis == Analysis::Done
+    }
+
+    fn analyse(&mut self, world: &impl World) -> Analysis {
+        let local = |body: u32| self.members.binary_search(&body).ok().map(|local| local as u32);
+        let of_contacts = self.contacts.iter().map(|&slot| world.slot(slot).pair).map(|pair| [pair.a, pair.b]);
+        let of_joints = self.joints.iter().map(|&joint| world.joint(joint)).map(|joint| [joint.a, joint.b]);
+        let pairs = of_contacts.chain(of_joints);
+        self.ends = pairs.clone().map(|pair| pair.map(local)).collect();
+        self.partners = pairs.flatten().filter(|&body| local(body).is_none()).collect();
+        self.partners.sort_unstable();
+        self.partners.dedup();
+        let edges = self.ends.iter().filter_map(|[a, b]| Some([(*a)?, (*b)?]));
+        let count = self.members.len();
+        let Some(elimination) = Elimination::new(&vec![6; count], edges, REST_PRODUCTS) else {
+            return Analysis::Unsuitable;
+        };
+        self.elimination = elimination;
+        for vectors in [&mut self.momentum, &mut self.velocity, &mut self.before, &mut self.correction] {
+            vectors.resize(count, BodyVector::zeros());
+        }
+        self.inertias.resize(count, (0.0, Matrix3::zeros()));
+        self.contact_rows.resize(self.contacts.len(), DirectContact::default());
+        self.joint_rows.resize(self.joints.len(), DirectJoint::default());
+        self.blocks.resize(self.ends.len(), RowBlocks::default());
+        Analysis::Done
+    }
+
+    /// The bodies that move, global indices, ascending.
+    pub fn members(&self) -> &[u32] {
+        &self.members
+    }
+
+    /// Its contacts, by slot.
+    pub fn contacts(&self) -> &[u32] {
+        &self.contacts
+    }
+
+    /// Its joints, global indices.
+    pub fn joints(&self) -> &[u32] {
+        &self.joints
+    }
+
+    /// Scalar rows: of each contact its points and three of friction, three of each joint.
+    pub fn rows(&self) -> u32 {
+        let of_contacts: usize = self.contact_rows.iter().map(|contact| contact.points() + 3).sum();
+        (of_contacts + 3 * self.joints.len()) as u32
+    }
+
+    /// Whether it is of these bodies, contacts and joints.
+    pub fn is_of(&self, members: &[u32], contacts: &[u32], joints: &[u32]) -> bool {
+        self.members == members && self.contacts == contacts && self.joints == joints
+    }
+
+    /// The place of a member in the elimination.
+    pub(super) fn place(&self, local: usize) -> usize {
+        self.elimination.place(local as u32) as usize
+    }
+
+    /// Makes the rows of contacts, of `h`, s, with impulses taken `scale` times, and hands each on with those before.
+    pub(super) fn make_contact_rows(
+        &mut self,
+        world: &impl World,
+        [h, scale, penalty]: [f64; 3],
+        mut resume: impl FnMut(&mut DirectContact, &DirectContact),
+    ) {
+        let mass: f64 = self.members.iter().map(|&member| world.body(member).mass).sum();
+        for ((rows, &slot), ends) in self.contact_rows.iter_mut().zip(&self.contacts).zip(&self.ends) {
+            let before = std::mem::replace(rows, contact_rows(world, slot, ends, scale));
+            (rows.penalty, rows.per_step) = (penalty * mass, 1.0 / h);
+            resume(rows, &before);
+        }
+    }
+
+    /// Makes the rows of joints, for `h`, s, and hands each on with those before.
+    pub(super) fn make_joint_rows(
+        &mut self,
+        world: &impl World,
+        h: f64,
+        mut resume: impl FnMut(&mut DirectJoint, &DirectJoint, &Joint),
+    ) {
+        let ends = &self.ends[self.contacts.len()..];
+        for ((rows, &joint), ends) in self.joint_rows.iter_mut().zip(&self.joints).zip(ends) {
+            let joint = world.joint(joint);
+            let before = std::mem::replace(rows, joint_rows(world, joint, ends, h));
+            resume(rows, &before, joint);
+        }
+    }
+
+    fn all_rows(&self) -> impl Iterator<Item = &dyn Rows> {
+        all_rows(&self.contact_rows, &self.joint_rows)
+    }
+
+    /// Active-set iterations: Newton's method on which rows are active. Whether it found out within so many: the fewer
+    /// where the last can be gone on from.
+    pub(super) fn iterate(&mut self, counts: RangeInclusive<usize>) -> bool {
+        let momentum: f64 = self.momentum.iter().map(|vector| vector.fixed_rows::<3>(0).norm()).sum();
+        let tolerance = IMPULSE_TOLERANCE * momentum / self.members.len() as f64;
+        for iteration in 0..*counts.end() {
+            if !self.factor() {
+                self.velocity.iter_mut().for_each(|vector| vector.fill(0.0));
+                return false;
+            }
+            std::mem::swap(&mut self.velocity, &mut self.before);
+            self.velocity.copy_from_slice(&self.momentum);
+            let Self { contact_rows, joint_rows, elimination, velocity, matrix, .. } = self;
+            for rows in all_rows(contact_rows, joint_rows) {
+                apply(elimination, velocity, rows.sides(), &rows.impulse_at_rest());
+            }
+            matrix.solve(elimination, &mut velocity[..]);
+            let share = if iteration == 0 { 1.0 } else { self.search_line() };
+            let Self { contact_rows, joint_rows, elimination, velocity, before, .. } = self;
+            if share < 1.0 {
+                let pairs = velocity.iter_mut().zip(&*before);
+                pairs.for_each(|(velocity, before)| *velocity = before + (*velocity - before) * share);
+            }
+            let mut holds = share == 1.0;
+            let contacts = contact_rows.iter_mut().map(|rows| rows as &mut dyn Rows);
+            for rows in contacts.chain(joint_rows.iter_mut().map(|rows| rows as &mut dyn Rows)) {
+                let motion = relative_motion(elimination, velocity, rows.sides(), rows.prescribed());
+                holds &= rows.take(&motion, tolerance);
+            }
+            if holds {
+                return true;
+            }
+            if iteration + 1 >= *counts.start() && !self.has_gained() {
+                return false;
+            }
+        }
+        false
+    }
+
+    /// See [`has_gained`]; the velocity is that of the iteration at hand.
+    fn has_gained(&self) -> bool {
+        let placed = self.inertias.iter().enumerate().map(|(local, inertia)| {
+            let place = self.place(local);
+            (inertia, &self.velocity[place], &self.momentum[place])
+        });
+        has_gained(placed)
+    }
+
+    /// Which share of the line from the velocity before to the one at hand to go. With the rows active that are active
+    /// there,
+    ///
+    /// φ(v) = ½ (v − v₀)ᵀM(v − v₀) + Σ |λ(v)|²/(2ρ)
+    ///
+    /// is convex for a given limit of friction: on a line that goes down and ends in a climb, go to its least.
+    fn search_line(&mut self) -> f64 {
+        let (mut start, mut growth) = (0.0, 0.0);
+        for (local, (mass, inertia)) in self.inertias.iter().enumerate() {
+            let place = self.place(local);
+            let line = self.velocity[place] - self.before[place];
+            let times = |vector: &BodyVector| {
+                let (linear, angular) = halves(vector);
+                body_vector(&(linear * *mass), &(inertia * angular))
+            };
+            start += line.dot(&(times(&self.before[place]) - self.momentum[place]));
+            growth += line.dot(&times(&line));
+        }
+        let mut lines = std::mem::take(&mut self.lines);
+        lines.clear();
+        lines.extend(self.all_rows().map(|rows| {
+            let [from, to] = [&self.before, &self.velocity]
+                .map(|velocity| relative_motion(&self.elimination, velocity, rows.sides(), rows.prescribed()));
+            (from, to.plus(&from, -1.0))
+        }));
+        let slope = |share: f64| {
+            let along = |(rows, (from, line)): (&dyn Rows, &(Twist<f64>, Twist<f64>))| {
+                line.dot(&rows.impulse_at(&from.plus(line, share)))
+            };
+            start + share * growth - self.all_rows().zip(&lines).map(along).sum::<f64>()
+        };
+        let share = level(slope);
+        self.lines = lines;
+        share
+    }
+
+    /// Factors the matrix of the active rows, unless the factor at hand will do.
+    fn factor(&mut self) -> bool {
+        let Self { matrix, contact_rows, joint_rows, elimination, ends, factored, inertias, blocks, .. } = self;
+        let keys = all_rows(contact_rows, joint_rows).map(|rows| rows.key());
+        if factored.len() == ends.len() && keys.zip(factored.iter()).all(|(now, then)| now.is_nearly(then)) {
+            return true;
+        }
+        factored.clear();
+        factored.extend(all_rows(contact_rows, joint_rows).map(|rows| rows.key()));
+        matrix.clear(elimination);
+        for (body, (mass, inertia)) in inertias.iter().enumerate() {
+            let mut block = matrix.diagonal_mut::<6>(elimination.place(body as u32) as usize);
+            block.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::from_diagonal_element(*mass));
+            block.fixed_view_mut::<3, 3>(3, 3).copy_from(inertia);
+        }
+        for ((held, rows), key) in blocks.iter_mut().zip(all_rows(contact_rows, joint_rows)).zip(&*factored) {
+            held.update(key, || rows.blocks());
+        }
+        for (held, [a, b]) in blocks.iter().zip(&*ends) {
+            for (body, block) in [(a, &held.own[0]), (b, &held.own[1])] {
+                if let Some(body) = *body {
+                    let mut own = matrix.diagonal_mut::<6>(elimination.place(body) as usize);
+                    own += block;
+                }
+            }
+            if let (Some(a), Some(b)) = (*a, *b) {
+                matrix.add(elimination.block(a, b), &held.across);
+            }
+        }
+        let is_positive = matrix.factor(elimination);
+        if !is_positive {
+            factored.clear();
+        }
+        is_positive
+    }
+
+    /// Solves for the velocity that corrects position errors.
+    pub(super) fn correct(&mut self, rates: &Correction) {
+        let Self { contact_rows, joint_rows, elimination, correction, matrix, factored, .. } = self;
+        correction.fill(BodyVector::zeros());
+        // A row that corrects must be in the factor.
+        for (rows, key) in all_rows(contact_rows, joint_rows).zip(&*factored) {
+            apply(elimination, correction, rows.sides(), &rows.correction(key, rates));
+        }
+        if correction.iter().any(|vector| *vector != BodyVector::zeros()) {
+            matrix.solve(elimination, &mut correction[..]);
+        }
+    }
+
+    /// Impulses of a contact, divided by `scale`, N·s.
+    pub fn impulses(&self, contact: usize, scale: f64) -> Record<f32> {
+        self.contact_rows[contact].impulses(scale)
+    }
+
+    /// Impulse on B of a joint, N·s.
+    pub fn joint_impulse(&self, joint: usize) -> Vector3<f64> {
+        self.joint_rows[joint].impulse
+    }
+}
+
+/// All rows of an island, contacts first.
+fn all_rows<'r>(contacts: &'r [DirectContact], joints: &'r [DirectJoint]) -> impl Iterator<Item = &'r dyn Rows> {
+    let contacts = contacts.iter().map(|rows| rows as &dyn Rows);
+    contacts.chain(joints.iter().map(|rows| rows as &dyn Rows))
+}
+
+/// Where a slope that starts negative and only grows is level, or 1 if it still falls there.
+pub(super) fn level(slope: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = ((0.0, slope(0.0)), (1.0, slope(1.0)));
+    let flat = LINE_SEARCH_SLOPE * low.1.abs();
+    if high.1 <= flat || low.1 >= 0.0 {
+        return 1.0;
+    }
+    for _ in 0..LINE_SEARCH_POINTS {
+        // By the secant, but not too near the ends.
+        let (width, secant) = (high.0 - low.0, low.1 / (low.1 - high.1));
+        let share = low.0 + width * secant.clamp(0.1, 0.9);
+        let now = (share, slope(share));
+        if now.1.abs() <= flat {
+            return share;
+        }
+        if now.1 > 0.0 { high = now } else { low = now }
+    }
+    if low.0 > 0.0 { low.0 } else { high.0 }
+}
+
+/// M v + h f.
+pub(super) fn momentum_of(body: &Body, inertia: &Matrix3<f64>, h: f64) -> BodyVector {
+    let linear = body.linear * body.mass + body.force * h;
+    let angular = inertia * body.angular + body.torque * h;
+    body_vector(&linear, &angular)
+}
+
+/// Whether bodies of these masses and inertias have more kinetic energy at a velocity than with their momentum, each
+/// given so, alone: contacts and joints only take energy, so that some row has an impulse that is of another active
+/// set. (A support that moves gives energy, and costs an iteration more.)
+pub(super) fn has_gained<'p>(
+    bodies: impl Iterator<Item = (&'p (f64, Matrix3<f64>), &'p BodyVector, &'p BodyVector)>,
+) -> bool {
+    let (mut kinetic, mut free) = (0.0, 0.0);
+    for ((mass, inertia), velocity, momentum) in bodies {
+        let (linear, angular) = halves(velocity);
+        kinetic += mass * linear.norm_squared() + angular.dot(&(inertia * angular));
+        let (linear, angular) = halves(momentum);
+        let spin = inertia.cholesky().map_or_else(Vector3::zeros, |factor| factor.solve(&angular));
+        free += linear.norm_squared() / mass + angular.dot(&spin);
+    }
+    kinetic > ENERGY_ROUNDING * free
+}
+
+/// Whether nothing of it is locked.
+pub(super) fn moves_freely(body: &Body) -> bool {
+    body.rotation_freedom == Vector3::repeat(1.0)
+        && body.inverse_mass.min() > 0.0
+        && body.inverse_inertia_body.min() > 0.0
+}
+
+/// World inertia of a body that moves freely.
+pub(super) fn world_inertia(body: &Body) -> Matrix3<f64> {
+    let principal = body.inverse_inertia_body.map(f64::recip);
+    if principal.x == principal.y && principal.y == principal.z {
+        return Matrix3::from_diagonal(&principal);
+    }
+    let axes = body.rotation.to_rotation_matrix().into_inner();
+    axes * Matrix3::from_diagonal(&principal) * axes.transpose()
+}
+
+/// The relative motion that sides without a member give.
+fn prescribed(sides: &[Side; 2], bodies: [&Body; 2], arms: [Vector3<f64>; 2]) -> Twist<f64> {
+    let [a, b] = [0, 1].map(|side| match sides[side].body {
+        Some(_) => Twist::zero(),
+        None => Twist { linear: bodies[side].point_velocity(&arms[side]), angular: bodies[side].angular },
+    });
+    b.plus(&a, -1.0)
+}
+
+fn contact_rows(world: &impl World, slot: u32, ends: &[Option<u32>; 2], scale: f64) -> DirectContact {
+    let (state, slot) = (world.state(slot), world.slot(slot));
+    let bodies = [slot.pair.a, slot.pair.b].map(|body| world.body(body));
+    let [a, b] = bodies;
+    let origin = slot.origin_in_world(a);
+    let offset = b.position - a.position + slot.ahead - origin;
+    let turns = bodies.map(|body| body.rotation.to_rotation_matrix().into_inner());
+    let mut contact = DirectContact::new(state, &turns, &offset, scale);
+    contact.sides[0].arm += origin;
+    for (side, body) in contact.sides.iter_mut().zip(ends) {
+        side.body = *body;
+    }
+    contact.prescribed = prescribed(&contact.sides, bodies, contact.sides.map(|side| side.arm));
+    contact
+}
+
+fn joint_rows(world: &impl World, joint: &Joint, ends: &[Option<u32>; 2], h: f64) -> DirectJoint {
+    let bodies = [world.body(joint.a), world.body(joint.b)];
+    let anchors = joint.anchors();
+    let arms = [bodies[0].rotation * anchors[0], bodies[1].rotation * anchors[1]];
+    let sides = [0, 1].map(|side| Side { body: ends[side], arm: arms[side] });
+    let separation = bodies[1].position - bodies[0].position + arms[1] - arms[0];
+    let softness = joint.softness().map(|Softness { frequency, damping_ratio, max_force }| {
+        // As sweeps take it: of the pair's own mass.
+        let terms = SoftTerms::<f64>::new(frequency, damping_ratio, UNLIMITED, 0.0, h);
+        let inverse_mass: Matrix3<f64> = (0..2).map(|side| inverse_mass_at(bodies[side], &sides[side])).sum();
+        let mass = inverse_mass.try_inverse().unwrap_or_else(Matrix3::zeros);
+        SoftLaw::new(mass * (terms.mass / terms.impulse), separation * terms.rate, max_force * h)
+    });
+    let masses = (0..2).filter(|&side| sides[side].body.is_some()).map(|side| bodies[side].mass);
+    DirectJoint {
+        penalty: JOINT_PENALTY * masses.fold(f64::INFINITY, f64::min),
+        softness,
+        sides,
+        prescribed: prescribed(&sides, bodies, arms),
+        separation,
+        expected: joint.force * h,
+        impulse: Vector3::zeros(),
+    }
+}
+
+/// Velocity at the arm of a body for an impulse there.
+fn inverse_mass_at(body: &Body, side: &Side) -> Matrix3<f64> {
+    if side.body.is_none() {
+        return Matrix3::zeros();
+    }
+    let arm = side.arm.cross_matrix();
+    let inverse_inertia = world_inverse_inertia(&body.inverse_inertia_body, &body.rotation, &body.rotation_freedom);
+    Matrix3::from_diagonal(&body.inverse_mass) - arm * inverse_inertia * arm
+}
+
+/// Adds an impulse on B, and its reaction on A.
+fn apply(elimination: &Elimination, vectors: &mut [BodyVector], [a, b]: &[Side; 2], impulse: &Wrench<f64>) {
+    if let Some(body) = a.body {
+        vectors[elimination.place(body) as usize] -= a.wrench(impulse);
+    }
+    if let Some(body) = b.body {
+        vectors[elimination.place(body) as usize] += b.wrench(impulse);
+    }
+}
+
+/// B's motion less A's, besides what is prescribed.
+pub(super) fn relative_motion(
+    elimination: &Elimination,
+    velocities: &[BodyVector],
+    sides: &[Side; 2],
+    prescribed: &Twist<f64>,
+) -> Twist<f64> {
+    let of = |side: &Side| {
+        side.body.map_or_else(Twist::zero, |body| side.motion(&velocities[elimination.place(body) as usize]))
+    };
+    let [a, b] = sides.each_ref().map(of);
+    prescribed.plus(&b, 1.0).plus(&a, -1.0)
+}

@@ -1,0 +1,131 @@
+//! Islands at rest, solved for a whole step.
+
+use nalgebra::Vector3;
+
+use super::constants::{
+    INERTIA_CHANGE, LONGEST_PAUSE, REST_CONTACT_PENALTY, REST_CORRECTION, REST_CORRECTION_SPEED, REST_ITERATIONS,
+    REST_SPEED, UNCHANGED_SPEED,
+};
+use super::island::{DirectIsland, World, momentum_of, moves_freely, world_inertia};
+use super::rows::{Correction, halves};
+use super::snapshot::Snapshot;
+use crate::physics::body::Body;
+use crate::physics::solver::linear::BodyVector;
+
+/// What became of an island in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// It is for the sweeps.
+    Moves,
+    /// It was solved: its bodies, contacts and joints are to be written.
+    Rests,
+    /// Nothing changes.
+    Unchanged,
+}
+
+impl DirectIsland {
+    /// Tries a step of length `step`, s, of which the impulses of contacts are kept for `substeps` intervals.
+    /// `may_skip`: nobody wants to know the impulses where nothing changes.
+    pub fn solve(&mut self, world: &impl World, step: f64, substeps: u32, may_skip: bool) -> Outcome {
+        let found_in = self.contacts.iter().map(|&slot| world.slot(slot).found_in).sum();
+        let key = (step * f64::from(substeps), found_in);
+        if may_skip && self.snapshot_key == key && self.is_unchanged(world) {
+            return Outcome::Unchanged;
+        }
+        self.snapshots.clear();
+        self.snapshot_key = key;
+        if !self.is_suitable(world) {
+            self.has_rows = false;
+            return Outcome::Moves;
+        }
+        self.gather(world, step, f64::from(substeps));
+        let has_converged = self.iterate(REST_ITERATIONS..=REST_ITERATIONS);
+        if has_converged {
+            let rates = [REST_CORRECTION / step; 2];
+            self.correct(&Correction { rates, speeds: [REST_CORRECTION_SPEED, f64::INFINITY] });
+        }
+        self.pause = if has_converged { 0 } else { (2 * self.pause + 1).min(LONGEST_PAUSE) };
+        self.pause_left = self.pause;
+        let rests = has_converged && self.fastest(world, &self.velocity) <= REST_SPEED;
+        if rests { Outcome::Rests } else { Outcome::Moves }
+    }
+
+    /// Whether it is at rest and can be solved here.
+    fn is_suitable(&mut self, world: &impl World) -> bool {
+        let is_rigid = |&joint: &u32| world.joint(joint).softness().is_none();
+        let is_slow = |&member: &u32| {
+            let body = world.body(member);
+            moves_freely(body) && body.linear.norm() + body.angular.norm() * body.radius <= REST_SPEED
+        };
+        if !self.members.iter().all(is_slow) || !self.joints.iter().all(is_rigid) {
+            return false;
+        }
+        // One that meets something fast within the step has its points where they will be then.
+        if self.contacts.iter().any(|&slot| world.slot(slot).ahead != Vector3::zeros()) {
+            return false;
+        }
+        if self.pause_left > 0 {
+            self.pause_left -= 1;
+            return false;
+        }
+        self.is_analysed(world)
+    }
+
+    /// Whether the last step changed nothing, nor anybody since. Joints are not looked at, so with them it is not.
+    fn is_unchanged(&self, world: &impl World) -> bool {
+        let bodies = self.members.iter().chain(&self.partners);
+        let is_as_then = |(&body, then): (&u32, &Snapshot)| Snapshot::of(world.body(body)) == *then;
+        !self.snapshots.is_empty() && bodies.zip(&self.snapshots).all(is_as_then)
+    }
+
+    /// Takes in what the step left, if it was so little that the next need not be solved for.
+    pub fn remember(&mut self, world: &impl World) {
+        let moved = self.fastest(world, &self.velocity).max(self.fastest(world, &self.correction));
+        if moved <= UNCHANGED_SPEED && self.joints.is_empty() {
+            let bodies = self.members.iter().chain(&self.partners);
+            self.snapshots.extend(bodies.map(|&body| Snapshot::of(world.body(body))));
+        }
+    }
+
+    /// The largest speed of a body, centre and rim together.
+    fn fastest(&self, world: &impl World, velocities: &[BodyVector]) -> f64 {
+        let speeds = self.members.iter().enumerate().map(|(local, &member)| {
+            let (linear, angular) = halves(&velocities[self.place(local)]);
+            linear.norm() + angular.norm() * world.body(member).radius
+        });
+        speeds.fold(0.0, f64::max)
+    }
+
+    fn gather(&mut self, world: &impl World, step: f64, substeps: f64) {
+        let mut changed = false;
+        for (local, (&member, known)) in self.members.iter().zip(&mut self.inertias).enumerate() {
+            let body = world.body(member);
+            let inertia = world_inertia(body);
+            changed |= known.0 != body.mass || (known.1 - inertia).amax() > INERTIA_CHANGE * inertia.amax();
+            self.momentum[self.elimination.place(local as u32) as usize] = momentum_of(body, &inertia, step);
+            if changed {
+                *known = (body.mass, inertia);
+            }
+        }
+        if changed {
+            self.factored.clear();
+        }
+        let has_rows = std::mem::replace(&mut self.has_rows, true);
+        self.make_contact_rows(world, [step, substeps, REST_CONTACT_PENALTY], |rows, before| {
+            if has_rows {
+                rows.resume(before);
+            }
+        });
+        self.make_joint_rows(world, step, |_, _, _| {});
+    }
+
+    /// The state of a member at the end of the step, written to it.
+    pub fn scatter(&self, local: usize, body: &mut Body, step: f64) {
+        let place = self.place(local);
+        let (velocity, correction) = (halves(&self.velocity[place]), halves(&self.correction[place]));
+        body.linear = velocity.0 / (1.0 + body.drag.0 * step);
+        body.angular = velocity.1 / (1.0 + body.drag.1 * step);
+        body.has_stepped = true;
+        body.advance(&((velocity.0 + correction.0) * step), &((velocity.1 + correction.1) * step));
+    }
+}
