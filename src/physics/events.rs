@@ -79,11 +79,9 @@ fn report_presses(mut graph: ResMut<ContactGraph>, mut teller: Teller) {
     for index in changed.drain(..) {
         let (slot, state) = (&mut graph.slots[index as usize], &graph.states[index as usize]);
         let pushes = slot.touching && state.pushes();
-        if pushes == slot.is_pressed {
-            continue;
-        }
+        let Some(entities) = slot.entities.filter(|_| pushes != slot.is_pressed) else { continue };
         slot.is_pressed = pushes;
-        let (a, b) = ordered(slot.entities);
+        let (a, b) = ordered(entities);
         if pushes { teller.start(a, b) } else { teller.end(a, b) }
     }
     graph.settled = changed;

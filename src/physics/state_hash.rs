@@ -6,7 +6,8 @@ use bevy::prelude::*;
 
 use super::body::{Bodies, Position, Rotation, Velocity};
 use super::collision::{ContactGraph, LaggedContacts};
-use super::solver::{ContactCache, ExactGroups};
+use super::contact::ContactCache;
+use super::solver::ExactGroups;
 
 /// Feeds every bit that the next step depends on to a hasher: poses and velocities of all bodies
 /// in the order in which they became bodies, who sleeps (not how long others have been calm), the

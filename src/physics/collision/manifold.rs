@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 /// Two bodies that may touch, as indices into [`crate::physics::body::Bodies`]. A is the half-space if
 /// one is, else the one of lower index: the same from step to step, as normals and feature ids
 /// are told from A.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) struct Pair {
     pub a: u32,
     pub b: u32,

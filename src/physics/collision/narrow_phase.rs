@@ -5,8 +5,6 @@
 //! test ended with is kept for the next step's test to begin with; the contacts do not
 //! depend on it.
 
-use std::ops::Range;
-
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
@@ -22,12 +20,11 @@ use crate::physics::contact::surface;
 use crate::physics::settings::{ContactModel, SolverSettings};
 use crate::physics::shape::Geometry;
 use crate::physics::stats::StepStats;
-use crate::physics::threads::for_each_block;
+use crate::physics::threads::for_each_of;
 
-/// A run of pairs, and the contacts found in them.
+/// The contacts found in a run of pairs, and buffers.
 #[derive(Default)]
 pub(super) struct Block {
-    pairs: Range<usize>,
     manifolds: Vec<Manifold>,
     points: Vec<ContactPoint>,
     last_axes: Vec<(Pair, Feature)>,
@@ -41,8 +38,8 @@ pub(super) struct Buffers {
     pub search: PairSearch,
 }
 
-/// The axis that the test of each pair ended with. A pair that is no candidate any
-/// more leaves; one whose bodies were replaced may find the axis of another, which costs a look.
+/// The axis that the test of each pair ended with. A pair that is no candidate any more leaves; one whose bodies were
+/// replaced may find the axis of another, which costs one measurement.
 #[derive(Default)]
 pub(super) struct LastAxes(HashMap<Pair, Feature>);
 
@@ -66,10 +63,8 @@ pub(super) fn find_contacts(
         blocks.resize_with(block_count, Block::default);
     }
     let blocks = &mut blocks[..block_count];
-    for (index, block) in blocks.iter_mut().enumerate() {
-        block.pairs = index * PAIRS_A_BLOCK..((index + 1) * PAIRS_A_BLOCK).min(pairs.len());
-    }
-    for_each_block(settings.threads, blocks, |block| block.find(&bodies.list, pairs, &settings, &last_axes));
+    let work = pairs.chunks(PAIRS_A_BLOCK).zip(blocks.iter_mut());
+    for_each_of(settings.threads, work, |(pairs, block)| block.find(&bodies.list, pairs, &settings, &last_axes));
     last_axes.0.clear();
     stats.axes_tested = 0;
     for block in blocks {
@@ -92,7 +87,7 @@ impl Block {
         self.last_axes.clear();
         self.buffers.axes.axes = 0;
         self.buffers.search.axes = 0;
-        for &pair in &pairs[self.pairs.clone()] {
+        for &pair in pairs {
             let (a, b) = (&bodies[pair.a as usize], &bodies[pair.b as usize]);
             if are_spheres_apart(a, b, contact_gap(a, b, settings)) {
                 continue;

@@ -2,9 +2,8 @@
 
 use bevy::prelude::*;
 
-use super::narrow_phase::{Buffers, touch};
+use super::narrow::contact_pair::{self, PairSearch};
 use crate::physics::body::Body;
-use crate::physics::settings::SolverSettings;
 use crate::physics::shape::{Collider, Geometry, Shape};
 use crate::physics::{Position, Rotation};
 
@@ -39,7 +38,7 @@ impl PlacedCollider<'_> {
         if matches!(b.geometry, Some(Geometry::HalfSpace)) {
             std::mem::swap(&mut a, &mut b); // as in every pair of the broad phase
         }
-        let overlap = touch(&a, &b, &SolverSettings::steady(), &mut Buffers::default(), &mut Vec::new())?;
+        let overlap = contact_pair::touch(&a, &b, 0.0, &mut PairSearch::default(), &mut Vec::new())?;
         (overlap.depth >= 0.0).then_some(overlap.depth)
     }
 

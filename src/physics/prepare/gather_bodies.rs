@@ -12,11 +12,11 @@ use crate::physics::body::{Bodies, Body};
 use crate::physics::body::{QuarantineReason, RigidBody, Sleeping};
 use crate::physics::collision::LaggedContacts;
 use crate::physics::collision::{CandidateTree, ContactGraph, NearPairs};
+use crate::physics::contact::ContactCache;
 use crate::physics::joint::Joints;
 use crate::physics::messages::{BodyQuarantined, set_aside};
 use crate::physics::settings::{Gravity, SolverSettings};
 use crate::physics::sleep::Sleep;
-use crate::physics::solver::ContactCache;
 use crate::physics::stats::StepStats;
 
 /// Why contiguous iteration cannot fail: all components of a body are stored in tables.

@@ -14,7 +14,6 @@ mod soft_terms;
 mod substeps;
 mod sweeps;
 
-pub(crate) use crate::physics::contact::ContactCache;
 pub(crate) use exact::ExactGroups;
 pub(crate) use sweeps::IslandSolvers;
 

@@ -21,7 +21,7 @@
 use nalgebra::Vector3;
 
 /// No node.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// An axis-aligned box, world axes, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,7 +67,7 @@ impl BoundingBox {
 
     /// Half the surface area, m².
     #[inline]
-    fn half_area(&self) -> f64 {
+    pub(super) fn half_area(&self) -> f64 {
         let size = self.high - self.low;
         size.x * size.y + size.y * size.z + size.z * size.x
     }
@@ -80,16 +80,16 @@ pub(crate) struct Leaf(u32);
 /// One cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-struct Node {
-    bounds: BoundingBox,
+pub(super) struct Node {
+    pub bounds: BoundingBox,
     /// In a free node: the next free one.
-    parent: u32,
+    pub parent: u32,
     /// `[NONE, item]` in a leaf.
-    children: [u32; 2],
+    pub children: [u32; 2],
 }
 
 impl Node {
-    fn is_leaf(&self) -> bool {
+    pub fn is_leaf(&self) -> bool {
         self.children[0] == NONE
     }
 }
@@ -97,9 +97,9 @@ impl Node {
 /// The tree: a pool of nodes, the free ones in a list.
 #[derive(Clone, Debug)]
 pub(crate) struct BoundingTree {
-    nodes: Vec<Node>,
-    root: u32,
-    free: u32,
+    pub(super) nodes: Vec<Node>,
+    pub(super) root: u32,
+    pub(super) free: u32,
 }
 
 impl Default for BoundingTree {
@@ -315,50 +315,5 @@ impl BoundingTree {
             self.nodes[inner as usize].bounds =
                 self.nodes[left as usize].bounds.union(&self.nodes[right as usize].bounds);
         }
-    }
-}
-
-#[cfg(test)]
-impl BoundingTree {
-    /// Checks every link and box; gives the number of leaves and the depth.
-    pub fn check(&self) -> (usize, usize) {
-        let (mut leaves, mut depth, mut stack) = (0, 0, vec![(self.root, NONE, 1)]);
-        if self.root == NONE {
-            return (0, 0);
-        }
-        let mut seen = 0;
-        while let Some((index, parent, level)) = stack.pop() {
-            let node = &self.nodes[index as usize];
-            seen += 1;
-            depth = depth.max(level);
-            assert_eq!(node.parent, parent, "parent of node {index}");
-            if node.is_leaf() {
-                leaves += 1;
-            } else {
-                let [left, right] = node.children.map(|child| self.nodes[child as usize].bounds);
-                assert_eq!(node.bounds, left.union(&right), "box of node {index}");
-                stack.extend(node.children.map(|child| (child, index, level + 1)));
-            }
-        }
-        let mut free = self.free;
-        while free != NONE {
-            seen += 1;
-            free = self.nodes[free as usize].parent;
-        }
-        assert_eq!(seen, self.nodes.len(), "nodes lost");
-        (leaves, depth)
-    }
-
-    /// The cost C over the root's area.
-    pub fn cost(&self) -> f64 {
-        let (mut sum, mut stack) = (0.0, vec![self.root]);
-        while let Some(index) = stack.pop() {
-            let node = &self.nodes[index as usize];
-            if !node.is_leaf() {
-                sum += node.bounds.half_area();
-                stack.extend(node.children);
-            }
-        }
-        sum / self.nodes[self.root as usize].bounds.half_area()
     }
 }

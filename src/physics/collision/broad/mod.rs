@@ -6,3 +6,5 @@ pub(super) mod fat_box;
 pub(super) mod near_pairs;
 pub(super) mod pair_slots;
 pub(super) mod persistent_pairs;
+#[cfg(test)]
+mod tests;

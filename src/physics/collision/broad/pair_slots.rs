@@ -39,22 +39,15 @@ pub(crate) struct PairSlots {
     /// First pair end of each body.
     heads: Vec<u32>,
     free: u32,
-    count: u32,
 }
 
 impl Default for PairSlots {
     fn default() -> Self {
-        Self { pairs: Vec::new(), links: Vec::new(), heads: Vec::new(), free: NONE, count: 0 }
+        Self { pairs: Vec::new(), links: Vec::new(), heads: Vec::new(), free: NONE }
     }
 }
 
 impl PairSlots {
-    /// The number of pairs.
-    #[cfg(test)]
-    pub fn len(&self) -> usize {
-        self.count as usize
-    }
-
     /// One more than the highest slot ever used: the length of arrays indexed by slot.
     pub fn slot_count(&self) -> usize {
         self.pairs.len()
@@ -132,7 +125,6 @@ impl PairSlots {
                 self.links[next as usize].previous = end;
             }
         }
-        self.count += 1;
         PairSlot(slot)
     }
 
@@ -154,7 +146,6 @@ impl PairSlots {
         self.pairs[index].a = NONE;
         self.links[2 * index].next = self.free;
         self.free = slot.0;
-        self.count -= 1;
         pair
     }
 

@@ -88,36 +88,30 @@ impl HalfSpace {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PersistentPairs {
     pairs: PairSlots,
-    tree: BoundingTree,
+    pub(super) tree: BoundingTree,
     half_spaces: Vec<HalfSpace>,
     // One of each per body.
     rooms: Vec<Room>,
-    fat: Vec<BoundingBox>,
+    pub(super) fat: Vec<BoundingBox>,
     /// Equal to `fat` but while pairs are sought. Empty: the body is new.
-    previous: Vec<BoundingBox>,
-    leaves: Vec<Option<Leaf>>,
+    pub(super) previous: Vec<BoundingBox>,
+    pub(super) leaves: Vec<Option<Leaf>>,
     /// Has a new fat box in this update.
-    has_moved: Vec<bool>,
+    pub(super) has_moved: Vec<bool>,
     to_renew: Vec<u32>,
     to_reconsider: Vec<(u32, u32)>,
-    moved: Vec<u32>,
+    pub(super) moved: Vec<u32>,
     // Scratch.
     leaving: Vec<u32>,
     stack: Vec<u32>,
     hits: Vec<u32>,
-    is_paired: Vec<bool>,
+    pub(super) is_paired: Vec<bool>,
 }
 
 impl PersistentPairs {
     /// The pairs as they are.
     pub fn pairs(&self) -> &PairSlots {
         &self.pairs
-    }
-
-    /// How many bodies got a new fat box in the last update.
-    #[cfg(test)]
-    pub fn moved_count(&self) -> usize {
-        self.moved.len()
     }
 
     /// To be called when a body is new, was teleported, or changed its shape, its layers or its
@@ -385,19 +379,4 @@ fn find_leaving(
 fn keep<T>(items: &mut Vec<T>, new_index: &[Option<u32>]) {
     let mut new_index = new_index.iter();
     items.retain(|_| new_index.next().is_some_and(Option::is_some));
-}
-
-#[cfg(test)]
-impl PersistentPairs {
-    /// Checks the tree against the bodies.
-    pub fn check(&self) {
-        let (leaves, _) = self.tree.check();
-        assert_eq!(leaves, self.leaves.iter().flatten().count());
-        assert_eq!(self.fat, self.previous);
-        assert!(!self.has_moved.contains(&true) && !self.is_paired.contains(&true));
-    }
-
-    pub fn fat_box(&self, body: u32) -> BoundingBox {
-        self.fat[body as usize]
-    }
 }

@@ -16,7 +16,6 @@
 //! step; it is always the one order by (begin, body), so that nothing depends on the past.
 
 use std::cmp::Ordering;
-use std::ops::Range;
 
 use bevy::prelude::*;
 use nalgebra::Vector3;
@@ -30,7 +29,7 @@ use crate::physics::joint::JoinedPairs;
 use crate::physics::settings::{Method, SolverSettings};
 use crate::physics::shape::Geometry;
 use crate::physics::stats::StepStats;
-use crate::physics::threads::for_each_block;
+use crate::physics::threads::for_each_of;
 
 /// What the sweep keeps from step to step: the order of the bodies, and buffers.
 #[derive(Default)]
@@ -38,7 +37,8 @@ pub(crate) struct SweepAndSort {
     half_spaces: Vec<u32>,
     order: Vec<Begin>,
     spheres: Vec<Projection>,
-    blocks: Vec<Block>,
+    /// Pairs of each run of buckets.
+    found: Vec<Vec<Pair>>,
 }
 
 /// Where a body's sphere begins on x.
@@ -57,13 +57,6 @@ struct Projection {
     body: u32,
     dynamic: bool,
     layers: CollisionLayers,
-}
-
-/// A run of buckets and the pairs found in them.
-#[derive(Default)]
-struct Block {
-    firsts: Range<usize>,
-    pairs: Vec<Pair>,
 }
 
 /// Finds the candidate pairs of this step.
@@ -114,20 +107,18 @@ impl SweepAndSort {
         self.sort(bodies, swept, settings);
         self.project(bodies, settings);
         let block_count = self.spheres.len().div_ceil(BUCKETS_A_BLOCK);
-        self.blocks.resize_with(block_count, Block::default);
-        for (index, block) in self.blocks.iter_mut().enumerate() {
-            block.firsts = index * BUCKETS_A_BLOCK..((index + 1) * BUCKETS_A_BLOCK).min(self.spheres.len());
-        }
+        self.found.resize_with(block_count, Vec::new);
         let spheres = &self.spheres;
         let prune_y = settings.method == Method::Exact || settings.sweeps.prune_y;
-        for_each_block(settings.threads, &mut self.blocks, |block| {
-            block.pairs.clear();
-            for first in block.firsts.clone() {
-                pair_bucket(spheres, first, prune_y, joined, &mut block.pairs);
+        for_each_of(settings.threads, self.found.iter_mut().enumerate(), |(block, found)| {
+            found.clear();
+            let first = block * BUCKETS_A_BLOCK;
+            for first in first..(first + BUCKETS_A_BLOCK).min(spheres.len()) {
+                pair_bucket(spheres, first, prune_y, joined, found);
             }
         });
-        for block in &self.blocks {
-            pairs.extend_from_slice(&block.pairs);
+        for found in &self.found {
+            pairs.extend_from_slice(found);
         }
     }
 

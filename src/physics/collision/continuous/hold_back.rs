@@ -79,8 +79,8 @@ pub(crate) fn hold_back(
     }
 }
 
-/// Puts the fast bodies of two where they are on their paths at a time, s. A body that is not fast, or is kinematic, ends
-/// where it was, and takes along what it has met.
+/// Puts the fast bodies of two where they are on their paths at a time, s. A body that is not fast, or is kinematic,
+/// ends where it was, and takes along what it has met.
 fn hold(bodies: &mut [Body], pair: [usize; 2], paths: &[Body; 2], fast: [bool; 2], time: f64) {
     let held = [0, 1].map(|one| fast[one] && bodies[pair[one]].is_dynamic());
     for one in (0..2).filter(|&one| held[one]) {

@@ -1,9 +1,9 @@
 //! Where two bodies first touch that move fast: by *conservative advancement* (Mirtich 1996, 2.3.2).
 //!
-//! A contact found ahead, at the poses of the start of the step, has the normal of those poses. For a body that moves by
-//! less than its own size that is good enough. One that moves farther would be stopped by planes that it passes beside,
-//! and a turn by a large angle would miss what it sweeps over. So both bodies of such a pair are taken along their
-//! present velocities v, ω to where they first touch.
+//! A contact found ahead, at the poses of the start of the step, has the normal of those poses. For a body that moves
+//! by less than its own size that is good enough. One that moves farther would be stopped by planes that it passes
+//! beside, and a turn by a large angle would miss what it sweeps over. So both bodies of such a pair are taken along
+//! their present velocities v, ω to where they first touch.
 //!
 //! Shapes that are apart by s along a unit n (from A to B) come together along it no faster than
 //!

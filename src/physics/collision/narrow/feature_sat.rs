@@ -27,7 +27,7 @@
 //! what separates changes for it: the bounds hold for negative depths too.
 //!
 //! Depths along faces of A, faces of B and edges are compared with a preference for the earlier
-//! kind ([`RIVAL_SHARE`]), so that manifolds do not flicker between nearly equal axes.
+//! kind ([`Scale::limit`]), so that manifolds do not flicker between nearly equal axes.
 
 use nalgebra::Vector3;
 

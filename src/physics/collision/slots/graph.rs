@@ -35,7 +35,7 @@ pub(crate) struct ContactGraph {
     pub presses_changed: bool,
     /// The slots that a step looks at: not those of pairs in which nothing awake can be moved.
     active: BitSet,
-    /// Slots that fell asleep in this step.
+    /// Slots of pairs that fell asleep in this step.
     pub settled: Vec<u32>,
     /// Pairs that touch, and their points; of the latter, those of slots that sleep.
     manifolds: i64,
@@ -43,18 +43,18 @@ pub(crate) struct ContactGraph {
     points_asleep: i64,
     /// Pairs in which a body may move farther than it is thick in this step, by slot.
     pub fast: Vec<FastPair>,
-    /// Pairs that pressed on each other until they were no pairs any more.
+    /// Pairs that pushed each other until they were no pairs any more.
     pub parted: Vec<(Entity, Entity)>,
     /// While somebody reads contact forces.
     pub recording: Option<Recording>,
 }
 
-/// What the forces at contact points are told from.
+/// What the forces at contact points are computed from.
 #[derive(Default)]
 pub(crate) struct Recording {
     /// What each slot's contact pushed in all substeps, N·s.
     pub totals: Vec<Record<f32>>,
-    /// The first tangent of each manifold of [`Contacts`], world axes, and its slot.
+    /// The first tangent, world axes, and the slot of each manifold that was exported.
     pub(super) tangents: Vec<(Vector3<f64>, u32)>,
 }
 
@@ -121,7 +121,7 @@ pub(in crate::physics::collision) fn update_graph(
 impl ContactGraph {
     /// Follows bodies to their new indices. Pairs of the gone are dropped in the next step.
     pub fn remap(&mut self, new_index: &[Option<u32>]) {
-        for slot in self.slots.iter_mut().filter(|slot| slot.is_used) {
+        for slot in self.slots.iter_mut().filter(|slot| slot.entities.is_some()) {
             let of = |body: u32| new_index.get(body as usize).copied().flatten();
             slot.pair = Pair { a: of(slot.pair.a).unwrap_or(GONE), b: of(slot.pair.b).unwrap_or(GONE) };
         }
@@ -165,7 +165,7 @@ impl ContactGraph {
         }
         let mut among = BitSet::default();
         renewed.iter().for_each(|&body| among.set(body, true));
-        for slot in self.slots.iter_mut().filter(|slot| slot.is_used) {
+        for slot in self.slots.iter_mut().filter(|slot| slot.entities.is_some()) {
             if among.contains(slot.pair.a) || among.contains(slot.pair.b) {
                 slot.forget();
             }
@@ -183,7 +183,7 @@ impl ContactGraph {
                     self.point_count -= self.states[*index as usize].geometry.point_count() as i64;
                 }
                 if slot.is_pressed {
-                    self.parted.push(slot.entities);
+                    self.parted.extend(slot.entities);
                 }
                 *slot = Slot::default();
                 self.states[*index as usize] = ContactState::default();

@@ -1,10 +1,10 @@
 //! Contacts that last: one slot for each pair of bodies that are near each other, kept for as long
 //! as they are.
 //!
-//! A slot's manifold is found again only when the two bodies have moved against each other by more
-//! than [`RECYCLING_LIMIT`](super::constants::RECYCLING_LIMIT) of the smaller one's size since it was found; until then its points, fixed to
-//! either body, move along with them, which is exact to first order. Impulses stay with the slot
-//! and are matched by feature when the manifold is found again.
+//! A slot's manifold is found again only when the two bodies have moved against each other by more than
+//! [`RECYCLING_LIMIT`](super::constants::RECYCLING_LIMIT) of the smaller one's size since it was found; until then its
+//! points, fixed to either body, move along with them, which is exact to first order. Impulses stay with the slot and
+//! are matched by feature when the manifold is found again.
 
 pub(super) mod export;
 pub(super) mod graph;

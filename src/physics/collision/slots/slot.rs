@@ -40,60 +40,40 @@ impl RelativePose {
 }
 
 /// One pair.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Slot {
     pub pair: Pair,
     /// Whether there are contact points.
     pub touching: bool,
-    /// Whether [`crate::physics::ContactStarted`] was said, and not yet that it ended.
+    /// Whether [`ContactStarted`](crate::physics::ContactStarted) was sent, and the end not yet.
     pub is_pressed: bool,
-    pub entities: (Entity, Entity),
+    /// None: there is no pair.
+    pub entities: Option<(Entity, Entity)>,
     pub restitution: f32,
     /// In which of the graph's updates the manifold was found.
     pub found_in: u64,
-    /// How B moves to A until the contact found ahead, world axes, m: its points are where they will touch then.
+    /// Displacement of B against A until they meet, world axes, m, where the contact was found ahead: its points are
+    /// those of the poses at which they meet.
     pub ahead: Vector3<f64>,
     pub(super) features: [FeatureId; POINTS],
+    /// The pose at which the manifold was found; none: it is to be found.
     found_at: Option<RelativePose>,
-    /// Up to which gap it was looked for, m.
+    /// The gap up to which the manifold was looked for, m.
     found_within: f64,
     /// Smaller bounding radius.
     size: f64,
-    /// Bounding radius of B, or what its points can be from its centre.
+    /// Bounding radius of B.
     reach: f64,
-    /// Where A's axes have their origin for this contact: at its centre of mass, or, as A may be
-    /// a ground that reaches far, near B where A does not move.
+    /// Origin of A's axes for this contact, from its centre of mass: none, or near B where A is static, since it may be
+    /// a ground that reaches far.
     pub(super) origin: Vector3<f64>,
-    /// Whether there is a pair.
-    pub is_used: bool,
-}
-
-impl Default for Slot {
-    fn default() -> Self {
-        Self {
-            pair: Pair { a: 0, b: 0 },
-            touching: false,
-            is_pressed: false,
-            entities: (Entity::PLACEHOLDER, Entity::PLACEHOLDER),
-            restitution: 0.0,
-            found_in: 0,
-            ahead: Vector3::zeros(),
-            features: [FeatureId::default(); POINTS],
-            found_at: None,
-            found_within: 0.0,
-            size: 0.0,
-            reach: 0.0,
-            origin: Vector3::zeros(),
-            is_used: false,
-        }
-    }
 }
 
 impl Slot {
     /// Of a new pair, whose manifold is not known.
     pub(super) fn new(pair: Pair, a: &Body, b: &Body) -> Self {
-        let entities = (a.entity, b.entity);
-        Self { pair, entities, is_used: true, size: a.radius.min(b.radius), reach: b.radius, ..Self::default() }
+        let entities = Some((a.entity, b.entity));
+        Self { pair, entities, size: a.radius.min(b.radius), reach: b.radius, ..Self::default() }
     }
 
     /// Has the manifold found anew.

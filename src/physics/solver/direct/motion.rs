@@ -22,7 +22,7 @@ use crate::physics::body::free_rotation::turn_freely;
 use crate::physics::body::{Body, RigidBody};
 use crate::physics::collision::fastest_approach;
 use crate::physics::constraint::row::Twist;
-use crate::physics::contact::restitution_threshold;
+use crate::physics::contact::{rebound, restitution_threshold};
 use crate::physics::joint::Joint;
 use crate::physics::settings::SolverSettings;
 use crate::physics::solver::joint_tree::{StiffnessShares, add_stiffness};
@@ -68,7 +68,7 @@ impl DirectIsland {
         let bounces = |&slot: &u32| {
             let slot = world.slot(slot);
             let [a, b] = [slot.pair.a, slot.pair.b].map(|body| world.body(body));
-            slot.restitution > 0.0 && fastest_approach(a, b) > terms.restitution_speed
+            rebound(f64::from(slot.restitution), fastest_approach(a, b), terms.restitution_speed) > 0.0
         };
         if self.contacts.iter().any(bounces) {
             return false;

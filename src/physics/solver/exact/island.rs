@@ -9,12 +9,12 @@ use super::mechanism::{Link, Mechanism, Member, Motion, Spring};
 use super::stepper::{Effort, Stepper};
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::{Contacts, Pair};
+use crate::physics::contact::ContactCache;
 use crate::physics::disjoint_sets::DisjointSets;
 use crate::physics::island::Islands;
 use crate::physics::joint::Softness;
 use crate::physics::joint::{Joint, Joints};
 use crate::physics::settings::{ExactIntegrator, FrictionModel};
-use crate::physics::solver::ContactCache;
 
 /// A mechanism and the bodies and joints that it stands for.
 #[derive(Default)]

@@ -50,20 +50,20 @@ impl Impacts {
         let mut count = 0;
         let most = if may_bounce { MOST_A_PAIR * pairings.len() } else { 0 };
         loop {
-            let bouncing = pairings.iter().enumerate().filter(|(_, pairing)| pairing.restitution > 0.0);
+            let bouncing = pairings.iter().enumerate().filter(|(_, pairing)| pairing.surface.restitution > 0.0);
             let approaches = bouncing.map(|(index, _)| (index, approach(sites.of(index), motion)));
             let first = approaches.filter(|(_, speed)| *speed > least).max_by(|a, b| a.1.total_cmp(&b.1));
             let Some((first, _)) = first else { return };
             let ends = count >= most;
             let is_held = |site: &&Site| {
                 let pairing = site.pairing as usize;
-                site.gap <= TOUCHING && (ends || pairing == first || pairings[pairing].restitution == 0.0)
+                site.gap <= TOUCHING && (ends || pairing == first || pairings[pairing].surface.restitution == 0.0)
             };
             self.held.clear();
             self.held.extend(sites.list.iter().filter(is_held).cloned());
             self.kernel.set(view, motion, self.held.iter());
             self.gains.clear();
-            let restitution = pairings[first].restitution;
+            let restitution = pairings[first].surface.restitution;
             let gain = |site: &Site| {
                 let bounces = !ends && site.pairing as usize == first;
                 if bounces { -rebound(restitution, -site.opening(motion), 0.0) } else { 0.0 }

@@ -25,12 +25,12 @@ use self::sites::{Finder, Pairing, Site, Sites};
 use super::island::{link_of, member, motion, place_in, put};
 use super::mechanism::{Link, Member, Motion};
 use super::stepper::Effort;
-use crate::physics::body::{Bodies, Body};
+use crate::physics::body::{Bodies, Body, SurfaceMaterial};
 use crate::physics::collision::closing_distance;
 use crate::physics::collision::{FeatureId, Pair};
+use crate::physics::contact::{ContactCache, surface};
 use crate::physics::joint::{Joint, Joints};
 use crate::physics::settings::FrictionModel;
-use crate::physics::solver::ContactCache;
 
 /// Overlap within which a landing is found, m.
 const LANDED: f64 = 1e-11;
@@ -146,7 +146,7 @@ impl Touching {
         let mut place = |body: u32| place_in(&mut bodies, moving, body);
         let pairing = |&pair: &Pair| {
             // What their surfaces are like is taken in with the state.
-            Pairing { pair, ends: [place(pair.a), place(pair.b)], friction: 0.0, restitution: 0.0 }
+            Pairing { pair, ends: [place(pair.a), place(pair.b)], surface: SurfaceMaterial::default() }
         };
         let pairings = pairs.iter().map(pairing).collect();
         let (rigid, soft): (Vec<u32>, Vec<u32>) =
@@ -172,10 +172,8 @@ impl Touching {
         self.joint_forces.clear();
         self.joint_forces.extend(self.joints.iter().map(|&joint| joints.list[joint as usize].force));
         for pairing in &mut self.pairings {
-            let [a, b] = pairing.ends.map(|end| self.shapes[end as usize].material);
-            let material = a.pair(b);
-            pairing.friction = if friction == FrictionModel::Off { 0.0 } else { material.friction };
-            pairing.restitution = material.restitution;
+            let [a, b] = pairing.ends.map(|end| &self.shapes[end as usize]);
+            pairing.surface = surface(a, b, friction);
         }
     }
 
@@ -217,7 +215,7 @@ impl Touching {
             let flies = |(index, pairing): (usize, &Pairing)| {
                 let own = sites.of(index);
                 let rests = approach(own, &self.motion).abs() <= least;
-                pairing.restitution > 0.0 && may_bounce && !rests
+                pairing.surface.restitution > 0.0 && may_bounce && !rests
             };
             self.flies.extend(self.pairings.iter().enumerate().map(flies));
             let h = self.fly_until_landing(&mut stride, left, terms, cache, guesses);

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::super::mechanism::Motion;
-use crate::physics::body::Body;
+use crate::physics::body::{Body, SurfaceMaterial};
 use crate::physics::collision::{ContactPoint, FeatureId, Pair};
 use crate::physics::collision::{PairSearch, touch};
 use crate::physics::contact::namesake;
@@ -15,8 +15,7 @@ pub(super) struct Pairing {
     pub pair: Pair,
     /// By their places here.
     pub ends: [u32; 2],
-    pub friction: f64,
-    pub restitution: f64,
+    pub surface: SurfaceMaterial,
 }
 
 /// A point of a pair at the poses it was found at.
@@ -91,7 +90,7 @@ impl Sites {
                 arms: [point.point - a.position, point.point - b.position],
                 normal: overlap.normal,
                 gap: -point.depth,
-                friction: pairing.friction,
+                friction: pairing.surface.friction,
             }));
         }
         self.starts.push(self.list.len() as u32);
