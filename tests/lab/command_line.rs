@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use plumb::lab::{Plan, Simulation};
-use plumb::physics::SolverSettings;
+use plumb::physics::{SETTINGS, SolverSettings};
 use plumb::scene::catalog;
 use serde_json::Value;
 
@@ -364,6 +364,72 @@ fn refuses_a_settings_file_that_is_broken() {
 fn refuses_a_settings_file_with_an_unknown_field() {
     let (_folder, path) = file("s.ron", "(\n  hertz: 60,\n)");
     refuses(&["run", "rods", "--settings", &path], &[&path, ":2:3:", "hertz"]);
+}
+
+#[test]
+fn refuses_what_a_user_wrote_and_the_method_does_not_read() {
+    let only_sweeps = "does not read it, only pgs, cg_pgs, nncg, joint_space do: leave it out or choose one of these";
+    for (text, place, says) in [
+        ("(\n  hz: 60,\n  baumgarte: 0.3,\n)", ":3:3:", ["baumgarte: soft_step", only_sweeps]),
+        ("(method: exact,\n iterations: 20)", ":2:2:", ["iterations: exact does not read it", "leave it out"]),
+        (
+            "(integrator: rattle)",
+            ":1:2:",
+            ["integrator: soft_step", "only exact does: leave it out or choose that method"],
+        ),
+        ("(integrator: euler, method: exact)", ":1:2:", ["integrator: exact", only_sweeps]),
+        ("(method: xpbd, fitted_effort: false)", ":1:16:", ["fitted_effort: xpbd", "only soft_step does"]),
+        ("(method: pgs, sleep_speed: 0.1)", ":1:15:", ["sleep_speed: pgs", "soft_step, sequential_impulses, xpbd do"]),
+        (
+            "(method: pgs, axis_epsilon: 0.1)",
+            ":1:15:",
+            ["axis_epsilon: pgs reads it only with contacts: extreme_vertices", "leave it out or set that too"],
+        ),
+    ] {
+        let (_folder, path) = file("s.ron", text);
+        refuses(&["run", "rods", "--settings", &path], &[&path, place, says[0], says[1]]);
+    }
+    refuses(&["run", "rods", "--method", "exact", "--iterations", "3"], &["iterations: exact does not read it, only"]);
+    refuses(&["rods", "--preset", "accurate", "--precision", "f32"], &["precision: exact does not read it, only"]);
+    // What the file says is also held to a method that comes from the command line.
+    let (_folder, path) = file("s.ron", "(\n  method: pgs,\n  baumgarte: 0.3,\n)");
+    prints(&["run", "rods", "--seconds", "0.02", "--settings", &path]);
+    refuses(&["run", "rods", "--settings", &path, "--method", "exact"], &[&path, ":3:3:", "baumgarte: exact"]);
+    let (_folder, path) = file("s.ron", "(slop: 0.1, slop: 0.2)");
+    refuses(&["run", "rods", "--settings", &path], &[&path, "slop"]);
+}
+
+#[test]
+fn what_presets_leave_unread_is_no_users_word() {
+    for preset in ["game", "steady", "classic", "accurate"] {
+        for method in ["pgs", "cg_pgs", "nncg", "joint_space", "soft_step", "sequential_impulses", "xpbd", "exact"] {
+            prints(&["run", "pendulum", "--seconds", "0.02", "--preset", preset, "--method", method]);
+        }
+    }
+}
+
+#[test]
+fn the_exact_method_alone_picks_its_integrator() {
+    for (text, integrator) in [("(method: exact)", "gauss"), ("(integrator: rattle, method: exact)", "rattle")] {
+        let (_folder, path) = file("s.ron", text);
+        let settings = &json(&["run", "pendulum", "--seconds", "0.02", "--settings", &path, "--json"])["settings"];
+        assert_eq!((&settings["method"], &settings["integrator"]), (&"exact".into(), &integrator.into()), "{text}");
+    }
+}
+
+#[test]
+fn help_says_what_the_doc_comments_say() {
+    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let help = words(&prints(&["run", "--help"]));
+    for name in ["method", "hz", "substeps", "iterations", "precision", "threads"] {
+        let setting = SETTINGS.iter().find(|setting| setting.name == name).unwrap();
+        let (_, after) = help.split_once(&format!(" --{name} <")).unwrap_or_else(|| panic!("--{name}: {help}"));
+        let (_, after) = after.split_once("> ").unwrap();
+        assert!(after.starts_with(&setting.help()), "--{name}: {after}");
+        for choice in setting.choices {
+            assert!(after.contains(&format!("- {}: {}", choice.name, choice.help())), "--{name}: {after}");
+        }
+    }
 }
 
 #[test]

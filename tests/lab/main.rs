@@ -12,6 +12,7 @@ mod scene_errors;
 mod scene_format;
 mod scene_meshes;
 mod scene_overlap;
+mod settings_page;
 mod stability;
 mod standing;
 mod sweeps;

@@ -1,6 +1,7 @@
 //! Headless system tests of the physics plugin, one module a subject.
 
 mod allocations;
+mod architecture;
 mod arrows;
 mod at_rest;
 mod classic;

@@ -343,3 +343,40 @@ impl SettingsError {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use bevy::reflect::{ReflectRef, TypeInfo, Typed};
+
+    use super::*;
+
+    #[test]
+    fn every_field_is_in_the_table_and_has_its_doc_comment() {
+        let settings = SolverSettings::default();
+        let TypeInfo::Struct(info) = SolverSettings::type_info() else { panic!("settings are a struct") };
+        let mut paths = Vec::new();
+        for name in info.field_names() {
+            match settings.reflect_path(*name).unwrap().reflect_ref() {
+                ReflectRef::Struct(group) => {
+                    paths.extend(
+                        (0..group.field_len()).map(|index| format!("{name}.{}", group.name_at(index).unwrap())),
+                    );
+                }
+                _ => paths.push((*name).to_owned()),
+            }
+        }
+        assert_eq!(SETTINGS.iter().map(|setting| setting.path).collect::<Vec<_>>(), paths);
+
+        let lines: Vec<&str> = include_str!("solver_settings.rs").lines().map(str::trim).collect();
+        let mut declared = 0;
+        for setting in SETTINGS {
+            let is_it = |line: &str| line.starts_with(&format!("{}: ", setting.name)) && line.ends_with(';');
+            declared += lines[declared..].iter().position(|line| is_it(line)).expect(setting.path);
+            let first = lines[..declared].iter().rposition(|line| !line.starts_with("///")).unwrap() + 1;
+            let doc: Vec<&str> = lines[first..declared].iter().map(|line| line[3..].trim()).collect();
+            assert_eq!(setting.help(), doc.join(" "), "{}", setting.path);
+            assert!(!doc.is_empty() && setting.methods().next().is_some(), "{}", setting.path);
+            declared += 1;
+        }
+    }
+}

@@ -234,8 +234,9 @@ fn a_shift_and_multipliers_share_the_load_of_redundant_rows() {
         ldl.solve(&elimination, &mut more[..]);
         places.iter().zip(&more).for_each(|(&place, &more)| x[place as usize] += more);
     }
-    // Each of three solves leaves a share of 3e-6 / 2 of the error.
-    assert!((&x - &expected).amax() < 1e-12, "{x}, not {expected}");
+    // Each of three solves leaves a share of 3e-6 / 2 of the error; rounding of the right side along the redundant rows,
+    // 1e-16 of it, is divided by the shift and stays.
+    assert!((&x - &expected).amax() < 1e-9 * b.amax(), "{x}, not {expected}");
 }
 
 #[test]
