@@ -194,13 +194,15 @@ impl<S: Scalar + Default> ClaimedBody<'_, '_, S> {
     }
 
     fn set<T>(&mut self, list: Shared<T>, value: T) {
-        self.set_at(list, self.index, value);
+        // SAFETY: nobody else has the body, as whoever claimed it promised.
+        unsafe { *list.element(self.index) = value }
     }
 
-    /// `index` is of this body.
-    fn set_at<T>(&mut self, list: Shared<T>, index: usize, value: T) {
-        // SAFETY: nobody else has the body, as whoever claimed it promised.
-        unsafe { *list.element(index) = value }
+    fn set_frame(&mut self, records: [Record<S>; FRAME]) {
+        for (place, record) in records.into_iter().enumerate() {
+            // SAFETY: nobody else has the body, as whoever claimed it promised.
+            unsafe { *self.bodies.frames.element(self.index * FRAME + place) = record }
+        }
     }
 
     /// Takes a body in, for a `step` of substeps of length `h`. What turning in the step does to the angular
@@ -236,9 +238,7 @@ impl<S: Scalar + Default> ClaimedBody<'_, '_, S> {
             *number = S::of(value);
         }
         let (records, _) = numbers.as_chunks::<WIDTH>();
-        for (place, &numbers) in records.iter().enumerate() {
-            self.set_at(self.bodies.frames, self.index * FRAME + place, Record(numbers));
-        }
+        self.set_frame(std::array::from_fn(|place| Record(records[place])));
     }
 
     /// Forces act, and in all but the first substep the impulses of the last one again. Impulses along rows
@@ -305,7 +305,7 @@ impl<L: Lanes> ClaimedPairs<'_, '_, L> {
     /// v, ψ.
     #[inline(always)]
     pub fn velocities(&self) -> PairRecords<L> {
-        self.gather(self.bodies.velocity, &self.ends)
+        self.gather(self.bodies.velocity, 1, 0)
     }
 
     #[inline(always)]
@@ -316,7 +316,7 @@ impl<L: Lanes> ClaimedPairs<'_, '_, L> {
     /// d, θ' since the start of the step.
     #[inline(always)]
     pub fn displacements(&self) -> PairRecords<L> {
-        self.gather(self.bodies.displacement, &self.ends)
+        self.gather(self.bodies.displacement, 1, 0)
     }
 
     #[inline(always)]
@@ -326,17 +326,17 @@ impl<L: Lanes> ClaimedPairs<'_, '_, L> {
 
     /// The frames of A's and of B's.
     pub fn frames(&self) -> [Frames<L>; 2] {
-        let [one, two, three] = [0, 1, 2].map(|place| {
-            let places = self.ends.map(|bodies| bodies.map(|body| (body & !READ_ONLY) * FRAME as u32 + place));
-            self.gather(self.bodies.frames, &places)
-        });
+        let [one, two, three] = [0, 1, 2].map(|place| self.gather(self.bodies.frames, FRAME as u32, place));
         [0, 1].map(|end| Frames::new(&one[end], &two[end], &three[end]))
     }
 
+    /// Of a list with so many records for each body, those at a `place` among them.
     #[inline(always)]
-    fn gather(&self, list: Shared<Record<L::Scalar>>, [a, b]: &Ends) -> PairRecords<L> {
+    fn gather(&self, list: Shared<Record<L::Scalar>>, records: u32, place: u32) -> PairRecords<L> {
+        let places = |bodies: &[u32; WIDTH]| bodies.map(|body| (body & !READ_ONLY) * records + place);
+        let [a, b] = &self.ends;
         // SAFETY: nobody writes what the claim covers, as whoever made it promised.
-        unsafe { [L::gather(list, a), L::gather(list, b)] }
+        unsafe { [L::gather(list, &places(a)), L::gather(list, &places(b))] }
     }
 
     #[inline(always)]

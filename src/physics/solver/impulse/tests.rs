@@ -14,6 +14,8 @@ use crate::physics::lanes::{Lanes, READ_ONLY, Record};
 use crate::physics::scalar::Scalar;
 use crate::physics::solver::soft_terms::{Projection, SoftTerms, UNLIMITED};
 use crate::physics::testing::Random;
+#[cfg(debug_assertions)]
+use crate::physics::threads::Division;
 use bevy::prelude::Entity;
 
 #[test]
@@ -262,6 +264,35 @@ fn contacts_in<L: Lanes>(tolerance: f64) {
 fn one_update_stops_points_that_approach_in_any_lanes() {
     contacts_in::<f64>(1e-5);
     contacts_in::<WideF32x8>(1e-4);
+}
+
+/// Two chunks of one stage update the velocities of a pair each, of which the second bodies are given.
+#[cfg(debug_assertions)]
+fn two_chunks_of_one_stage(seconds: [u32; 2]) {
+    let bodies = bodies(&mut Random::new(7));
+    let mut group = gather::<f64>(&bodies);
+    let shared = group.share();
+    let division = Division::of_stages(1);
+    for (chunk, second) in seconds.into_iter().enumerate() {
+        division.work_as(chunk, || {
+            let mut pairs = pairs::<f64>(&shared, [[2 + chunk as u32; 8], [second; 8]]);
+            let velocities = pairs.velocities();
+            pairs.set_velocities(velocities);
+        });
+    }
+}
+
+#[test]
+#[cfg(debug_assertions)]
+fn chunks_of_a_stage_may_share_what_does_not_move() {
+    two_chunks_of_one_stage([READ_ONLY, READ_ONLY]);
+}
+
+#[test]
+#[cfg(debug_assertions)]
+#[should_panic(expected = "claimed twice in one stage")]
+fn chunks_of_a_stage_that_share_a_body_that_moves_are_found() {
+    two_chunks_of_one_stage([9, 9]);
 }
 
 fn projection<L: Lanes>(share: f64) -> Projection<L> {
