@@ -305,7 +305,7 @@ impl<L: Lanes> ClaimedPairs<'_, '_, L> {
     /// v, ψ.
     #[inline(always)]
     pub fn velocities(&self) -> PairRecords<L> {
-        self.gather(self.bodies.velocity, 1, 0)
+        self.gather(self.bodies.velocity)
     }
 
     #[inline(always)]
@@ -316,7 +316,7 @@ impl<L: Lanes> ClaimedPairs<'_, '_, L> {
     /// d, θ' since the start of the step.
     #[inline(always)]
     pub fn displacements(&self) -> PairRecords<L> {
-        self.gather(self.bodies.displacement, 1, 0)
+        self.gather(self.bodies.displacement)
     }
 
     #[inline(always)]
@@ -325,15 +325,24 @@ impl<L: Lanes> ClaimedPairs<'_, '_, L> {
     }
 
     /// The frames of A's and of B's.
+    #[inline(always)]
     pub fn frames(&self) -> [Frames<L>; 2] {
-        let [one, two, three] = [0, 1, 2].map(|place| self.gather(self.bodies.frames, FRAME as u32, place));
-        [0, 1].map(|end| Frames::new(&one[end], &two[end], &three[end]))
+        [self.frame(0), self.frame(1)]
     }
 
-    /// Of a list with so many records for each body, those at a `place` among them.
+    /// Written where it is to stand: both at once would be copied.
+    fn frame(&self, end: usize) -> Frames<L> {
+        let places = |place: u32| self.ends[end].map(|body| (body & !READ_ONLY) * FRAME as u32 + place);
+        let records = |place| {
+            // SAFETY: nobody writes what the claim covers, as whoever made it promised.
+            unsafe { L::gather(self.bodies.frames, &places(place)) }
+        };
+        Frames::new(&records(0), &records(1), &records(2))
+    }
+
     #[inline(always)]
-    fn gather(&self, list: Shared<Record<L::Scalar>>, records: u32, place: u32) -> PairRecords<L> {
-        let places = |bodies: &[u32; WIDTH]| bodies.map(|body| (body & !READ_ONLY) * records + place);
+    fn gather(&self, list: Shared<Record<L::Scalar>>) -> PairRecords<L> {
+        let places = |bodies: &[u32; WIDTH]| bodies.map(|body| body & !READ_ONLY);
         let [a, b] = &self.ends;
         // SAFETY: nobody writes what the claim covers, as whoever made it promised.
         unsafe { [L::gather(list, &places(a)), L::gather(list, &places(b))] }
