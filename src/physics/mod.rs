@@ -51,9 +51,10 @@ pub use body::{
     SurfaceMaterial, Velocity,
 };
 pub use collision::PlacedCollider;
-pub use joint::{BallJoint, JointLoad, Softness};
+pub use joint::{BallJoint, BodyState, Constraint, ConstraintRow, ConstraintRows, JointLoad, Softness};
 pub use messages::{BodyQuarantined, Collision, ContactEnded, ContactStarted};
 pub use plugin::{PhysicsPlugin, headless_app, step};
+pub use prepare::AddConstraint;
 pub use readings::{ContactForce, ContactForces, Diagnostics, JointForce, JointForces};
 pub use schedule::{PhysicsSchedule, PhysicsSystems};
 pub use settings::{

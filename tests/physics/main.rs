@@ -21,6 +21,7 @@ mod lasting_contacts;
 mod matrix;
 mod messages;
 mod methods;
+mod own_constraint;
 mod pendulum;
 mod public_face;
 mod pulled;

@@ -27,8 +27,7 @@ use super::softness::Softness;
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, PartialEq)]
-#[component(map_entities, on_remove = super::kind::forget)]
-#[require(JointDefinition)]
+#[component(map_entities)]
 pub struct BallJoint {
     /// One body.
     pub body_a: Entity,

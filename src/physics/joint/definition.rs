@@ -10,11 +10,12 @@
 use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
+use super::constraint::RowFunction;
 use super::slot::{JointSlot, number_joint};
 use super::softness::Softness;
 
 /// A joint's bodies, frames and laws. The component that a joint kind's is the builder of, beside it on its entity.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Debug)]
 #[component(on_add = number_joint)]
 #[require(JointSlot)]
 pub(crate) struct JointDefinition {
@@ -24,6 +25,8 @@ pub(crate) struct JointDefinition {
     pub translation: Laws,
     /// Of the twist and of the swings about y and z.
     pub rotation: Laws,
+    /// Rows of a user's own instead of laws.
+    pub function: Option<RowFunction>,
     /// Whether the joined bodies collide with each other.
     pub collide: bool,
 }
@@ -82,12 +85,18 @@ impl Default for JointDefinition {
             frames: [Frame::at(Vector3::zeros()); 2],
             translation: Laws::FREE,
             rotation: Laws::FREE,
+            function: None,
             collide: false,
         }
     }
 }
 
 impl JointDefinition {
+    /// Whether it holds all translations and nothing else.
+    pub fn is_ball(&self) -> bool {
+        self.function.is_none() && self.translation.hold == Laws::LOCKED.hold && self.rotation.locked() == 0
+    }
+
     /// Whether all its numbers make sense.
     pub fn is_valid(&self) -> bool {
         let springs = [self.translation.spring, self.rotation.spring];

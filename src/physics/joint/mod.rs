@@ -2,6 +2,7 @@
 //! [definition](definition), from which all that solvers need is made.
 
 mod ball;
+mod constraint;
 mod definition;
 mod kind;
 mod load;
@@ -12,6 +13,7 @@ mod slot;
 mod softness;
 
 pub use ball::BallJoint;
+pub use constraint::{BodyState, Constraint, ConstraintRow, ConstraintRows};
 pub(crate) use definition::JointDefinition;
 pub(crate) use kind::{JointKind, any_changed, define_joints};
 pub use load::JointLoad;
@@ -19,6 +21,6 @@ pub(crate) use packed::{Joint, Joints};
 pub(crate) use pairs::JoinedPairs;
 #[cfg(test)]
 pub(crate) use rows::point_jacobian;
-pub(crate) use rows::{Bound, JointRow, JointState};
+pub(crate) use rows::{Bound, JointRow};
 pub(crate) use slot::JointSlot;
 pub use softness::Softness;

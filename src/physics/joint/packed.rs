@@ -27,6 +27,8 @@ pub(crate) struct Joints {
     pub list: Vec<Joint>,
     /// The bodies that they hold.
     pub joined: BitSet,
+    /// Those that something holds which may change with time.
+    pub driven: Vec<u32>,
     /// Counts every time they were packed anew, which is also when a body came, went or changed its kind.
     pub version: u64,
 }

@@ -38,6 +38,7 @@
 
 use nalgebra::{Matrix3, Quaternion, SimdRealField, UnitQuaternion, Vector3};
 
+use super::constraint::{BodyState, ConstraintRow, RowFunction};
 use super::definition::{Frame, Hold, JointDefinition, Laws};
 use super::softness::Softness;
 use crate::physics::constraint::row::{RowPair, Twist};
@@ -61,8 +62,10 @@ pub(crate) struct JointRow<N> {
     /// C, m or rad.
     pub error: N,
     /// Ċ = J v + ∂C/∂t.
+    #[allow(dead_code, reason = "for engines that solve accelerations, as is the next")]
     pub rate: N,
     /// C̈ where nothing accelerates: J̇v and the change of ∂C/∂t.
+    #[allow(dead_code)]
     pub velocity_term: N,
     /// ∂C/∂t.
     pub time_rate: N,
@@ -188,7 +191,24 @@ where
     }
 }
 
+impl JointState<f64> {
+    /// Of bodies as they are.
+    fn of(frames: &[Frame; 2], [a, b]: &[BodyState; 2]) -> Self {
+        let rotations = [a, b].map(|body| UnitQuaternion::new_unchecked(body.rotation.into()));
+        let velocities = [a, b].map(|body| Twist { linear: body.linear.into(), angular: body.angular.into() });
+        Self::new(frames, (b.position - a.position).into(), rotations, velocities)
+    }
+}
+
 impl JointDefinition {
+    /// Adds its rows at that state of A and B and that time, s.
+    pub fn rows_at(&self, bodies: &[BodyState; 2], time: f64, rows: &mut Vec<JointRow<f64>>) {
+        match &self.function {
+            Some(function) => add_rows_of(function, bodies, time, rows),
+            None => self.rows(&JointState::of(&self.frames, bodies), rows),
+        }
+    }
+
     /// Adds its rows: translations first.
     pub fn rows<N: SimdRealField + Copy>(&self, state: &JointState<N>, rows: &mut Vec<JointRow<N>>)
     where
@@ -228,6 +248,35 @@ impl JointDefinition {
 /// J of three locked translations, along the world axes.
 pub(crate) fn point_jacobian<N: SimdRealField + Copy>(arm_a: Vector3<N>, arm_b: Vector3<N>) -> [RowPair<N>; 3] {
     [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| RowPair::along(axis, arm_a, arm_b))
+}
+
+/// Adds a user's own rows.
+fn add_rows_of(function: &RowFunction, bodies: &[BodyState; 2], time: f64, rows: &mut Vec<JointRow<f64>>) {
+    let now = function.at(bodies, time);
+    // Nothing accelerates meanwhile.
+    let around = [-1.0, 1.0].map(|side| {
+        let offset = side * ConstraintRow::DIFFERENCE;
+        function.at(&bodies.map(|body| body.later(offset)), time + offset)
+    });
+    rows.extend(now.iter().enumerate().map(|(index, row)| {
+        let [linear_a, linear_b] = row.linear.map(Vector3::from);
+        let [angular_a, angular_b] = row.angular.map(Vector3::from);
+        let difference = || {
+            let [before, after] = around.each_ref().map(|rows| rows.get(index).map_or(0.0, |row| row.rate(bodies)));
+            (after - before) / (2.0 * ConstraintRow::DIFFERENCE)
+        };
+        let (lower, upper) = row.bounds;
+        let is_bounded = lower.is_finite() || upper.is_finite();
+        JointRow {
+            jacobian: RowPair { linear_a, angular_a, linear_b, angular_b },
+            error: row.error,
+            rate: row.rate(bodies),
+            velocity_term: row.velocity_term.unwrap_or_else(difference),
+            time_rate: row.time_rate,
+            spring: None,
+            bound: if is_bounded { Bound::Within(lower, upper) } else { Bound::None },
+        }
+    }));
 }
 
 /// Makes springs of rows where the laws of their group say so.

@@ -10,6 +10,7 @@ use crate::physics::body::{QuarantineReason, Quarantined, RigidBody};
 use crate::physics::joint::JointSlot;
 use crate::physics::joint::{JoinedPairs, Joint, JointDefinition, Joints, any_changed};
 use crate::physics::messages::{BodyQuarantined, set_aside};
+use crate::physics::settings::{Method, SolverSettings};
 use crate::physics::sleep::Sleep;
 use crate::physics::stats::StepStats;
 
@@ -20,6 +21,7 @@ pub(super) struct PackedFor {
     bodies: u64,
     joints: usize,
     quarantined: usize,
+    any_rows: bool,
 }
 
 /// Whether the joints must be packed anew. A condition of its own: it needs little of the world.
@@ -27,11 +29,22 @@ pub(super) fn joints_changed(
     joints: Query<Ref<JointDefinition>>,
     quarantined: Query<(), (With<JointDefinition>, With<Quarantined>)>,
     bodies: Res<Bodies>,
+    settings: Res<SolverSettings>,
     packed_for: Res<PackedFor>,
     ticks: SystemChangeTick,
 ) -> bool {
-    let now = PackedFor { bodies: bodies.version, joints: joints.iter().len(), quarantined: quarantined.iter().len() };
+    let now = PackedFor {
+        bodies: bodies.version,
+        joints: joints.iter().len(),
+        quarantined: quarantined.iter().len(),
+        any_rows: takes_any_rows(&settings),
+    };
     now != *packed_for || any_changed(&joints, &ticks)
+}
+
+/// Whether the method takes rows of any kind and number of a joint, not those of ball joints alone.
+fn takes_any_rows(settings: &SolverSettings) -> bool {
+    !settings.method.keeps_contacts() && settings.method != Method::Exact
 }
 
 /// Packs the joints.
@@ -39,6 +52,7 @@ pub(super) fn gather_joints(
     mut query: Query<(Entity, Ref<JointDefinition>, &mut JointSlot, Has<Quarantined>)>,
     members: Query<(&BodySlot, &RigidBody)>,
     bodies: Res<Bodies>,
+    settings: Res<SolverSettings>,
     mut joints: ResMut<Joints>,
     mut joined: ResMut<JoinedPairs>,
     mut sleep: ResMut<Sleep>,
@@ -47,7 +61,8 @@ pub(super) fn gather_joints(
     mut quarantine: MessageWriter<BodyQuarantined>,
     mut commands: Commands,
 ) {
-    *packed_for = PackedFor { bodies: bodies.version, ..default() };
+    let any_rows = takes_any_rows(&settings);
+    *packed_for = PackedFor { bodies: bodies.version, any_rows, ..default() };
     let member = |entity| {
         members.get(entity).ok().filter(|(slot, _)| slot.index != u32::MAX).map(|(slot, &kind)| (slot.index, kind))
     };
@@ -64,14 +79,14 @@ pub(super) fn gather_joints(
             packed_for.quarantined += 1;
             continue;
         }
-        if let Err(reason) = check_joint(&definition, [kind_a, kind_b]) {
+        if let Err(reason) = check_joint(&definition, [kind_a, kind_b], any_rows) {
             set_aside(entity, reason, &mut commands, &mut quarantine);
             packed_for.quarantined += 1;
             continue;
         }
         // A joint that stays goes on from what it carried.
         let known = joints.list.get(index_before as usize).filter(|known| known.entity == entity);
-        let mut joint = Joint::new(entity, [a, b], *definition);
+        let mut joint = Joint::new(entity, [a, b], (*definition).clone());
         if let Some(known) = known {
             (joint.force, joint.torque) = (known.force, known.torque);
         }
@@ -92,8 +107,11 @@ pub(super) fn gather_joints(
     joints.list.extend(packed.into_iter().map(|(_, joint)| joint));
     let apart = joints.list.iter().filter(|joint| !joint.definition.collide);
     joined.rebuild(apart.map(|joint| (joint.a, joint.b)));
-    let Joints { list, joined, .. } = &mut *joints;
+    let Joints { list, joined, driven, .. } = &mut *joints;
     *joined = BitSet::default();
+    driven.clear();
+    let functions = list.iter().filter(|joint| joint.definition.function.is_some());
+    driven.extend(functions.flat_map(|joint| [joint.a, joint.b]));
     list.iter().flat_map(|joint| [joint.a, joint.b]).for_each(|body| joined.set(body, true));
     for (index, joint) in (0..).zip(&joints.list) {
         if let Ok((.., mut slot, _)) = query.get_mut(joint.entity) {
@@ -103,12 +121,20 @@ pub(super) fn gather_joints(
     stats.joints = joints.list.len() as u32;
 }
 
-fn check_joint(joint: &JointDefinition, kinds: [RigidBody; 2]) -> Result<(), QuarantineReason> {
+/// What is held by something that may change with time never rests.
+pub(super) fn keep_driven_awake(joints: Res<Joints>, bodies: Res<Bodies>, mut sleep: ResMut<Sleep>) {
+    joints.driven.iter().for_each(|&body| sleep.disturb(body, &bodies));
+}
+
+fn check_joint(joint: &JointDefinition, kinds: [RigidBody; 2], any_rows: bool) -> Result<(), QuarantineReason> {
     if !joint.is_valid() {
         return Err(QuarantineReason::NotFinite);
     }
     if joint.bodies[0] == joint.bodies[1] || !kinds.contains(&RigidBody::Dynamic) {
         return Err(QuarantineReason::BadJoint);
+    }
+    if !any_rows && !joint.is_ball() {
+        return Err(QuarantineReason::NotOfMethod);
     }
     Ok(())
 }

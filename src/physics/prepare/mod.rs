@@ -9,6 +9,7 @@
 //! 2. Joints ([`gather_joints`](mod@gather_joints)): packed again only when a joint or the set of bodies changed; a
 //!    joint of a body that is gone is despawned.
 
+mod add_joint;
 mod gather_bodies;
 mod gather_body;
 mod gather_joints;
@@ -18,13 +19,15 @@ mod tests;
 
 use bevy::prelude::*;
 
+pub use add_joint::AddConstraint;
+use add_joint::add_joint;
 use gather_bodies::gather_bodies;
-use gather_joints::{PackedFor, gather_joints, joints_changed};
+use gather_joints::{PackedFor, gather_joints, joints_changed, keep_driven_awake};
 
 use super::joint::JoinedPairs;
 use crate::physics::body::BirthCounter;
 use crate::physics::body::Bodies;
-use crate::physics::joint::{BallJoint, JointKind, Joints, define_joints};
+use crate::physics::joint::{BallJoint, Joints};
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 
 pub(super) fn plugin(app: &mut App) {
@@ -35,13 +38,9 @@ pub(super) fn plugin(app: &mut App) {
         .init_resource::<BirthCounter>()
         .add_systems(
             PhysicsSchedule,
-            (gather_bodies, gather_joints.run_if(joints_changed)).chain().in_set(PhysicsSystems::Prepare),
+            (gather_bodies, gather_joints.run_if(joints_changed), keep_driven_awake)
+                .chain()
+                .in_set(PhysicsSystems::Prepare),
         );
     add_joint::<BallJoint>(app);
-}
-
-/// Makes joints of a kind of component.
-fn add_joint<J: JointKind>(app: &mut App) {
-    let define = define_joints::<J>.after(gather_bodies).before(gather_joints);
-    app.add_systems(PhysicsSchedule, define.in_set(PhysicsSystems::Prepare));
 }

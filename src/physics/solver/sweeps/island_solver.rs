@@ -1,184 +1,21 @@
 //! One group of islands taken through a step: gather, substeps, scatter.
 
-use std::ops::Range;
-
 use bevy::platform::collections::HashMap;
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 
 use super::integrator;
+use super::local::{LocalBody, LocalJoint, LocalManifold, LocalPoint};
 use super::rows::{body_terms, contact_rows, joint_rows};
+use super::step_terms::StepTerms;
 use super::{cg_pgs, joint_space, nncg, pgs};
-use crate::physics::body::world_inverse_inertia;
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::Contacts;
 use crate::physics::constraint::row::{BodyTerms, Row, RowPair, Twist};
-use crate::physics::contact::{ContactCache, KEPT_SHARE, restitution_threshold};
+use crate::physics::contact::{ContactCache, KEPT_SHARE};
 use crate::physics::island::Islands;
-use crate::physics::joint::{Joint, JointDefinition, JointRow, Joints};
+use crate::physics::joint::{Joint, JointRow, Joints};
 use crate::physics::scalar::Scalar;
-use crate::physics::settings::{FrictionModel, Integrator, Method, Precision, SolverSettings};
-
-/// The settings as the substep loop reads them.
-pub(crate) struct StepTerms {
-    pub method: Method,
-    pub integrator: Integrator,
-    pub precision: Precision,
-    pub substeps: u32,
-    pub iterations: u32,
-    pub warm_starting: bool,
-    /// Length of a substep, s.
-    pub h: f64,
-    /// β: share of an error mended per second of a substep, 1/s.
-    pub error_rate: f64,
-    /// m; unlimited: infinite.
-    pub slop: f64,
-    /// m/s; infinite where there is no limit.
-    pub correction_speed: f64,
-    /// m/s; infinite where nothing bounces.
-    pub restitution_speed: f64,
-    pub friction: FrictionModel,
-    /// |g|, m/s².
-    pub gravity: f64,
-    /// Whether somebody reads contact forces.
-    pub record_forces: bool,
-}
-
-impl StepTerms {
-    pub fn new(settings: &SolverSettings, gravity: f64, record_forces: bool) -> Self {
-        let h = settings.step() / f64::from(settings.substeps);
-        Self {
-            method: settings.method,
-            integrator: settings.sweeps.integrator,
-            precision: settings.precision,
-            substeps: settings.substeps,
-            iterations: settings.iterations,
-            warm_starting: settings.sweeps.warm_starting,
-            h,
-            error_rate: settings.sweeps.baumgarte / h,
-            slop: settings.slop,
-            correction_speed: settings.correction_speed.unwrap_or(f64::INFINITY),
-            restitution_speed: restitution_threshold(settings),
-            friction: settings.friction,
-            gravity,
-            record_forces,
-        }
-    }
-}
-
-impl StepTerms {
-    /// The greatest speed at which a contact of that depth is pushed out, m/s. Where there is a
-    /// limit, no faster than gravity brings to rest on the way: a landing body would be thrown up
-    /// again, whatever its restitution.
-    pub fn greatest_push(&self, depth: f64) -> f64 {
-        if self.gravity == 0.0 || self.correction_speed == f64::INFINITY {
-            return self.correction_speed;
-        }
-        let way = (depth - self.slop).max(0.0);
-        self.correction_speed.min((2.0 * self.gravity * way).sqrt())
-    }
-}
-
-/// A body as its island's substeps see it.
-#[derive(Clone, Debug)]
-pub(crate) struct LocalBody {
-    global: u32,
-    pub position: Vector3<f64>,
-    pub rotation: UnitQuaternion<f64>,
-    pub linear: Vector3<f64>,
-    pub angular: Vector3<f64>,
-    pub force: Vector3<f64>,
-    pub torque: Vector3<f64>,
-    pub mass: f64,
-    pub inverse_mass: Vector3<f64>,
-    pub inverse_inertia_body: Vector3<f64>,
-    pub inverse_inertia: Matrix3<f64>,
-    pub rotation_freedom: Vector3<f64>,
-    pub drag: (f64, f64),
-}
-
-impl LocalBody {
-    pub fn new(global: u32, body: &Body) -> Self {
-        let inverse_inertia = world_inverse_inertia(&body.inverse_inertia_body, &body.rotation, &body.rotation_freedom);
-        Self {
-            global,
-            position: body.position,
-            rotation: body.rotation,
-            linear: body.linear,
-            angular: body.angular,
-            force: body.force,
-            torque: body.torque,
-            mass: body.mass,
-            inverse_mass: body.inverse_mass,
-            inverse_inertia_body: body.inverse_inertia_body,
-            inverse_inertia,
-            rotation_freedom: body.rotation_freedom,
-            drag: body.drag,
-        }
-    }
-
-    pub fn point_velocity(&self, arm: &Vector3<f64>) -> Vector3<f64> {
-        self.linear + self.angular.cross(arm)
-    }
-
-    /// M⁻¹ F_ext. No gyroscopic torque, as in the 2009 engine.
-    pub fn free_acceleration(&self) -> Twist<f64> {
-        Twist { linear: self.inverse_mass.component_mul(&self.force), angular: self.inverse_inertia * self.torque }
-    }
-
-    pub fn update_inverse_inertia(&mut self) {
-        self.inverse_inertia =
-            world_inverse_inertia(&self.inverse_inertia_body, &self.rotation, &self.rotation_freedom);
-    }
-}
-
-/// A manifold between two local bodies, with a run of the island's points.
-#[derive(Clone, Debug)]
-pub(crate) struct LocalManifold {
-    pub a: u32,
-    pub b: u32,
-    pub normal: Vector3<f64>,
-    pub friction: f64,
-    pub restitution: f64,
-    first_point: usize,
-    end_point: usize,
-}
-
-/// A contact point that moves along with its bodies through the substeps.
-#[derive(Clone, Debug)]
-pub(crate) struct LocalPoint {
-    /// From the centres of mass, world axes, where the contact was found.
-    pub arm_a: Vector3<f64>,
-    pub arm_b: Vector3<f64>,
-    /// Overlap at the present poses; negative where a gap opened.
-    pub depth: f64,
-    found_depth: f64,
-    body_arm_a: Vector3<f64>,
-    body_arm_b: Vector3<f64>,
-    /// Distance between the centres when the contact was found, B less A.
-    found_offset: Vector3<f64>,
-    /// Index of its normal row in the present solve; its friction rows follow.
-    pub first_row: usize,
-    /// Force on B in the last solve, N.
-    force: Vector3<f64>,
-    /// Impulse on B in this step so far, N·s.
-    impulse: Vector3<f64>,
-}
-
-/// A joint between two local bodies.
-#[derive(Clone, Debug)]
-pub(crate) struct LocalJoint {
-    global: u32,
-    pub a: u32,
-    pub b: u32,
-    pub definition: JointDefinition,
-    /// Its rows in the present solve.
-    pub rows: Range<usize>,
-    /// From B's centre of mass to its anchor, world axes.
-    pub arm_b: Vector3<f64>,
-    /// Impulse on B in this step so far, N·s, and its moment about B's anchor, N·m·s.
-    impulse: Vector3<f64>,
-    turn: Vector3<f64>,
-}
+use crate::physics::settings::{Integrator, Method, Precision};
 
 #[derive(Default)]
 struct Workspace<N> {
@@ -296,7 +133,7 @@ impl IslandSolver {
             let a = self.local(joint.a, islands, bodies);
             let b = self.local(joint.b, islands, bodies);
             let [arm_b, impulse, turn] = [Vector3::zeros(); 3];
-            let definition = joint.definition;
+            let definition = joint.definition.clone();
             self.joints.push(LocalJoint { global: index, a, b, definition, rows: 0..0, arm_b, impulse, turn });
         }
     }
@@ -336,10 +173,11 @@ impl IslandSolver {
             if index > 0 {
                 self.move_points();
             }
-            let mut island = IslandInStep { solver: self, work, terms };
+            let time = terms.start + f64::from(index) * terms.h;
+            let mut island = IslandInStep { solver: self, work, terms, time };
             match terms.integrator {
-                Integrator::VelocityVerlet => integrator::verlet::substep(&mut island, terms.h),
-                Integrator::Euler => integrator::euler::substep(&mut island, terms.h),
+                Integrator::VelocityVerlet => integrator::verlet(&mut island, terms.h),
+                Integrator::Euler => integrator::euler(&mut island, terms.h),
             }
         }
     }
@@ -358,8 +196,8 @@ impl IslandSolver {
         }
     }
 
-    /// Builds rows from the present poses and solves them for forces that act over `h`.
-    fn solve<N: Scalar>(&mut self, terms: &StepTerms, work: &mut Workspace<N>, h: f64) {
+    /// Builds rows from the present poses at a time, s, and solves them for forces that act over `h`.
+    fn solve<N: Scalar>(&mut self, terms: &StepTerms, work: &mut Workspace<N>, time: f64, h: f64) {
         work.rows.clear();
         work.accelerations.clear();
         work.accelerations.resize(self.bodies.len(), Twist::zero());
@@ -373,7 +211,7 @@ impl IslandSolver {
         }
         let joints_from = work.rows.len();
         for joint in &mut self.joints {
-            joint_rows(&self.bodies, &work.terms, joint, terms, h, &mut self.joint_rows, &mut work.rows);
+            joint_rows(&self.bodies, &work.terms, joint, terms, [time, h], &mut self.joint_rows, &mut work.rows);
         }
         if terms.warm_starting {
             self.warm_start(&mut work.rows[..joints_from], &mut work.accelerations);
@@ -485,11 +323,13 @@ struct IslandInStep<'a, N> {
     solver: &'a mut IslandSolver,
     work: &'a mut Workspace<N>,
     terms: &'a StepTerms,
+    /// Of the present poses, s.
+    time: f64,
 }
 
 impl<N: Scalar> integrator::System for IslandInStep<'_, N> {
     fn solve(&mut self, h: f64) {
-        self.solver.solve(self.terms, self.work, h);
+        self.solver.solve(self.terms, self.work, self.time, h);
     }
 
     fn kick(&mut self, h: f64) {
@@ -498,6 +338,7 @@ impl<N: Scalar> integrator::System for IslandInStep<'_, N> {
 
     fn drift(&mut self, h: f64) {
         self.solver.drift(h);
+        self.time += h;
     }
 
     fn move_contacts(&mut self) {

@@ -8,10 +8,12 @@ mod conjugate_residuals;
 mod integrator;
 mod island_solver;
 mod joint_space;
+mod local;
 mod nncg;
 mod pgs;
 mod rows;
 mod solve;
+mod step_terms;
 #[cfg(test)]
 mod tests;
 

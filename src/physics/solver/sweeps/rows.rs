@@ -4,10 +4,11 @@
 use crate::physics::scalar::Scalar;
 use nalgebra::{Matrix3, Vector3};
 
-use super::island_solver::{LocalBody, LocalJoint, LocalManifold, LocalPoint, StepTerms};
+use super::local::{LocalBody, LocalJoint, LocalManifold, LocalPoint};
+use super::step_terms::StepTerms;
 use crate::physics::constraint::row::{BodyTerms, Bounds, Row, Spring, Twist};
 use crate::physics::contact::{PointConstraint, penetration_bias, rebound, tangents};
-use crate::physics::joint::{Bound, JointRow, JointState, Softness};
+use crate::physics::joint::{BodyState, Bound, JointRow, Softness};
 use crate::physics::settings::FrictionModel;
 
 /// Slip under which no friction direction can be told, m/s.
@@ -133,24 +134,27 @@ fn slip_frame(
     [along, normal.cross(&along)]
 }
 
-/// The rows of one joint; `scratch` is theirs before they know masses.
+/// The rows of one joint at a time, for forces that act over `h`; `scratch` is theirs before they know masses.
 pub(super) fn joint_rows<N: Scalar>(
     bodies: &[LocalBody],
     terms: &[BodyTerms<N>],
     joint: &mut LocalJoint,
     step: &StepTerms,
-    h: f64,
+    [time, h]: [f64; 2],
     scratch: &mut Vec<JointRow<f64>>,
     rows: &mut Vec<Row<N>>,
 ) {
     let ends = [&bodies[joint.a as usize], &bodies[joint.b as usize]];
-    let velocities = ends.map(|body| Twist { linear: body.linear, angular: body.angular });
-    let offset = ends[1].position - ends[0].position;
-    let state = JointState::new(&joint.definition.frames, offset, ends.map(|body| body.rotation), velocities);
+    let states = ends.map(|body| BodyState {
+        position: body.position.into(),
+        rotation: body.rotation.into(),
+        linear: body.linear.into(),
+        angular: body.angular.into(),
+    });
     scratch.clear();
-    joint.definition.rows(&state, scratch);
+    joint.definition.rows_at(&states, time, scratch);
     joint.rows = rows.len()..rows.len() + scratch.len();
-    joint.arm_b = state.arms[1];
+    joint.arm_b = ends[1].rotation * joint.definition.frames[1].anchor;
     let a = (joint.a, &terms[joint.a as usize]);
     let b = (joint.b, &terms[joint.b as usize]);
     for row in &*scratch {

@@ -2,7 +2,8 @@
 
 use bevy::prelude::*;
 
-use super::island_solver::{IslandSolver, StepTerms};
+use super::island_solver::IslandSolver;
+use super::step_terms::StepTerms;
 use crate::physics::body::Bodies;
 use crate::physics::collision::{Contacts, LaggedContacts};
 use crate::physics::contact::ContactCache;
@@ -46,7 +47,7 @@ fn solve_islands(
     mut stats: ResMut<StepStats>,
 ) {
     let contacts = lagged.active(&settings, &contacts);
-    let terms = StepTerms::new(&settings, gravity.length(), forces.is_some());
+    let terms = StepTerms::new(&settings, gravity.length(), forces.is_some(), stats.time);
     let count = islands.count();
     if solvers.list.len() < count {
         solvers.list.resize_with(count, IslandSolver::default);

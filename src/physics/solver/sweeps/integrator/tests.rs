@@ -4,7 +4,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::{System, drift, euler, kick, verlet};
 use crate::physics::body::Body;
 use crate::physics::constraint::row::Twist;
-use crate::physics::solver::sweeps::island_solver::LocalBody;
+use crate::physics::solver::sweeps::local::LocalBody;
 
 /// One body of 2 kg held to the origin by a spring of ω² = `stiffness`.
 struct Oscillator {
@@ -45,8 +45,8 @@ impl System for Oscillator {
 }
 
 type Substep = fn(&mut Oscillator, f64);
-const EULER: Substep = |system, h| euler::substep(system, h);
-const VERLET: Substep = |system, h| verlet::substep(system, h);
+const EULER: Substep = |system, h| euler(system, h);
+const VERLET: Substep = |system, h| verlet(system, h);
 
 /// Distance from cos ωt after 0.7 s.
 fn oscillator_error(substep: Substep, steps: u32) -> f64 {

@@ -1,0 +1,31 @@
+//! Makes joints of components.
+
+use bevy::prelude::*;
+
+use super::gather_bodies::gather_bodies;
+use super::gather_joints::gather_joints;
+use crate::physics::joint::{Constraint, JointDefinition, JointKind, define_joints};
+use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
+
+/// Gives every component of a kind its definition, for as long as it is there.
+pub(super) fn add_joint<J: JointKind>(app: &mut App) {
+    app.register_required_components::<J, JointDefinition>();
+    app.add_observer(|removed: On<Remove, J>, mut commands: Commands| {
+        commands.entity(removed.entity).try_remove::<JointDefinition>();
+    });
+    let define = define_joints::<J>.after(gather_bodies).before(gather_joints);
+    app.add_systems(PhysicsSchedule, define.in_set(PhysicsSystems::Prepare));
+}
+
+/// Constraints of one's own.
+pub trait AddConstraint {
+    /// Makes constraints of the components of that type. To be called once, before there are any.
+    fn add_constraint<T: Constraint>(&mut self) -> &mut Self;
+}
+
+impl AddConstraint for App {
+    fn add_constraint<T: Constraint>(&mut self) -> &mut Self {
+        add_joint::<T>(self);
+        self
+    }
+}
