@@ -23,7 +23,7 @@ pub(super) fn plugin(app: &mut App) {
         )
         .add_systems(
             PhysicsSchedule,
-            (report_changes.run_if(not(contacts_last)), report_presses.run_if(contacts_last))
+            (report_changes.run_if(not(contacts_last)), report_starts_and_ends.run_if(contacts_last))
                 .in_set(PhysicsSystems::Events),
         );
 }
@@ -65,26 +65,26 @@ impl Teller<'_, '_> {
 }
 
 /// Contacts that last touch when they push.
-fn report_presses(mut graph: ResMut<ContactGraph>, mut teller: Teller) {
+fn report_starts_and_ends(mut graph: ResMut<ContactGraph>, mut teller: Teller) {
     let ordered = |(a, b): (Entity, Entity)| (a.min(b), a.max(b));
     let graph = graph.bypass_change_detection();
     for (a, b) in graph.parted.drain(..).map(ordered) {
         teller.end(a, b);
     }
-    let all = std::mem::take(&mut graph.presses_changed);
-    let mut changed = std::mem::take(&mut graph.settled);
+    let all = std::mem::take(&mut graph.starts_changed);
+    let mut changed = std::mem::take(&mut graph.fell_asleep);
     if all {
         changed.extend(graph.active());
     }
     for index in changed.drain(..) {
         let (slot, state) = (&mut graph.slots[index as usize], &graph.states[index as usize]);
         let pushes = slot.touching && state.pushes();
-        let Some(entities) = slot.entities.filter(|_| pushes != slot.is_pressed) else { continue };
-        slot.is_pressed = pushes;
+        let Some(entities) = slot.entities.filter(|_| pushes != slot.has_started) else { continue };
+        slot.has_started = pushes;
         let (a, b) = ordered(entities);
         if pushes { teller.start(a, b) } else { teller.end(a, b) }
     }
-    graph.settled = changed;
+    graph.fell_asleep = changed;
 }
 
 fn report_changes(bodies: Res<Bodies>, contacts: Res<Contacts>, mut touching: ResMut<Touching>, mut teller: Teller) {

@@ -271,7 +271,7 @@ impl Sleep {
             for (slot, other) in near.of_body(body) {
                 if graph.is_active(slot) && !bodies.is_awake_dynamic(other) {
                     graph.set_active(slot, false);
-                    graph.settled.push(slot.0);
+                    graph.fell_asleep.push(slot.0);
                 }
             }
         }

@@ -31,12 +31,12 @@ pub(crate) struct ContactGraph {
     pub version: u64,
     /// Counts updates.
     updates: u64,
-    /// Whether any slot's `is_pressed` may be out of date.
-    pub presses_changed: bool,
+    /// Whether any slot's `has_started` may be out of date.
+    pub starts_changed: bool,
     /// The slots that a step looks at: not those of pairs in which nothing awake can be moved.
     active: BitSet,
     /// Slots of pairs that fell asleep in this step.
-    pub settled: Vec<u32>,
+    pub fell_asleep: Vec<u32>,
     /// Pairs that touch, and their points; of the latter, those of slots that sleep.
     manifolds: i64,
     point_count: i64,
@@ -108,7 +108,7 @@ pub(in crate::physics::collision) fn update_graph(
         stats.axes_tested += u64::from(std::mem::take(&mut finder.search.axes));
         let changed = std::mem::take(&mut finder.changed);
         graph.version += u64::from(changed);
-        graph.presses_changed |= changed;
+        graph.starts_changed |= changed;
         graph.manifolds += std::mem::take(&mut finder.manifolds);
         graph.point_count += std::mem::take(&mut finder.point_count);
         graph.fast.append(&mut finder.fast);
@@ -182,7 +182,7 @@ impl ContactGraph {
                     self.manifolds -= 1;
                     self.point_count -= self.states[*index as usize].geometry.point_count() as i64;
                 }
-                if slot.is_pressed {
+                if slot.has_started {
                     self.parted.extend(slot.entities);
                 }
                 *slot = Slot::default();

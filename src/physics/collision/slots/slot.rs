@@ -46,7 +46,7 @@ pub(crate) struct Slot {
     /// Whether there are contact points.
     pub touching: bool,
     /// Whether [`ContactStarted`](crate::physics::ContactStarted) was sent, and the end not yet.
-    pub is_pressed: bool,
+    pub has_started: bool,
     /// None: there is no pair.
     pub entities: Option<(Entity, Entity)>,
     pub restitution: f32,

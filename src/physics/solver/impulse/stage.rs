@@ -2,6 +2,7 @@
 //! done in any order and on any thread. What each stage does to bodies and constraints is in [`super::walk`].
 
 use super::coloring::Color;
+use crate::physics::contact::restitution_threshold;
 use crate::physics::lanes::Lanes;
 use crate::physics::settings::SolverSettings;
 use crate::physics::solver::soft_terms::{Projection, SoftTerms, UNLIMITED};
@@ -108,7 +109,7 @@ impl<L: Lanes> GroupTerms<L> {
             joint: without_bias,
             contact: without_bias,
             projection: None,
-            restitution_speed: settings.restitution_speed.unwrap_or(UNLIMITED),
+            restitution_speed: restitution_threshold(settings),
         }
     }
 }

@@ -22,7 +22,7 @@ pub(super) struct SharedWorld<'a> {
     pub slots: &'a [Slot],
     /// Impulses of each contact over a step; none unless somebody reads them.
     pub totals: Option<Shared<'a, ContactImpulses>>,
-    presses_changed: &'a AtomicBool,
+    starts_changed: &'a AtomicBool,
 }
 
 impl SharedWorld<'_> {
@@ -34,16 +34,16 @@ impl SharedWorld<'_> {
         WorldClaims([of_bodies, of_joints, of_states, of_totals]): &mut WorldClaims,
         work: impl FnOnce(SharedWorld),
     ) {
-        let presses_changed = AtomicBool::new(false);
+        let starts_changed = AtomicBool::new(false);
         work(SharedWorld {
             bodies: Shared::new(&mut bodies.list, of_bodies),
             joints: Shared::new(&mut joints.list, of_joints),
             states: Shared::new(&mut graph.states, of_states),
             slots: &graph.slots,
             totals: graph.recording.as_mut().map(|recording| Shared::new(&mut recording.totals, of_totals)),
-            presses_changed: &presses_changed,
+            starts_changed: &starts_changed,
         });
-        graph.presses_changed |= presses_changed.into_inner();
+        graph.starts_changed |= starts_changed.into_inner();
     }
 
     /// Keeps the impulses of a contact.
@@ -54,8 +54,8 @@ impl SharedWorld<'_> {
         // SAFETY: as the caller promises.
         let state = unsafe { self.states.element(slot as usize) };
         state.impulses = impulses;
-        if state.pushes() != self.slots[slot as usize].is_pressed {
-            self.presses_changed.store(true, Ordering::Relaxed);
+        if state.pushes() != self.slots[slot as usize].has_started {
+            self.starts_changed.store(true, Ordering::Relaxed);
         }
     }
 }

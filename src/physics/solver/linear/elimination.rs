@@ -187,6 +187,12 @@ impl Elimination {
         self.starts[column] as usize..self.starts[column + 1] as usize
     }
 
+    /// Rows of a column's blocks, by place.
+    #[inline]
+    pub(super) fn rows(&self, column: usize) -> &[u32] {
+        &self.rows[self.blocks(column)]
+    }
+
     /// The row of a block, by place.
     #[inline]
     pub(super) fn row(&self, block: usize) -> usize {

@@ -14,10 +14,14 @@ impl<N: SimdRealField + Copy> Number for N {}
 
 /// Sizes and places of blocks.
 pub(super) trait Layout: Copy {
-    /// Room for a block of a vector.
-    type Rows<N: Number>: AsRef<[N]> + AsMut<[N]>;
+    /// Room for a block of a vector, and for a block.
+    type Rows<N: Number>: AsMut<[N]>;
+    type Block<N: Number>;
 
     fn zeros<N: Number>() -> Self::Rows<N>;
+    /// A copy: kernels on local arrays of a known size stay in registers.
+    fn copy<N: Number>(values: &[N]) -> Self::Block<N>;
+    fn values<N: Number>(block: &mut Self::Block<N>) -> &mut [N];
     /// Rows of a block row, by its place in the order of elimination.
     fn rows(self, place: usize) -> usize;
     /// Values of a block on the diagonal.
@@ -26,6 +30,13 @@ pub(super) trait Layout: Copy {
     fn below(self, block: usize) -> usize;
     /// Rows of a vector.
     fn vector(self, place: usize) -> Range<usize>;
+    /// The blocks of a column of `n` columns, with the places of their rows.
+    fn blocks<'v, N: Number>(
+        self,
+        values: &'v [N],
+        rows: &'v [u32],
+        n: usize,
+    ) -> impl Iterator<Item = (usize, &'v [N])>;
 }
 
 /// All blocks have that many rows.
@@ -34,10 +45,21 @@ pub(super) struct Uniform<const R: usize>;
 
 impl<const R: usize> Layout for Uniform<R> {
     type Rows<N: Number> = [N; R];
+    type Block<N: Number> = [[N; R]; R];
 
-    #[inline]
+    #[inline(always)]
     fn zeros<N: Number>() -> [N; R] {
         [N::zero(); R]
+    }
+
+    #[inline(always)]
+    fn copy<N: Number>(values: &[N]) -> [[N; R]; R] {
+        *<&[[N; R]; R]>::try_from(values.as_chunks::<R>().0).expect("a whole block")
+    }
+
+    #[inline(always)]
+    fn values<N: Number>(block: &mut [[N; R]; R]) -> &mut [N] {
+        block.as_flattened_mut()
     }
 
     #[inline]
@@ -59,6 +81,17 @@ impl<const R: usize> Layout for Uniform<R> {
     fn vector(self, place: usize) -> Range<usize> {
         place * R..place * R + R
     }
+
+    #[inline(always)]
+    fn blocks<'v, N: Number>(
+        self,
+        values: &'v [N],
+        rows: &'v [u32],
+        _: usize,
+    ) -> impl Iterator<Item = (usize, &'v [N])> {
+        let blocks = values.as_chunks::<R>().0.as_chunks::<R>().0;
+        rows.iter().zip(blocks).map(|(&row, block)| (row as usize, block.as_flattened()))
+    }
 }
 
 /// Blocks of unlike sizes: rows of each, and where its values begin, with an end.
@@ -72,9 +105,20 @@ pub(super) struct Mixed {
 
 impl Layout for &Mixed {
     type Rows<N: Number> = [N; MOST_ROWS];
+    type Block<N: Number> = ([N; MOST_ROWS * MOST_ROWS], usize);
 
     fn zeros<N: Number>() -> [N; MOST_ROWS] {
         [N::zero(); MOST_ROWS]
+    }
+
+    fn copy<N: Number>(values: &[N]) -> ([N; MOST_ROWS * MOST_ROWS], usize) {
+        let mut block = [N::zero(); MOST_ROWS * MOST_ROWS];
+        block[..values.len()].copy_from_slice(values);
+        (block, values.len())
+    }
+
+    fn values<N: Number>((block, count): &mut ([N; MOST_ROWS * MOST_ROWS], usize)) -> &mut [N] {
+        &mut block[..*count]
     }
 
     fn rows(self, place: usize) -> usize {
@@ -91,6 +135,19 @@ impl Layout for &Mixed {
 
     fn vector(self, place: usize) -> Range<usize> {
         self.vector[place] as usize..self.vector[place + 1] as usize
+    }
+
+    fn blocks<'v, N: Number>(
+        self,
+        mut values: &'v [N],
+        rows: &'v [u32],
+        n: usize,
+    ) -> impl Iterator<Item = (usize, &'v [N])> {
+        rows.iter().map(move |&row| {
+            let block;
+            (block, values) = values.split_at(self.rows(row as usize) * n);
+            (row as usize, block)
+        })
     }
 }
 

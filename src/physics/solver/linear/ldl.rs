@@ -114,39 +114,40 @@ impl<N: Number, P: Pivot<N>> BlockLdl<N, P> {
         let mut targets = elimination.targets().iter();
         for column in 0..elimination.count() {
             let n = layout.rows(column);
-            let pivot = layout.diagonal(column);
-            let (done, diagonal) = self.diagonal.split_at_mut(pivot.end);
-            let pivot_end = pivot.end;
-            let pivot = &mut done[pivot];
+            let place = layout.diagonal(column);
+            let mut pivot = L::copy(&self.diagonal[place.clone()]);
+            let pivot = L::values(&mut pivot);
             if !P::factor(pivot, n) {
                 return false;
             }
+            self.diagonal[place].copy_from_slice(pivot);
             let blocks = elimination.blocks(column);
-            let (first, end) = (layout.below(blocks.start), layout.below(blocks.end));
-            // All targets belong to later columns.
-            let (below, later) = self.below.split_at_mut(end);
-            let below = &mut below[first..];
             self.column.clear();
-            self.column.extend_from_slice(below);
+            self.column.extend_from_slice(&self.below[layout.below(blocks.start)..layout.below(blocks.end)]);
             for block in blocks.clone() {
-                let values = layout.below(block) - first..layout.below(block + 1) - first;
-                let scaled = &mut below[values.clone()];
                 let rows = layout.rows(elimination.row(block));
-                P::divide(scaled, &self.column[values], pivot, rows, n);
-                for (other, target) in (blocks.start..=block).zip(&mut targets) {
-                    let original = &self.column[layout.below(other) - first..layout.below(other + 1) - first];
-                    let columns = layout.rows(elimination.row(other));
+                let values = layout.below(block)..layout.below(block + 1);
+                let mut original = L::copy(&self.below[values.clone()]);
+                let original = L::values(&mut original);
+                let mut scaled = L::copy(original);
+                let scaled = L::values(&mut scaled);
+                P::divide(scaled, original, pivot, rows, n);
+                self.below[values].copy_from_slice(scaled);
+                let mut rest = &self.column[..];
+                for (&other, target) in elimination.rows(column)[..=block - blocks.start].iter().zip(&mut targets) {
+                    let columns = layout.rows(other as usize);
+                    let original;
+                    (original, rest) = rest.split_at(columns * n);
                     let target = match *target {
-                        Target::Diagonal(place) => {
-                            let values = layout.diagonal(place as usize);
-                            &mut diagonal[values.start - pivot_end..][..values.len()]
-                        }
+                        Target::Diagonal(place) => &mut self.diagonal[layout.diagonal(place as usize)],
                         Target::Below(block) => {
-                            let block = block as usize;
-                            &mut later[layout.below(block) - end..layout.below(block + 1) - end]
+                            &mut self.below[layout.below(block as usize)..layout.below(block as usize + 1)]
                         }
                     };
-                    subtract_product(target, scaled, original, [rows, n, columns], P::IS_FUSED);
+                    let mut sum = L::copy(target);
+                    let sum = L::values(&mut sum);
+                    subtract_product(sum, scaled, original, [rows, n, columns], P::IS_FUSED);
+                    target.copy_from_slice(sum);
                 }
             }
         }
@@ -155,24 +156,18 @@ impl<N: Number, P: Pivot<N>> BlockLdl<N, P> {
 
     #[inline]
     fn solve_as<L: Layout, X: BlockVector<N> + ?Sized>(&self, elimination: &Elimination, layout: L, x: &mut X) {
+        let column_of = |column: usize| {
+            let blocks = elimination.blocks(column);
+            (elimination.rows(column), &self.below[layout.below(blocks.start)..layout.below(blocks.end)])
+        };
         for column in 0..elimination.count() {
+            let n = layout.rows(column);
             let mut known = L::zeros();
-            let known = &mut known.as_mut()[..layout.rows(column)];
+            let known = &mut known.as_mut()[..n];
             known.copy_from_slice(x.block(column, layout.vector(column)));
-            for block in elimination.blocks(column) {
-                let row = elimination.row(block);
-                let values = &self.below[layout.below(block)..layout.below(block + 1)];
-                let n = layout.rows(row);
-                let mut sums = L::zeros();
-                let sums = &mut sums.as_mut()[..n];
-                for (column, factor) in known.iter().enumerate() {
-                    for (sum, value) in sums.iter_mut().zip(&values[column * n..(column + 1) * n]) {
-                        *sum += *value * *factor;
-                    }
-                }
-                for (x, sum) in x.block(row, layout.vector(row)).iter_mut().zip(&*sums) {
-                    *x -= *sum;
-                }
+            let (rows, values) = column_of(column);
+            for (row, block) in layout.blocks(values, rows, n) {
+                subtract_times(x.block(row, layout.vector(row)), block, known);
             }
         }
         for column in (0..elimination.count()).rev() {
@@ -181,23 +176,37 @@ impl<N: Number, P: Pivot<N>> BlockLdl<N, P> {
             let sums = &mut sums.as_mut()[..n];
             sums.copy_from_slice(x.block(column, layout.vector(column)));
             P::solve(&self.diagonal[layout.diagonal(column)], sums, n);
-            for block in elimination.blocks(column) {
-                let row = elimination.row(block);
-                let values = &self.below[layout.below(block)..layout.below(block + 1)];
-                let rows = layout.rows(row);
-                let below = x.block(row, layout.vector(row));
-                for (sum, column) in sums.iter_mut().zip(values.chunks_exact(rows)) {
-                    let product = column.iter().zip(&*below).fold(N::zero(), |sum, (value, x)| sum + *value * *x);
-                    *sum -= product;
-                }
+            let (rows, values) = column_of(column);
+            for (row, block) in layout.blocks(values, rows, n) {
+                subtract_transposed_times(sums, block, x.block(row, layout.vector(row)));
             }
             x.block(column, layout.vector(column)).copy_from_slice(sums);
         }
     }
 }
 
+/// y −= A x.
+#[inline(always)]
+fn subtract_times<N: Number>(y: &mut [N], a: &[N], x: &[N]) {
+    let rows = y.len();
+    for (row, y) in y.iter_mut().enumerate() {
+        let first = a[row] * x[0];
+        *y -= (1..x.len()).fold(first, |sum, column| sum + a[column * rows + row] * x[column]);
+    }
+}
+
+/// y −= Aᵀ x.
+#[inline(always)]
+fn subtract_transposed_times<N: Number>(y: &mut [N], a: &[N], x: &[N]) {
+    let rows = x.len();
+    for (column, y) in y.iter_mut().enumerate() {
+        let first = a[column * rows] * x[0];
+        *y -= (1..rows).fold(first, |sum, row| sum + a[column * rows + row] * x[row]);
+    }
+}
+
 /// target −= a bᵀ for blocks of rows × inner and columns × inner.
-#[inline]
+#[inline(always)]
 fn subtract_product<N: Number>(target: &mut [N], a: &[N], b: &[N], sizes: [usize; 3], is_fused: bool) {
     let [rows, inner, columns] = sizes;
     for column in 0..columns {

@@ -24,7 +24,7 @@ impl Pivot<f64> for Inverse {
     const IS_FUSED: bool = true;
 
     /// Sweeps the pivots one by one (Goodnight 1979).
-    #[inline]
+    #[inline(always)]
     fn factor(block: &mut [f64], n: usize) -> bool {
         for pivot in 0..n {
             let square = block[pivot * n + pivot];
@@ -47,7 +47,7 @@ impl Pivot<f64> for Inverse {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     fn divide(quotient: &mut [f64], block: &[f64], pivot: &[f64], rows: usize, n: usize) {
         for column in 0..n {
             let sums = &mut quotient[column * rows..(column + 1) * rows];
@@ -61,7 +61,7 @@ impl Pivot<f64> for Inverse {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn solve(pivot: &[f64], x: &mut [f64], n: usize) {
         let mut sums = [0.0; super::layout::MOST_ROWS];
         for (column, factor) in x.iter().enumerate() {
@@ -81,7 +81,7 @@ pub(crate) struct Triangular;
 impl<N: Number> Pivot<N> for Triangular {
     const IS_FUSED: bool = false;
 
-    #[inline]
+    #[inline(always)]
     fn factor(block: &mut [N], n: usize) -> bool {
         for pivot in 0..n {
             let square = block[pivot * n + pivot];
@@ -102,21 +102,21 @@ impl<N: Number> Pivot<N> for Triangular {
         true
     }
 
-    #[inline]
+    #[inline(always)]
     fn divide(quotient: &mut [N], _: &[N], pivot: &[N], rows: usize, n: usize) {
         for row in 0..rows {
             solve_along(pivot, n, |column| row + column * rows, quotient);
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn solve(pivot: &[N], x: &mut [N], n: usize) {
         solve_along(pivot, n, |row| row, x);
     }
 }
 
 /// x ← (L D Lᵀ)⁻¹ x for an x whose numbers stand at those places.
-#[inline]
+#[inline(always)]
 fn solve_along<N: Number>(pivot: &[N], n: usize, place: impl Fn(usize) -> usize, x: &mut [N]) {
     for row in 1..n {
         let mut sum = x[place(row)];
