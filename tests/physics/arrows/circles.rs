@@ -116,13 +116,6 @@ impl<'a> Arrows<'a> {
     }
 }
 
-impl Circle<'_> {
-    /// True if every file lies in this folder of `src`.
-    pub fn is_within(&self, folder: &str) -> bool {
-        self.files.iter().all(|file| file.strip_prefix(folder).is_some_and(|rest| rest.starts_with('/')))
-    }
-}
-
 impl fmt::Display for Circle<'_> {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         writeln!(f, "{} files import each other in a circle. The shortest way round:", self.files.len())?;

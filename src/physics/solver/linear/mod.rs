@@ -19,6 +19,7 @@
 //!
 //! `joint_tree` keeps a recursion of its own: it factors without forming the couplings of all joints of one body.
 
+mod body_blocks;
 mod elimination;
 mod layout;
 mod ldl;
@@ -27,15 +28,9 @@ mod pivot;
 #[cfg(test)]
 mod tests;
 
-use nalgebra::{SMatrix, SVector};
-
+pub(crate) use body_blocks::{BodyBlock, BodyVector};
 pub(crate) use elimination::Elimination;
 pub(crate) use layout::Number;
 pub(crate) use ldl::BlockLdl;
 pub(crate) use lu::BlockLu;
 pub(crate) use pivot::{Inverse, Triangular};
-
-/// A block of two bodies' velocities, linear and angular.
-pub(crate) type BodyBlock = SMatrix<f64, 6, 6>;
-/// A velocity, a momentum or a wrench of one body: linear, angular.
-pub(crate) type BodyVector = SVector<f64, 6>;
