@@ -10,7 +10,6 @@ use rand_pcg::Pcg64Mcg;
 use crate::rig::*;
 
 /// Nothing sleeps, so that all that stands still is held by the solver.
-
 fn game() -> World {
     let mut world = world_with(awake_game());
     ground(&mut world);
