@@ -11,15 +11,11 @@ use bevy::prelude::*;
 use nalgebra::Vector3;
 
 use super::settings::{Gravity, Method, SolverSettings};
-use crate::physics::body::Bodies;
-use crate::physics::body::GravityScale;
-use crate::physics::collision::ContactGraph;
-use crate::physics::collision::Contacts;
-use crate::physics::collision::LaggedContacts;
+use crate::physics::body::{Bodies, GravityScale};
+use crate::physics::collision::{ContactGraph, Contacts, LaggedContacts};
 use crate::physics::joint::Joints;
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
-use crate::physics::solver::ExactGroups;
-use crate::physics::solver::IslandSolvers;
+use crate::physics::solver::{ExactGroups, IslandSolvers};
 
 /// How long the last step's measuring took.
 #[derive(Resource, Default)]

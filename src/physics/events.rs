@@ -5,10 +5,8 @@ use bevy::prelude::*;
 
 use super::messages::{Collision, ContactEnded, ContactStarted};
 use super::settings::contacts_last;
-use crate::physics::body::Bodies;
-use crate::physics::body::{ObserveContacts, ReportCollisions};
-use crate::physics::collision::ContactGraph;
-use crate::physics::collision::{Contacts, Manifold};
+use crate::physics::body::{Bodies, ObserveContacts, ReportCollisions};
+use crate::physics::collision::{ContactGraph, Contacts, Manifold};
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 
 pub(super) fn plugin(app: &mut App) {

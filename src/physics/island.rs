@@ -11,11 +11,8 @@ mod tests;
 use bevy::prelude::*;
 
 use super::settings::SolverSettings;
-use crate::physics::body::Bodies;
-use crate::physics::body::RigidBody;
-use crate::physics::collision::ContactGraph;
-use crate::physics::collision::Contacts;
-use crate::physics::collision::LaggedContacts;
+use crate::physics::body::{Bodies, RigidBody};
+use crate::physics::collision::{ContactGraph, Contacts, LaggedContacts};
 use crate::physics::joint::Joints;
 use crate::physics::stats::StepStats;
 

@@ -13,13 +13,10 @@ use super::columns::{self, Numbers, set_if_other};
 use super::messages::{BodyQuarantined, set_aside};
 use super::settings::SolverSettings;
 use super::sleep::Sleep;
-use crate::physics::body::BodySlot;
-use crate::physics::body::PoseHistory;
-use crate::physics::body::{Bodies, Body};
-use crate::physics::body::{Position, QuarantineReason, RigidBody, Rotation, Sleeping, Velocity};
-use crate::physics::joint::JointLoad;
-use crate::physics::joint::JointSlot;
-use crate::physics::joint::Joints;
+use crate::physics::body::{
+    Bodies, Body, BodySlot, PoseHistory, Position, QuarantineReason, RigidBody, Rotation, Sleeping, Velocity,
+};
+use crate::physics::joint::{JointLoad, JointSlot, Joints};
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::physics::stats::StepStats;
 

@@ -6,12 +6,8 @@ use bevy::prelude::*;
 
 use super::gather_body::{freeze, gather_body, teleport};
 use super::table::{BodyQuery, BodyTable, Watch};
-use crate::physics::body::BodySlot;
-use crate::physics::body::RenderOrigin;
-use crate::physics::body::{Bodies, Body};
-use crate::physics::body::{QuarantineReason, RigidBody, Sleeping};
-use crate::physics::collision::LaggedContacts;
-use crate::physics::collision::{CandidateTree, ContactGraph, NearPairs};
+use crate::physics::body::{Bodies, Body, BodySlot, QuarantineReason, RenderOrigin, RigidBody, Sleeping};
+use crate::physics::collision::{CandidateTree, ContactGraph, LaggedContacts, NearPairs};
 use crate::physics::contact::ContactCache;
 use crate::physics::joint::Joints;
 use crate::physics::messages::{BodyQuarantined, set_aside};

@@ -5,9 +5,9 @@ use bevy::prelude::*;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
 use super::table::{BodyTable, Components};
-use crate::physics::body::Body;
-use crate::physics::body::PoseHistory;
-use crate::physics::body::{Inertia, Mass, Position, QuarantineReason, RigidBody, Rotation, Velocity};
+use crate::physics::body::{
+    Body, Inertia, Mass, PoseHistory, Position, QuarantineReason, RigidBody, Rotation, Velocity,
+};
 use crate::physics::columns;
 use crate::physics::settings::{Gravity, SolverSettings};
 use crate::physics::shape::Shape;

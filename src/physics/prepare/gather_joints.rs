@@ -4,11 +4,8 @@ use bevy::ecs::system::SystemChangeTick;
 use bevy::prelude::*;
 
 use crate::physics::bit_set::BitSet;
-use crate::physics::body::Bodies;
-use crate::physics::body::BodySlot;
-use crate::physics::body::{QuarantineReason, Quarantined, RigidBody};
-use crate::physics::joint::JointSlot;
-use crate::physics::joint::{JoinedPairs, Joint, JointDefinition, Joints, any_changed};
+use crate::physics::body::{Bodies, BodySlot, QuarantineReason, Quarantined, RigidBody};
+use crate::physics::joint::{JoinedPairs, Joint, JointDefinition, JointSlot, Joints, any_changed};
 use crate::physics::messages::{BodyQuarantined, set_aside};
 use crate::physics::settings::{Method, SolverSettings};
 use crate::physics::sleep::Sleep;

@@ -25,8 +25,7 @@ use gather_bodies::gather_bodies;
 use gather_joints::{PackedFor, gather_joints, joints_changed, keep_driven_awake};
 
 use super::joint::JoinedPairs;
-use crate::physics::body::BirthCounter;
-use crate::physics::body::Bodies;
+use crate::physics::body::{BirthCounter, Bodies};
 use crate::physics::joint::{BallJoint, Joints};
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 

@@ -15,8 +15,7 @@ use bevy::ecs::change_detection::{ContiguousMut, ContiguousRef, Tick};
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 
-use crate::physics::body::BodySlot;
-use crate::physics::body::PoseHistory;
+use crate::physics::body::{BodySlot, PoseHistory};
 use crate::physics::body::{
     CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, Position,
     QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, Sleeping, SurfaceMaterial, Velocity,

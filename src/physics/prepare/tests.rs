@@ -11,9 +11,7 @@ use crate::physics::body::{
     CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, Position, Quarantined,
     ReportCollisions, RigidBody, Rotation, SurfaceMaterial, Velocity,
 };
-use crate::physics::joint::BallJoint;
-use crate::physics::joint::JointLoad;
-use crate::physics::joint::Joints;
+use crate::physics::joint::{BallJoint, JointLoad, Joints};
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::physics::settings::{Gravity, SolverSettings};
 use crate::physics::shape::Collider;

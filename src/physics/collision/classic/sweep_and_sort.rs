@@ -20,8 +20,7 @@ use std::cmp::Ordering;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use crate::physics::body::CollisionLayers;
-use crate::physics::body::{Bodies, Body};
+use crate::physics::body::{Bodies, Body, CollisionLayers};
 use crate::physics::collision::constants::{BUCKETS_A_BLOCK, CONTACT_TOLERANCE, MOVES_A_BODY};
 use crate::physics::collision::gap::{contact_gap, own_reach};
 use crate::physics::collision::manifold::{CandidatePairs, Pair};

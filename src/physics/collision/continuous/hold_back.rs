@@ -13,8 +13,7 @@ use bevy::prelude::*;
 
 use super::fast_pair::FastPair;
 use super::time_of_impact::{self, Course, Impact, advanced, inner_radius};
-use crate::physics::body::world_inverse_inertia;
-use crate::physics::body::{Bodies, Body};
+use crate::physics::body::{Bodies, Body, world_inverse_inertia};
 use crate::physics::collision::constants::CORE_SHARE;
 use crate::physics::collision::manifold::{ContactPoint, Pair};
 use crate::physics::collision::narrow::contact_pair::PairSearch;

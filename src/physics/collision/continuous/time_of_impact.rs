@@ -15,13 +15,10 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::physics::body::Body;
-use crate::physics::body::RigidBody;
-use crate::physics::body::rotation_by;
+use crate::physics::body::{Body, RigidBody, rotation_by};
 use crate::physics::collision::constants::{IMPACT_TOLERANCE, LONGEST_ARM, MOST_ADVANCES};
 use crate::physics::collision::gap::{fastest_approach, turning_speed};
-use crate::physics::collision::manifold::ContactPoint;
-use crate::physics::collision::manifold::Overlap;
+use crate::physics::collision::manifold::{ContactPoint, Overlap};
 use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
 use crate::physics::shape::Geometry;
 

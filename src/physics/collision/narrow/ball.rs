@@ -6,8 +6,7 @@
 use nalgebra::Vector3;
 
 use super::cone::{Cone, unit_across};
-use super::polyhedron::Frame;
-use super::polyhedron::{first_max, nearest_on_hull};
+use super::polyhedron::{Frame, first_max, nearest_on_hull};
 use super::scale::Scale;
 use crate::physics::collision::constants::ON_SURFACE;
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};

@@ -4,8 +4,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::RngExt;
 
 use super::{KINDS, body, upright};
-use crate::physics::body::Body;
-use crate::physics::body::{CollisionLayers, RigidBody};
+use crate::physics::body::{Body, CollisionLayers, RigidBody};
 use crate::physics::collision::classic::sweep_and_sort::SweepAndSort;
 use crate::physics::collision::manifold::Pair;
 use crate::physics::joint::JoinedPairs;

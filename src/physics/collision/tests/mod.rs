@@ -19,8 +19,7 @@ use rand::RngExt;
 
 use super::manifold::{ContactPoint, Overlap};
 use super::narrow_phase::{self, Buffers};
-use crate::physics::body::Body;
-use crate::physics::body::RigidBody;
+use crate::physics::body::{Body, RigidBody};
 use crate::physics::settings::{ContactModel, SolverSettings, SweepSettings};
 use crate::physics::shape::Collider;
 use crate::physics::testing::Random;

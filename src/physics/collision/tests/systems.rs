@@ -5,15 +5,13 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::hulls::{hull_body, random_hull};
 use super::{KINDS, body, touch, upright};
-use crate::physics::body::{Bodies, Body};
-use crate::physics::body::{CollisionLayers, RigidBody, SurfaceMaterial};
+use crate::physics::body::{Bodies, Body, CollisionLayers, RigidBody, SurfaceMaterial};
 use crate::physics::collision::broad::near_pairs::{self, InStep};
 use crate::physics::collision::broad::persistent_pairs::{BoundedBodies, Bounds};
 use crate::physics::collision::classic::sweep_and_sort;
 use crate::physics::collision::manifold::{CandidatePairs, Contacts};
 use crate::physics::collision::{CandidateTree, narrow_phase};
-use crate::physics::joint::JoinedPairs;
-use crate::physics::joint::Joints;
+use crate::physics::joint::{JoinedPairs, Joints};
 use crate::physics::settings::SolverSettings;
 use crate::physics::shape::Collider;
 use crate::physics::stats::StepStats;

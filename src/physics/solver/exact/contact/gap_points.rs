@@ -4,8 +4,7 @@ use nalgebra::Vector3;
 
 use super::super::mechanism::MemberState;
 use crate::physics::body::{Body, SurfaceMaterial};
-use crate::physics::collision::{ContactPoint, FeatureId, Pair};
-use crate::physics::collision::{PairSearch, touch};
+use crate::physics::collision::{ContactPoint, FeatureId, Pair, PairSearch, touch};
 use crate::physics::contact::namesake;
 
 /// Two bodies in reach of each other.
