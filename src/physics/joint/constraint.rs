@@ -8,6 +8,8 @@ use bevy::ecs::component::Mutable;
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 
+use crate::physics::body::{Body, RigidBody};
+
 /// Where a body is and how it moves. SI, world axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyState {
@@ -118,8 +120,16 @@ pub trait Constraint: Component<Mutability = Mutable> + Clone {
 pub(crate) struct RowFunction(Arc<dyn Fn(&[BodyState; 2], f64) -> ConstraintRows + Send + Sync>);
 
 impl BodyState {
+    pub(crate) fn of(body: &Body) -> Self {
+        let (linear, angular) = match body.kind {
+            RigidBody::Static => (DVec3::ZERO, DVec3::ZERO),
+            RigidBody::Dynamic | RigidBody::Kinematic => (body.linear.into(), body.angular.into()),
+        };
+        Self { position: body.position.into(), rotation: body.rotation.into(), linear, angular }
+    }
+
     /// After so long with its present velocities.
-    pub(super) fn later(&self, time: f64) -> Self {
+    pub(crate) fn later(&self, time: f64) -> Self {
         Self {
             position: self.position + self.linear * time,
             rotation: DQuat::from_scaled_axis(self.angular * time) * self.rotation,

@@ -97,6 +97,27 @@ impl JointDefinition {
         self.function.is_none() && self.translation.hold == Laws::LOCKED.hold && self.rotation.locked() == 0
     }
 
+    /// How many rows engines solve at once, at most three, and how many after them: translations, then rotations.
+    /// A user's own rows are not counted before they are told: three, and up to three.
+    pub fn halves(&self) -> [usize; 2] {
+        match (&self.function, self.translation.locked(), self.rotation.locked()) {
+            (Some(_), ..) => [3, 3],
+            (None, 0, rotations) => [rotations, 0],
+            (None, translations, rotations) => [translations, rotations],
+        }
+    }
+
+    /// The spring that one of the [`halves`](Self::halves) is.
+    pub fn spring_of(&self, half: usize) -> Option<Softness> {
+        let laws = if half == 0 && self.translation.locked() > 0 { &self.translation } else { &self.rotation };
+        laws.spring.filter(|_| self.function.is_none())
+    }
+
+    /// Whether some of it is a spring.
+    pub fn is_soft(&self) -> bool {
+        [&self.translation, &self.rotation].iter().any(|laws| laws.spring.is_some() && laws.locked() > 0)
+    }
+
     /// Whether all its numbers make sense.
     pub fn is_valid(&self) -> bool {
         let springs = [self.translation.spring, self.rotation.spring];

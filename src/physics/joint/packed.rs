@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use super::definition::JointDefinition;
 use super::softness::Softness;
 use crate::physics::bit_set::BitSet;
+use crate::physics::constraint::row::Wrench;
 
 /// One joint as the step sees it.
 #[derive(Clone, Debug)]
@@ -19,6 +20,8 @@ pub(crate) struct Joint {
     pub force: Vector3<f64>,
     /// Its torque on B about B's anchor, N·m.
     pub torque: Vector3<f64>,
+    /// What each row carried, where it is not a ball joint's along a world axis, N or N·m.
+    pub multipliers: [f64; 6],
 }
 
 /// All joints, in the order in which they were made.
@@ -39,7 +42,22 @@ impl Joint {
 
     /// A joint that has carried nothing yet.
     pub fn new(entity: Entity, [a, b]: [u32; 2], definition: JointDefinition) -> Self {
-        Self { entity, a, b, definition, force: Vector3::zeros(), torque: Vector3::zeros() }
+        let zero = Vector3::zeros();
+        Self { entity, a, b, definition, force: zero, torque: zero, multipliers: [0.0; 6] }
+    }
+
+    /// Takes in what one of its [halves](JointDefinition::halves) carried in `h`, s: impulse on B and moment about B's
+    /// anchor, and each row's. The first half comes first.
+    pub fn store(&mut self, half: usize, wrench: &Wrench<f64>, impulses: &Vector3<f64>, h: f64) {
+        let first = if half == 0 { 0 } else { self.definition.halves()[0] };
+        if half == 0 {
+            (self.force, self.torque) = (Vector3::zeros(), Vector3::zeros());
+        }
+        self.force += wrench.linear / h;
+        self.torque += wrench.angular / h;
+        for (multiplier, impulse) in self.multipliers[first..].iter_mut().zip(impulses.iter()) {
+            *multiplier = impulse / h;
+        }
     }
 
     /// Its points on A and B, from the centres of mass, body axes.

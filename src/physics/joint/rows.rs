@@ -41,7 +41,7 @@ use nalgebra::{Matrix3, Quaternion, SimdRealField, UnitQuaternion, Vector3};
 use super::constraint::{BodyState, ConstraintRow, RowFunction};
 use super::definition::{Frame, Hold, JointDefinition, Laws};
 use super::softness::Softness;
-use crate::physics::constraint::row::{RowPair, Twist};
+use crate::physics::constraint::row::{RowPair, Twist, Wrench};
 
 /// Two joined bodies as their joint sees them, world axes, SI.
 #[derive(Clone, Copy, Debug)]
@@ -85,6 +85,25 @@ pub(crate) enum Bound<N> {
         place: u32,
         count: u32,
     },
+}
+
+impl Bound<f64> {
+    /// How much of an error C is a gap that the rows leave open: rows that push B along J alone hold C ≥ 0.
+    pub fn open(&self, error: f64) -> f64 {
+        match self {
+            Self::Within(0.0, _) => error.max(0.0),
+            Self::Within(_, 0.0) => error.min(0.0),
+            _ => 0.0,
+        }
+    }
+}
+
+impl JointRow<f64> {
+    /// Force on B and torque about the end of an arm from its centre of mass, for a multiplier of 1.
+    pub fn wrench_about(&self, arm_b: &Vector3<f64>) -> Wrench<f64> {
+        let RowPair { linear_b, angular_b, .. } = self.jacobian;
+        Wrench { linear: linear_b, angular: angular_b - arm_b.cross(&linear_b) }
+    }
 }
 
 impl<N: SimdRealField + Copy> JointState<N>

@@ -41,7 +41,7 @@ pub(super) fn joints_changed(
 
 /// Whether the method takes rows of any kind and number of a joint, not those of ball joints alone.
 fn takes_any_rows(settings: &SolverSettings) -> bool {
-    !settings.method.keeps_contacts() && settings.method != Method::Exact
+    settings.method != Method::Exact
 }
 
 /// Packs the joints.
@@ -85,7 +85,7 @@ pub(super) fn gather_joints(
         let known = joints.list.get(index_before as usize).filter(|known| known.entity == entity);
         let mut joint = Joint::new(entity, [a, b], (*definition).clone());
         if let Some(known) = known {
-            (joint.force, joint.torque) = (known.force, known.torque);
+            (joint.force, joint.torque, joint.multipliers) = (known.force, known.torque, known.multipliers);
         }
         if known.is_some() && !definition.is_changed() {
             stays[index_before as usize] = true;

@@ -6,7 +6,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{ARM_CHANGE, TOUCHING};
-use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, Stiffness};
+use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, Stiffness, bits};
 use crate::physics::collision::{ContactState, POINTS};
 use crate::physics::constraint::row::{Twist, Wrench};
 use crate::physics::lanes::Record;
@@ -218,13 +218,13 @@ impl Rows for DirectContact {
     }
 
     fn key(&self) -> RowKey {
+        let sticks = [self.is_sliding, self.is_twisting].map(|slips| !slips && self.coefficient != 0.0);
         RowKey {
             penalty: self.penalty,
             arms: self.sides.map(|side| side.arm),
             normal: self.normal,
             levers: self.points.map(|point| point.lever),
-            is_active: self.points.map(|point| point.is_active),
-            slips: [self.is_sliding, self.is_twisting].map(|slips| slips || self.coefficient == 0.0),
+            active: bits(self.points.iter().map(|point| point.is_active).chain(sticks)),
             across: if self.is_sliding { self.across } else { [0.0; 2] },
             is_soft: false,
         }
@@ -232,7 +232,7 @@ impl Rows for DirectContact {
 
     fn blocks(&self) -> RowBlocks {
         let stiffness = self.stiffness();
-        RowBlocks::new(&self.sides, |x, y| stiffness.between(x, y))
+        RowBlocks::at_arms(&self.sides, |x, y| stiffness.between(x, y))
     }
 
     fn impulse_at_rest(&self) -> Wrench<f64> {
@@ -281,8 +281,8 @@ impl Rows for DirectContact {
     }
 
     fn correction(&self, factored: &RowKey, correction: &Correction) -> Wrench<f64> {
-        let acting = self.points[..self.count].iter().zip(factored.is_active).filter(|(_, is_active)| *is_active);
-        let impulses = acting.map(|(point, _)| {
+        let acting = self.points[..self.count].iter().enumerate().filter(|(row, _)| factored.active >> row & 1 == 1);
+        let impulses = acting.map(|(_, point)| {
             let depth = (-point.separation - self.touch_tolerance).max(0.0);
             (point, self.penalty * depth * correction.of_depth(depth))
         });

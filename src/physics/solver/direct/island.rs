@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::any_joint::AnyJoint;
 use super::constants::{
     ENERGY_ROUNDING, IMPULSE_TOLERANCE, JOINT_PENALTY, LINE_SEARCH_POINTS, LINE_SEARCH_SLOPE, REST_PRODUCTS,
 };
@@ -14,7 +15,7 @@ use super::snapshot::Snapshot;
 use crate::physics::body::{Body, world_inverse_inertia};
 use crate::physics::collision::{ContactState, Slot};
 use crate::physics::constraint::row::{Twist, Wrench};
-use crate::physics::joint::{Joint, Softness};
+use crate::physics::joint::{BodyState, Joint, JointRow, Softness};
 use crate::physics::lanes::Record;
 use crate::physics::solver::linear::{BlockLdl, BodyVector, Elimination, Inverse};
 use crate::physics::solver::soft_terms::{SoftTerms, UNLIMITED};
@@ -26,6 +27,15 @@ pub(crate) trait World {
     fn slot(&self, index: u32) -> &Slot;
     fn state(&self, slot: u32) -> &ContactState;
     fn joint(&self, index: u32) -> &Joint;
+}
+
+/// Does the same to the rows of each constraint of an island: contacts, then points held at points, then other joints.
+macro_rules! for_each_constraint {
+    (($contacts:expr, $points:expr, $joints:expr), |$rows:ident| $work:block) => {
+        for $rows in $contacts $work
+        for $rows in $points $work
+        for $rows in $joints $work
+    };
 }
 
 /// What is known of how an island can be factored.
@@ -43,10 +53,12 @@ enum Analysis {
 /// An island and its factor.
 #[derive(Default)]
 pub(crate) struct DirectIsland {
-    /// Bodies that move, contacts by slot and joints, global indices.
+    /// Bodies that move, contacts by slot and joints, global indices; of joints first those that hold a point at a point.
     pub(super) members: Vec<u32>,
     pub(super) contacts: Vec<u32>,
     pub(super) joints: Vec<u32>,
+    /// How many joints hold a point at a point.
+    pub(super) points: usize,
     /// Of contacts, then joints: both bodies' places among the members.
     ends: Vec<[Option<u32>; 2]>,
     analysis: Analysis,
@@ -74,6 +86,9 @@ pub(crate) struct DirectIsland {
     lines: Vec<(Twist<f64>, Twist<f64>)>,
     pub(super) contact_rows: Vec<DirectContact>,
     pub(super) joint_rows: Vec<DirectJoint>,
+    pub(super) any_rows: Vec<AnyJoint>,
+    /// Rows of one joint.
+    scratch: Vec<JointRow<f64>>,
     /// Whether the rows of contacts are those of the step before.
     pub(super) has_rows: bool,
     /// The rows that the factor was made of, contacts first; empty: there is none.
@@ -91,7 +106,7 @@ pub(crate) struct DirectIsland {
 }
 
 impl DirectIsland {
-    /// Of bodies that move, contacts by slot and joints, all ascending.
+    /// Of bodies that move and contacts by slot, both ascending, and joints, first those that hold a point at a point.
     pub fn new(members: Vec<u32>, contacts: Vec<u32>, joints: Vec<u32>) -> Self {
         Self { members, contacts, joints, has_converged: true, ..Self::default() }
     }
@@ -124,7 +139,9 @@ impl DirectIsland {
         }
         self.inertias.resize(count, (0.0, Matrix3::zeros()));
         self.contact_rows.resize(self.contacts.len(), DirectContact::default());
-        self.joint_rows.resize(self.joints.len(), DirectJoint::default());
+        self.points = self.joints.partition_point(|&joint| world.joint(joint).definition.is_ball());
+        self.joint_rows.resize(self.points, DirectJoint::default());
+        self.any_rows.resize(self.joints.len() - self.points, AnyJoint::default());
         self.blocks.resize(self.ends.len(), RowBlocks::default());
         Analysis::Done
     }
@@ -144,10 +161,11 @@ impl DirectIsland {
         &self.joints
     }
 
-    /// Scalar rows: of each contact its points and three of friction, three of each joint.
+    /// Scalar rows: of each contact its points and three of friction.
     pub fn rows(&self) -> u32 {
         let of_contacts: usize = self.contact_rows.iter().map(|contact| contact.points() + 3).sum();
-        (of_contacts + 3 * self.joints.len()) as u32
+        let of_joints: usize = self.any_rows.iter().map(AnyJoint::rows).sum();
+        (of_contacts + 3 * self.points + of_joints) as u32
     }
 
     /// Whether it is of these bodies, contacts and joints.
@@ -175,7 +193,7 @@ impl DirectIsland {
         }
     }
 
-    /// Makes the rows of joints, for `h`, s, and hands each on with those before.
+    /// Makes the rows of joints that hold a point at a point, for `h`, s, and hands each on with those before.
     pub(super) fn make_joint_rows(
         &mut self,
         world: &impl World,
@@ -190,8 +208,25 @@ impl DirectIsland {
         }
     }
 
-    fn all_rows(&self) -> impl Iterator<Item = &dyn Rows> {
-        all_rows(&self.contact_rows, &self.joint_rows)
+    /// Makes the rows of all other joints at that time, s, for `h`, s, and hands each on with those before; `ahead` is how
+    /// far into it they are to turn with their bodies, s.
+    pub(super) fn make_any_rows(
+        &mut self,
+        world: &impl World,
+        time: f64,
+        spans: [f64; 2],
+        mut resume: impl FnMut(&mut AnyJoint, &AnyJoint),
+    ) {
+        let joints = self.joints[self.points..].iter().zip(&self.ends[self.contacts.len() + self.points..]);
+        for (rows, (&joint, ends)) in self.any_rows.iter_mut().zip(joints) {
+            let joint = world.joint(joint);
+            let bodies = [world.body(joint.a), world.body(joint.b)];
+            self.scratch.clear();
+            joint.definition.rows_at(&bodies.map(BodyState::of), time, &mut self.scratch);
+            let now = AnyJoint::new(joint, &self.scratch, bodies, ends, spans);
+            let before = std::mem::replace(rows, now);
+            resume(rows, &before);
+        }
     }
 
     /// Active-set iterations: Newton's method on which rows are active. Whether it found out within so many: the fewer
@@ -206,23 +241,22 @@ impl DirectIsland {
             }
             std::mem::swap(&mut self.velocity, &mut self.before);
             self.velocity.copy_from_slice(&self.momentum);
-            let Self { contact_rows, joint_rows, elimination, velocity, matrix, .. } = self;
-            for rows in all_rows(contact_rows, joint_rows) {
-                apply(elimination, velocity, rows.sides(), &rows.impulse_at_rest());
-            }
+            let Self { contact_rows, joint_rows, any_rows, elimination, velocity, matrix, .. } = self;
+            for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
+                apply(elimination, velocity, rows, &rows.impulse_at_rest());
+            });
             matrix.solve(elimination, &mut velocity[..]);
             let share = if iteration == 0 { 1.0 } else { self.search_line() };
-            let Self { contact_rows, joint_rows, elimination, velocity, before, .. } = self;
+            let Self { contact_rows, joint_rows, any_rows, elimination, velocity, before, .. } = self;
             if share < 1.0 {
                 let pairs = velocity.iter_mut().zip(&*before);
                 pairs.for_each(|(velocity, before)| *velocity = before + (*velocity - before) * share);
             }
             let mut holds = share == 1.0;
-            let contacts = contact_rows.iter_mut().map(|rows| rows as &mut dyn Rows);
-            for rows in contacts.chain(joint_rows.iter_mut().map(|rows| rows as &mut dyn Rows)) {
-                let motion = relative_motion(elimination, velocity, rows.sides(), rows.prescribed());
+            for_each_constraint!((&mut *contact_rows, &mut *joint_rows, &mut *any_rows), |rows| {
+                let motion = relative_motion(elimination, velocity, rows, rows.prescribed());
                 holds &= rows.take(&motion, tolerance);
-            }
+            });
             if holds {
                 return true;
             }
@@ -260,42 +294,46 @@ impl DirectIsland {
             start += line.dot(&(times(&self.before[place]) - self.momentum[place]));
             growth += line.dot(&times(&line));
         }
-        let mut lines = std::mem::take(&mut self.lines);
+        let Self { contact_rows, joint_rows, any_rows, elimination, velocity, before, lines, .. } = self;
         lines.clear();
-        lines.extend(self.all_rows().map(|rows| {
-            let [from, to] = [&self.before, &self.velocity]
-                .map(|velocity| relative_motion(&self.elimination, velocity, rows.sides(), rows.prescribed()));
-            (from, to.plus(&from, -1.0))
-        }));
-        let slope = |share: f64| {
-            let along = |(rows, (from, line)): (&dyn Rows, &(Twist<f64>, Twist<f64>))| {
-                line.dot(&rows.impulse_at(&from.plus(line, share)))
-            };
-            start + share * growth - self.all_rows().zip(&lines).map(along).sum::<f64>()
-        };
-        let share = level(slope);
-        self.lines = lines;
-        share
+        for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
+            let [from, to] =
+                [&*before, &*velocity].map(|velocity| relative_motion(elimination, velocity, rows, rows.prescribed()));
+            lines.push((from, to.plus(&from, -1.0)));
+        });
+        level(|share| {
+            let (mut given, mut lines) = (0.0, lines.iter());
+            for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
+                let (from, line) = lines.next().expect("each constraint has one");
+                given += line.dot(&rows.impulse_at(&from.plus(line, share)));
+            });
+            start + share * growth - given
+        })
     }
 
     /// Factors the matrix of the active rows, unless the factor at hand will do.
     fn factor(&mut self) -> bool {
-        let Self { matrix, contact_rows, joint_rows, elimination, ends, factored, inertias, blocks, .. } = self;
-        let keys = all_rows(contact_rows, joint_rows).map(|rows| rows.key());
-        if factored.len() == ends.len() && keys.zip(factored.iter()).all(|(now, then)| now.is_nearly(then)) {
+        let Self { matrix, contact_rows, joint_rows, any_rows, elimination, ends, factored, inertias, blocks, .. } =
+            self;
+        let (mut then, mut is_same) = (factored.iter(), factored.len() == ends.len());
+        for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
+            is_same = is_same && then.next().is_some_and(|then| rows.key().is_nearly(then));
+        });
+        if is_same {
             return true;
         }
         factored.clear();
-        factored.extend(all_rows(contact_rows, joint_rows).map(|rows| rows.key()));
         matrix.clear(elimination);
         for (body, (mass, inertia)) in inertias.iter().enumerate() {
             let mut block = matrix.diagonal_mut::<6>(elimination.place(body as u32) as usize);
             block.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::from_diagonal_element(*mass));
             block.fixed_view_mut::<3, 3>(3, 3).copy_from(inertia);
         }
-        for ((held, rows), key) in blocks.iter_mut().zip(all_rows(contact_rows, joint_rows)).zip(&*factored) {
-            held.update(key, || rows.blocks());
-        }
+        for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
+            let key = rows.key();
+            blocks[factored.len()].update(&key, || rows.blocks());
+            factored.push(key);
+        });
         for (held, [a, b]) in blocks.iter().zip(&*ends) {
             for (body, block) in [(a, &held.own[0]), (b, &held.own[1])] {
                 if let Some(body) = *body {
@@ -316,12 +354,15 @@ impl DirectIsland {
 
     /// Solves for the velocity that corrects position errors.
     pub(super) fn correct(&mut self, rates: &Correction) {
-        let Self { contact_rows, joint_rows, elimination, correction, matrix, factored, .. } = self;
+        let Self { contact_rows, joint_rows, any_rows, elimination, correction, matrix, factored, .. } = self;
         correction.fill(BodyVector::zeros());
         // A row that corrects must be in the factor.
-        for (rows, key) in all_rows(contact_rows, joint_rows).zip(&*factored) {
-            apply(elimination, correction, rows.sides(), &rows.correction(key, rates));
-        }
+        let mut keys = factored.iter();
+        for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
+            if let Some(key) = keys.next() {
+                apply(elimination, correction, rows, &rows.correction(key, rates));
+            }
+        });
         if correction.iter().any(|vector| *vector != BodyVector::zeros()) {
             matrix.solve(elimination, &mut correction[..]);
         }
@@ -332,16 +373,13 @@ impl DirectIsland {
         self.contact_rows[contact].impulses(scale)
     }
 
-    /// Impulse on B of a joint, N·s.
-    pub fn joint_impulse(&self, joint: usize) -> Vector3<f64> {
-        self.joint_rows[joint].impulse
+    /// Writes what a joint carried in `h`, s.
+    pub fn store_joint(&self, index: usize, joint: &mut Joint, h: f64) {
+        match index.checked_sub(self.points) {
+            None => joint.force = self.joint_rows[index].impulse / h,
+            Some(index) => self.any_rows[index].store(joint, h),
+        }
     }
-}
-
-/// All rows of an island, contacts first.
-fn all_rows<'r>(contacts: &'r [DirectContact], joints: &'r [DirectJoint]) -> impl Iterator<Item = &'r dyn Rows> {
-    let contacts = contacts.iter().map(|rows| rows as &dyn Rows);
-    contacts.chain(joints.iter().map(|rows| rows as &dyn Rows))
 }
 
 /// Where a slope that starts negative and only grows is level, or 1 if it still falls there.
@@ -465,13 +503,14 @@ fn inverse_mass_at(body: &Body, side: &Side) -> Matrix3<f64> {
     Matrix3::from_diagonal(&body.inverse_mass) - arm * inverse_inertia * arm
 }
 
-/// Adds an impulse on B, and its reaction on A.
-fn apply(elimination: &Elimination, vectors: &mut [BodyVector], [a, b]: &[Side; 2], impulse: &Wrench<f64>) {
+/// Adds an impulse of rows on B, and its reaction on A.
+fn apply(elimination: &Elimination, vectors: &mut [BodyVector], rows: &impl Rows, impulse: &Wrench<f64>) {
+    let [a, b] = rows.sides();
     if let Some(body) = a.body {
-        vectors[elimination.place(body) as usize] -= a.wrench(impulse);
+        vectors[elimination.place(body) as usize] -= rows.wrench_on(0, impulse);
     }
     if let Some(body) = b.body {
-        vectors[elimination.place(body) as usize] += b.wrench(impulse);
+        vectors[elimination.place(body) as usize] += rows.wrench_on(1, impulse);
     }
 }
 
@@ -479,12 +518,12 @@ fn apply(elimination: &Elimination, vectors: &mut [BodyVector], [a, b]: &[Side; 
 pub(super) fn relative_motion(
     elimination: &Elimination,
     velocities: &[BodyVector],
-    sides: &[Side; 2],
+    rows: &impl Rows,
     prescribed: &Twist<f64>,
 ) -> Twist<f64> {
-    let of = |side: &Side| {
-        side.body.map_or_else(Twist::zero, |body| side.motion(&velocities[elimination.place(body) as usize]))
-    };
-    let [a, b] = sides.each_ref().map(of);
+    let [a, b] = [0, 1].map(|side| {
+        let body = rows.sides()[side].body;
+        body.map_or_else(Twist::zero, |body| rows.motion_of(side, &velocities[elimination.place(body) as usize]))
+    });
     prescribed.plus(&b, 1.0).plus(&a, -1.0)
 }

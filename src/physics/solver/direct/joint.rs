@@ -1,8 +1,9 @@
-//! The rows of a ball joint: the relative velocity u of its anchors, rigid or as a spring.
+//! The rows of a point held at a point, the relative velocity u of a joint's anchors, rigid or as a spring. What other
+//! joints hold is in [`super::any_joint`].
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, Stiffness, isotropic};
+use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, Stiffness, bits, isotropic};
 use crate::physics::collision::POINTS;
 use crate::physics::constraint::row::{Twist, Wrench, bounded};
 
@@ -48,7 +49,7 @@ impl SoftLaw {
     }
 }
 
-/// A ball joint.
+/// A joint that holds a point at a point.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct DirectJoint {
     pub sides: [Side; 2],
@@ -92,8 +93,7 @@ impl Rows for DirectJoint {
             arms: self.sides.map(|side| side.arm),
             normal: none,
             levers: [none; POINTS],
-            is_active: [true; POINTS],
-            slips: [self.softness.is_some_and(|soft| soft.is_saturated), false],
+            active: bits([self.softness.is_none_or(|soft| !soft.is_saturated)]),
             across: [0.0; 2],
             is_soft: self.softness.is_some(),
         }
@@ -101,11 +101,11 @@ impl Rows for DirectJoint {
 
     fn blocks(&self) -> RowBlocks {
         match &self.softness {
-            None => RowBlocks::new(&self.sides, |x, y| isotropic(self.penalty, x, y)),
+            None => RowBlocks::at_arms(&self.sides, |x, y| isotropic(self.penalty, x, y)),
             Some(soft) if soft.is_saturated => RowBlocks::default(),
             Some(soft) => {
                 let stiffness = Stiffness { uu: soft.stiffness, uw: Matrix3::zeros(), ww: Matrix3::zeros() };
-                RowBlocks::new(&self.sides, |x, y| stiffness.between(x, y))
+                RowBlocks::at_arms(&self.sides, |x, y| stiffness.between(x, y))
             }
         }
     }

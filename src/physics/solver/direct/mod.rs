@@ -19,6 +19,7 @@
 //!
 //! An island that turns out not to rest, or whose iterations do not end, is left as it was, for the sweeps.
 
+mod any_joint;
 mod constants;
 mod contact;
 mod island;

@@ -33,6 +33,8 @@ use crate::physics::solver::substeps::{Intervals, Substeps};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MotionTerms {
     pub substeps: Substeps,
+    /// Simulation time at its start, s.
+    pub time: f64,
     /// Fastest way out of an error, m/s.
     correction_speed: f64,
     /// Approach from which a contact bounces, m/s.
@@ -41,8 +43,9 @@ pub(crate) struct MotionTerms {
 
 impl MotionTerms {
     /// As the settings want it.
-    pub fn of(settings: &SolverSettings) -> Self {
+    pub fn of(settings: &SolverSettings, time: f64) -> Self {
         Self {
+            time,
             substeps: Substeps::of(settings),
             correction_speed: settings.correction_speed.unwrap_or(f64::INFINITY),
             restitution_speed: restitution_threshold(settings),
@@ -86,9 +89,10 @@ impl DirectIsland {
         &self.partners
     }
 
-    /// Solves for a substep: velocities and impulses, and the correction of position errors.
-    pub fn substep(&mut self, world: &impl World, terms: &MotionTerms, is_first: bool) {
+    /// Solves for the substep of that index: velocities and impulses, and the correction of position errors.
+    pub fn substep(&mut self, world: &impl World, terms: &MotionTerms, substep: u32) {
         let Intervals { h, replaces, turns_far, .. } = self.intervals;
+        let (time, is_first) = (terms.time + h * f64::from(substep), substep == 0);
         self.has_rows = false;
         if is_first || turns_far {
             self.make_contact_rows(world, [h, replaces, MOTION_CONTACT_PENALTY], |_, _| {});
@@ -99,6 +103,11 @@ impl DirectIsland {
             (None, _) => {
                 rows.prescribed.linear +=
                     turning_acceleration(world, joint, rows.sides.map(|side| side.arm)) * (0.5 * h);
+            }
+        });
+        self.make_any_rows(world, time, [h, 0.5 * h], |rows, before| {
+            if !is_first {
+                rows.resume(before);
             }
         });
         self.take_momenta(world, h);
@@ -115,11 +124,12 @@ impl DirectIsland {
 
     /// Momenta, and inertias with the geometric stiffness of the impulses of joints.
     fn take_momenta(&mut self, world: &impl World, h: f64) {
-        let Self { stiffnesses, joint_rows, members, inertias, momentum, elimination, .. } = self;
+        let Self { stiffnesses, joint_rows, any_rows, members, inertias, momentum, elimination, .. } = self;
         stiffnesses.clear();
         stiffnesses.resize(members.len(), Matrix3::zeros());
-        for rows in joint_rows.iter() {
-            for (side, impulse) in rows.sides.iter().zip([-rows.expected, rows.expected]) {
+        let points = joint_rows.iter().map(|rows| (&rows.sides, rows.expected));
+        for (sides, expected) in points.chain(any_rows.iter().map(|rows| (&rows.sides, rows.expected_force()))) {
+            for (side, impulse) in sides.iter().zip([-expected, expected]) {
                 if let Some(body) = side.body {
                     add_stiffness(&mut stiffnesses[body as usize], &side.arm, &impulse);
                 }
@@ -161,8 +171,8 @@ impl DirectIsland {
     pub fn carry_on(&mut self, h: f64) {
         let Self { contact_rows, elimination, velocity, correction, .. } = self;
         for rows in contact_rows.iter_mut() {
-            let moved = relative_motion(elimination, velocity, &rows.sides, &rows.prescribed);
-            let corrected = relative_motion(elimination, correction, &rows.sides, &Twist::zero());
+            let moved = relative_motion(elimination, velocity, rows, &rows.prescribed);
+            let corrected = relative_motion(elimination, correction, rows, &Twist::zero());
             rows.advance(&moved.plus(&corrected, 1.0), h);
         }
     }

@@ -52,7 +52,10 @@ impl DirectIsland {
 
     /// Whether it is at rest and can be solved here.
     fn is_suitable(&mut self, world: &impl World) -> bool {
-        let is_rigid = |&joint: &u32| world.joint(joint).softness().is_none();
+        let is_rigid = |&joint: &u32| {
+            let definition = &world.joint(joint).definition;
+            definition.function.is_none() && !definition.is_soft()
+        };
         let is_slow = |&member: &u32| {
             let body = world.body(member);
             moves_freely(body) && body.linear.norm() + body.angular.norm() * body.radius <= REST_SPEED
@@ -117,6 +120,8 @@ impl DirectIsland {
             }
         });
         self.make_joint_rows(world, step, |_, _, _| {});
+        // Nothing that changes with time rests.
+        self.make_any_rows(world, 0.0, [step, 0.0], |_, _| {});
     }
 
     /// The state of a member at the end of the step, written to it.

@@ -1,11 +1,11 @@
 //! Rows between two bodies as the direct solver sees them.
 //!
-//! A constraint has up to six coordinates, told as a [`Twist`]: its relative motion J_B V_B − J_A V_A and, dual to it,
+//! A constraint has up to six coordinates, told as a [`Twist`]: its relative motion S_B V_B − S_A V_A and, dual to it,
 //! its impulse, a [`Wrench`]. Most constraints see the relative motion at one point, where body X, with the arm r from
-//! its centre of mass, moves with u = v + ω × r and turns with w = ω; then J_X = S_X = (1, −[r]ₓ; 0, 1). Each row is
+//! its centre of mass, moves with u = v + ω × r and turns with w = ω; then S_X = (1, −[r]ₓ; 0, 1). Each row is
 //! a spring-damper of a penalty ρ (impulse over speed) about the impulse λ̂ of the step before: λ = λ̂ − ρ (row + b), an
 //! augmented Lagrangian (Hestenes 1969; Powell 1969), which at rest is exact whatever the penalty. All rows of a
-//! constraint add J_XᵀKJ_Y to the matrix, K their [`Stiffness`].
+//! constraint add S_XᵀKS_Y to the matrix, K their [`Stiffness`].
 
 use nalgebra::{ArrayStorage, Matrix3, Vector3};
 
@@ -17,6 +17,16 @@ use crate::physics::solver::linear::{BodyBlock, BodyVector};
 /// A constraint's rows.
 pub(super) trait Rows {
     fn sides(&self) -> &[Side; 2];
+
+    /// S_X V_X of one side.
+    fn motion_of(&self, side: usize, velocity: &BodyVector) -> Twist<f64> {
+        self.sides()[side].motion(velocity)
+    }
+
+    /// S_Xᵀ times an impulse.
+    fn wrench_on(&self, side: usize, impulse: &Wrench<f64>) -> BodyVector {
+        self.sides()[side].wrench(impulse)
+    }
 
     /// Relative motion that bodies without a place among those that move give.
     fn prescribed(&self) -> &Twist<f64>;
@@ -151,12 +161,17 @@ pub(super) struct RowBlocks {
 }
 
 impl RowBlocks {
-    /// From J_XᵀKJ_Y of two arms.
-    pub fn new([a, b]: &[Side; 2], between: impl Fn(&Vector3<f64>, &Vector3<f64>) -> BodyBlock) -> Self {
-        let own =
-            [a, b].map(|side| if side.body.is_some() { between(&side.arm, &side.arm) } else { BodyBlock::zeros() });
-        let across = if a.body.and(b.body).is_some() { -between(&a.arm, &b.arm) } else { BodyBlock::zeros() };
-        Self { own, across, key: None }
+    /// From S_XᵀKS_Y of two sides that stand where those do.
+    pub fn new<S>(sides: &[Side; 2], [a, b]: [&S; 2], between: impl Fn(&S, &S) -> BodyBlock) -> Self {
+        let [moves_a, moves_b] = [0, 1].map(|side| sides[side].body.is_some());
+        let block = |is_there: bool, x, y| if is_there { between(x, y) } else { BodyBlock::zeros() };
+        let across = -block(moves_a && moves_b, a, b);
+        Self { own: [block(moves_a, a, a), block(moves_b, b, b)], across, key: None }
+    }
+
+    /// From S_XᵀKS_Y of two arms.
+    pub fn at_arms(sides: &[Side; 2], between: impl Fn(&Vector3<f64>, &Vector3<f64>) -> BodyBlock) -> Self {
+        Self::new(sides, sides.each_ref().map(|side| &side.arm), between)
     }
 
     /// Makes them anew where rows of that key would make others.
@@ -174,12 +189,16 @@ pub(super) struct RowKey {
     pub arms: [Vector3<f64>; 2],
     pub normal: Vector3<f64>,
     pub levers: [Vector3<f64>; POINTS],
-    pub is_active: [bool; POINTS],
-    /// Whether the rows across, and about, the normal are not active.
-    pub slips: [bool; 2],
+    /// Which rows are active, a bit each.
+    pub active: u32,
     pub across: [f64; 2],
     /// Then it is not all that the stiffness is made of.
     pub is_soft: bool,
+}
+
+/// A bit for each that is so.
+pub(super) fn bits(are: impl IntoIterator<Item = bool>) -> u32 {
+    are.into_iter().enumerate().fold(0, |bits, (index, is)| bits | u32::from(is) << index)
 }
 
 impl RowKey {
@@ -189,9 +208,6 @@ impl RowKey {
         let squared = (0..2).map(|side| (self.arms[side] - other.arms[side]).norm_squared());
         let levers = (0..POINTS).map(|point| (self.levers[point] - other.levers[point]).norm_squared());
         let moved = squared.chain(levers).fold(size * (self.normal - other.normal).norm_squared(), f64::max);
-        self.is_active == other.is_active
-            && self.slips == other.slips
-            && self.across == other.across
-            && moved <= ARM_CHANGE * ARM_CHANGE * size
+        self.active == other.active && self.across == other.across && moved <= ARM_CHANGE * ARM_CHANGE * size
     }
 }

@@ -30,14 +30,17 @@ pub(crate) struct Coloring {
 }
 
 impl Coloring {
-    /// Takes in a group of so many bodies: stages for constraints between these, told by index, of which those from
-    /// `split` on share no block with those before and come after them; blocks hold at most `lanes`.
-    pub fn set(&mut self, bodies: usize, pairs: &[(u32, u32)], split: usize, lanes: usize) {
+    /// Takes in a group of so many bodies: stages for constraints between these, told by index, in runs of those lengths,
+    /// of which each shares no block with those before and comes after them; blocks hold at most `lanes`.
+    pub fn set(&mut self, bodies: usize, pairs: &[(u32, u32)], runs: impl IntoIterator<Item = usize>, lanes: usize) {
         self.order.clear();
         self.blocks.clear();
         self.stages.clear();
-        self.add(bodies, 0, &pairs[..split], lanes);
-        self.add(bodies, split as u32, &pairs[split..], lanes);
+        let mut first = 0;
+        for run in runs {
+            self.add(bodies, first as u32, &pairs[first..first + run], lanes);
+            first += run;
+        }
     }
 
     /// The constraints of a block.

@@ -78,3 +78,7 @@ pub(super) const TREE_TURN: f64 = 0.05;
 /// Turn of the last projection, rad, times ω²h², up to which the factor of the pose before serves with one step of
 /// refinement: what is left then is its square of the impulses (`chain 1000`).
 pub(super) const TREE_FACTOR_LAG: f64 = 1e-3;
+
+/// Share of its own effect that a row of a joint gives beside it: rows that say the same are told apart by that, in
+/// single precision.
+pub(super) const DEPENDENT_ROWS: f64 = 1e-5;

@@ -131,7 +131,7 @@ unsafe fn solve_in_motion(
                 view.moved.push((partner, body));
             }
         }
-        island.substep(view, terms, substep == 0);
+        island.substep(view, terms, substep);
         // SAFETY: these are the island's alone, and what was read of them is not held any more.
         unsafe {
             for (local, &member) in island.members().iter().enumerate() {
@@ -163,7 +163,7 @@ unsafe fn store(island: &DirectIsland, world: SharedWorld, [h, substeps]: [f64; 
             }
         }
         for (index, &joint) in island.joints().iter().enumerate() {
-            world.joints.element(joint as usize).force = island.joint_impulse(index) / h;
+            island.store_joint(index, world.joints.element(joint as usize), h);
         }
     }
 }

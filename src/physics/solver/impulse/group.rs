@@ -9,7 +9,7 @@ use super::bodies::GroupBodies;
 use super::coloring::Coloring;
 use super::constants::{DIRECT_BODIES, PARALLEL_BLOCKS};
 use super::contact::{ContactBlock, ContactImpulses};
-use super::joint::JointBlock;
+use super::joint::{Directions, JointBlock};
 use super::method;
 use super::stage::Stage;
 use super::tree::TreeStep;
@@ -26,10 +26,30 @@ use crate::physics::solver::direct::DirectIsland;
 use crate::physics::solver::joint_tree::{Partition, partition};
 use crate::physics::threads::{Claims, Stages};
 
+/// What of a joint a block takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum JointPart {
+    /// All of one that holds a point at a point.
+    Point,
+    /// A half of any other: the first comes before the second in every sweep.
+    Half(u8),
+}
+
+impl JointPart {
+    /// Which half it is.
+    pub fn half(self) -> usize {
+        match self {
+            Self::Point => 0,
+            Self::Half(half) => usize::from(half),
+        }
+    }
+}
+
 /// A joint as a group sees it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GroupJoint {
     pub global: u32,
+    pub part: JointPart,
     pub a: u32,
     pub b: u32,
 }
@@ -148,6 +168,8 @@ pub(crate) struct Group<L: Lanes> {
     guests: HashMap<u32, u32>,
     place: Vec<Place>,
     pub(super) may_bounce: bool,
+    /// Whether some joint's rows may change with time.
+    is_driven: bool,
     /// Bodies that no constraint holds or touches.
     pub(super) free: Vec<u32>,
     pub(super) trees: Vec<TreeStep>,
@@ -162,7 +184,9 @@ pub(crate) struct Group<L: Lanes> {
     pub(super) contact_colors: Coloring,
     pairs: Vec<(u32, u32)>,
     pub(super) bodies: GroupBodies<L::Scalar>,
+    /// Of points held at points, and of other joints: numbered one after the other.
     pub(super) joint_blocks: Vec<JointBlock<L>>,
+    pub(super) row_blocks: Vec<JointBlock<L, Directions<L>>>,
     pub(super) contact_blocks: Vec<ContactBlock<L>>,
     /// One for each block of contacts.
     pub(super) restitutions: Vec<Option<Restitution<L>>>,
@@ -170,8 +194,8 @@ pub(crate) struct Group<L: Lanes> {
     pub(super) totals: Vec<[ContactImpulses; WIDTH]>,
     pub(super) stages: Vec<Stage>,
     pub(super) progress: Stages,
-    /// Of trees, blocks of joints, and blocks of contacts with what goes with them.
-    pub(super) claims: [Claims; 3],
+    /// Of trees, blocks of points held at points and of other joints, and blocks of contacts with what goes with them.
+    pub(super) claims: [Claims; 4],
 }
 
 impl<L: Lanes> Group<L> {
@@ -211,12 +235,18 @@ impl<L: Lanes> Group<L> {
         let other_joints = std::mem::take(&mut self.other_joints);
         self.joints.clear();
         for &global in &other_joints {
-            let Joint { a, b, .. } = joints.list[global as usize];
-            if let Some([a, b]) = self.swept_pair(input, [a, b]) {
-                self.joints.push(GroupJoint { global, a, b });
+            let Joint { a, b, ref definition, .. } = joints.list[global as usize];
+            let Some([a, b]) = self.swept_pair(input, [a, b]) else { continue };
+            let halves = (0..).zip(definition.halves()).filter(|(_, rows)| *rows > 0);
+            if definition.is_ball() {
+                self.joints.push(GroupJoint { global, part: JointPart::Point, a, b });
+            } else {
+                self.joints.extend(halves.map(|(half, _)| GroupJoint { global, part: JointPart::Half(half), a, b }));
             }
         }
         self.other_joints = other_joints;
+        self.is_driven =
+            self.joints.iter().any(|joint| joints.list[joint.global as usize].definition.function.is_some());
         self.contacts.clear();
         for &slot in islands.manifolds(self.index) {
             let pair = graph.slots[slot as usize].pair;
@@ -227,7 +257,12 @@ impl<L: Lanes> Group<L> {
         self.may_bounce = self.contacts.iter().any(|contact| graph.slots[contact.slot as usize].restitution > 0.0);
         self.color(joints);
         self.bodies.resize(self.members.len());
-        self.joint_blocks.resize_with(self.joint_colors.blocks.len(), JointBlock::idle);
+        let Coloring { order, blocks, .. } = &self.joint_colors;
+        let is_of_points =
+            |&(start, _): &(u32, u32)| self.joints[order[start as usize] as usize].part == JointPart::Point;
+        let points = blocks.partition_point(is_of_points);
+        self.joint_blocks.resize_with(points, JointBlock::idle);
+        self.row_blocks.resize_with(blocks.len() - points, JointBlock::idle);
         self.contact_blocks.resize_with(self.contact_colors.blocks.len(), ContactBlock::idle);
         self.restitutions.clear();
         self.restitutions.resize(self.contact_blocks.len(), None);
@@ -320,9 +355,13 @@ impl<L: Lanes> Group<L> {
         }
         let ends = |global: u32| [joints.list[global as usize].a, joints.list[global as usize].b];
         let all = islands.joints(index).iter().copied();
-        let is_soft = |global: &u32| joints.list[*global as usize].softness().is_some();
-        let (soft, rigid): (Vec<u32>, Vec<u32>) = all.partition(is_soft);
-        soft.iter().for_each(|&global| sweep(place, ends(global)));
+        let is_tree_joint = |global: &u32| {
+            let definition = &joints.list[*global as usize].definition;
+            definition.is_ball() && !definition.is_soft()
+        };
+        let (rigid, mut others): (Vec<u32>, Vec<u32>) = all.partition(is_tree_joint);
+        others.sort_by_key(|&global| !joints.list[global as usize].definition.is_ball());
+        others.iter().for_each(|&global| sweep(place, ends(global)));
         // Bodies of the group by their place in it; any other is one that does not move.
         let own = islands.bodies(index);
         let mut globals = own.to_vec();
@@ -353,30 +392,36 @@ impl<L: Lanes> Group<L> {
         left_over.sort_unstable();
         self.other_joints.extend(left_over.iter().map(|&joint| rigid[joint as usize]));
         self.other_joints.iter().for_each(|&global| sweep(place, ends(global)));
-        self.other_joints.extend(soft);
+        self.other_joints.extend(others);
     }
 
     fn color(&mut self, joints: &Joints) {
         let count = self.members.len();
-        let is_soft = |joint: &GroupJoint| joints.list[joint.global as usize].softness().is_some();
-        self.joints.sort_by_key(is_soft);
-        let rigid = self.joints.partition_point(|joint| !is_soft(joint));
+        let kind = |&GroupJoint { global, part, .. }: &GroupJoint| {
+            (part, joints.list[global as usize].definition.spring_of(part.half()).is_some())
+        };
+        self.joints.sort_by_key(kind);
+        let runs = self.joints.chunk_by(|one, next| kind(one) == kind(next)).map(<[GroupJoint]>::len);
         self.pairs.clear();
         self.pairs.extend(self.joints.iter().map(|joint| (joint.a, joint.b)));
-        self.joint_colors.set(count, &self.pairs, rigid, L::COUNT);
+        self.joint_colors.set(count, &self.pairs, runs, L::COUNT);
         // What rests on something that does not move has the last word in a sweep.
         let is_grounded = |contact: &GroupContact| (contact.a | contact.b) & READ_ONLY != 0;
         self.contacts.sort_by_key(is_grounded);
         let free = self.contacts.partition_point(|contact| !is_grounded(contact));
         self.pairs.clear();
         self.pairs.extend(self.contacts.iter().map(|contact| (contact.a, contact.b)));
-        self.contact_colors.set(count, &self.pairs, free, L::COUNT);
+        self.contact_colors.set(count, &self.pairs, [free, self.pairs.len() - free], L::COUNT);
     }
 
     /// How far a body turns at most in a `step`, s, rad; none where no joint is swept.
     pub fn turn(&self, bodies: &[Body], step: f64) -> Option<f64> {
+        if self.is_driven {
+            // Its rows change with time alone, too.
+            return Some(f64::INFINITY);
+        }
         let turns = self.members[..self.own].iter().map(|&member| bodies[member as usize].angular.norm() * step);
-        (!self.joint_blocks.is_empty()).then(|| turns.fold(0.0, f64::max))
+        (!self.joints.is_empty()).then(|| turns.fold(0.0, f64::max))
     }
 
     /// Whether anything is left to do when islands that are solved directly are done.
@@ -386,6 +431,6 @@ impl<L: Lanes> Group<L> {
 
     /// Whether it is worth more threads than one.
     pub fn is_large(&self) -> bool {
-        self.joint_blocks.len() + self.contact_blocks.len() > PARALLEL_BLOCKS
+        self.joint_blocks.len() + self.row_blocks.len() + self.contact_blocks.len() > PARALLEL_BLOCKS
     }
 }

@@ -1,21 +1,24 @@
-//! Ball joints of as many pairs as there are lanes, by sweeps: for loops and grids, and whatever is
-//! not solved as a tree.
+//! Joints of as many pairs as there are lanes, by sweeps: for loops and grids, and whatever is not solved as a tree. A
+//! block takes up to three rows of each, the linear parts of which are the world axes ([`WorldAxes`], the rows of a point
+//! held at a point), or any ([`Directions`], made of the rows that [`joint`](crate::physics::joint) tells).
 //!
 //! With Q = −[r]ₓ W the velocity of the anchors' parting is u = v_B − v_A + Q_B ψ_B − Q_A ψ_A, and
 //! one update, with K = M_A⁻¹ + M_B⁻¹ + Q_A Q_Aᵀ + Q_B Q_Bᵀ, is λ ← λ − K⁻¹ σ (u + bias) − ι λ with the
-//! soft terms of contacts. The error is C + d_B − d_A + Q_B θ'_B − Q_A θ'_A.
+//! soft terms of contacts. The error is C + d_B − d_A + Q_B θ'_B − Q_A θ'_A. Other rows have their own linear parts and,
+//! in place of Q, their angular parts times W.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::bodies::{ClaimedPairs, Ends, Frames};
+use super::constants::DEPENDENT_ROWS;
 use super::pair::Pair;
-use crate::physics::constraint::row::bounded;
-use crate::physics::joint::Softness;
+use crate::physics::constraint::row::{Wrench, bounded};
+use crate::physics::joint::{Bound, JointRow, Softness};
 use crate::physics::lanes::{Lanes, READ_ONLY, WIDTH, add_scaled, dot, inverse};
 use crate::physics::scalar::Scalar;
 use crate::physics::solver::soft_terms::{Projection, SoftTerms, UNLIMITED};
 
-/// One joint, as its lane takes it in.
+/// A joint that holds a point at a point, as its lane takes it in.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct JointInput {
     /// On A and on B, from the centres of mass, body axes.
@@ -23,6 +26,18 @@ pub(crate) struct JointInput {
     /// Centre of B less centre of A, m.
     pub offset: Vector3<f64>,
     /// On B in the last substep, N·s.
+    pub impulse: Vector3<f64>,
+    /// None: rigid.
+    pub softness: Option<Softness>,
+}
+
+/// Up to three rows of any joint, as its lane takes them in.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct RowsInput {
+    pub rows: [Option<JointRow<f64>>; 3],
+    /// From B's centre of mass to its anchor, world axes.
+    pub arm_b: Vector3<f64>,
+    /// In the last substep, N·s.
     pub impulse: Vector3<f64>,
     /// None: rigid.
     pub softness: Option<Softness>,
@@ -56,11 +71,119 @@ impl<L: Lanes> JointSoftness<L> {
     }
 }
 
+/// The linear parts of a block's rows.
+pub(crate) trait LinearParts<L: Lanes>: Default {
+    /// What they see of the bodies' motions.
+    fn seen(&self, pair: &Pair<L>) -> Vector3<L>;
+
+    /// The linear part of an impulse.
+    fn apply(&self, pair: &mut Pair<L>, impulse: &Vector3<L>);
+
+    /// Whether [`prescribe`](Self::prescribe) needs the errors.
+    const LEAVES_GAPS: bool;
+
+    /// Adds to what rows see what is none of their bodies' motion, and gaps that they leave open, which are taken out of
+    /// their errors.
+    fn prescribe(&self, seen: &mut Vector3<L>, error: &mut Vector3<L>);
+
+    /// What is left of a change of the impulse within bounds of the rows.
+    fn admitted(&self, impulse: &Vector3<L>, change: Vector3<L>) -> Vector3<L>;
+}
+
+/// The three world axes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct WorldAxes;
+
+/// Any, with what else rows have that hold no point at a point.
+#[derive(Clone, Debug)]
+pub(crate) struct Directions<L: Lanes> {
+    /// Of A and B.
+    linear: [[Vector3<L>; 2]; 3],
+    /// ∂C/∂t.
+    time_rate: Vector3<L>,
+    lower: Vector3<L>,
+    upper: Vector3<L>,
+    /// 1 where positive errors are open gaps, −1 where negative ones are, else 0.
+    opens: Vector3<L>,
+    /// 1/h.
+    per_step: L,
+    /// Of each lane, force and torque about B's anchor for each row's multiplier.
+    wrenches: [[Wrench<f64>; 3]; WIDTH],
+    /// Rows of one joint.
+    scratch: Vec<JointRow<f64>>,
+}
+
+impl<L: Lanes> Default for Directions<L> {
+    fn default() -> Self {
+        let none = Vector3::repeat(L::zero());
+        let [time_rate, lower, upper, opens] = [none; 4];
+        let wrenches = [[Wrench::zero(); 3]; WIDTH];
+        Self {
+            linear: [[none; 2]; 3],
+            time_rate,
+            lower,
+            upper,
+            opens,
+            per_step: L::zero(),
+            wrenches,
+            scratch: Vec::new(),
+        }
+    }
+}
+
+impl<L: Lanes> LinearParts<L> for WorldAxes {
+    #[inline(always)]
+    fn seen(&self, pair: &Pair<L>) -> Vector3<L> {
+        pair.linear()
+    }
+
+    #[inline(always)]
+    fn apply(&self, pair: &mut Pair<L>, impulse: &Vector3<L>) {
+        pair.apply_linear(impulse);
+    }
+
+    const LEAVES_GAPS: bool = false;
+
+    #[inline(always)]
+    fn prescribe(&self, _: &mut Vector3<L>, _: &mut Vector3<L>) {}
+
+    #[inline(always)]
+    fn admitted(&self, _: &Vector3<L>, change: Vector3<L>) -> Vector3<L> {
+        change
+    }
+}
+
+impl<L: Lanes> LinearParts<L> for Directions<L> {
+    fn seen(&self, pair: &Pair<L>) -> Vector3<L> {
+        Vector3::from_fn(|row, _| pair.along(&self.linear[row]))
+    }
+
+    fn apply(&self, pair: &mut Pair<L>, impulse: &Vector3<L>) {
+        (0..3).for_each(|row| pair.apply_along(&self.linear[row], impulse[row]));
+    }
+
+    const LEAVES_GAPS: bool = true;
+
+    fn prescribe(&self, seen: &mut Vector3<L>, error: &mut Vector3<L>) {
+        for row in 0..3 {
+            let open = self.opens[row] * (self.opens[row] * error[row]).simd_max(L::zero());
+            error[row] -= open;
+            seen[row] += self.time_rate[row] + open * self.per_step;
+        }
+    }
+
+    fn admitted(&self, impulse: &Vector3<L>, change: Vector3<L>) -> Vector3<L> {
+        let bounded = |row: usize| (impulse[row] + change[row]).simd_clamp(self.lower[row], self.upper[row]);
+        Vector3::from_fn(|row, _| bounded(row) - impulse[row])
+    }
+}
+
 /// Joints of [`Lanes::COUNT`] pairs that share no body that moves.
 #[derive(Clone, Debug)]
-pub(crate) struct JointBlock<L: Lanes> {
+pub(crate) struct JointBlock<L: Lanes, P = WorldAxes> {
     pub ends: Ends,
     inverse_mass: [Vector3<L>; 2],
+    linear: P,
     /// Rows of Q_A and Q_B.
     angular: [[Vector3<L>; 2]; 3],
     error: Vector3<L>,
@@ -79,20 +202,6 @@ fn inverse_symmetric<L: Lanes>(k: &Matrix3<L>) -> [L; 6] {
 }
 
 impl<L: Lanes> JointBlock<L> {
-    /// One that does nothing.
-    pub fn idle() -> Self {
-        let (zero, none) = (L::zero(), Vector3::repeat(L::zero()));
-        Self {
-            ends: [[READ_ONLY; WIDTH]; 2],
-            inverse_mass: [none; 2],
-            angular: [[none; 2]; 3],
-            error: none,
-            mass: [zero; 6],
-            impulse: none,
-            softness: None,
-        }
-    }
-
     /// Takes in at most [`Lanes::COUNT`] joints, all rigid or all soft, whose bodies are at the block's `ends`. Lanes
     /// left over do nothing.
     pub fn take_in(&mut self, inputs: &[JointInput], pairs: &ClaimedPairs<L>, h: f64) {
@@ -123,6 +232,94 @@ impl<L: Lanes> JointBlock<L> {
         self.impulse = each(|input| &input.impulse);
         self.softness = JointSoftness::new(|lane| input(lane).softness, h);
     }
+}
+
+impl<L: Lanes> JointBlock<L, Directions<L>> {
+    /// Takes in the rows of at most [`Lanes::COUNT`] joints, all rigid or all soft, whose bodies are at the block's
+    /// `ends`. Lanes left over, and rows that a joint does not have, do nothing.
+    pub fn take_in_rows(&mut self, inputs: &[RowsInput], pairs: &ClaimedPairs<L>, h: f64) {
+        let number = |row: usize, of: &dyn Fn(&JointRow<f64>) -> f64| {
+            L::each(|lane| {
+                let row = inputs.get(lane).and_then(|input| input.rows[row].as_ref());
+                <L::Scalar as Scalar>::of(row.map_or(0.0, of))
+            })
+        };
+        let numbers = |of: fn(&JointRow<f64>) -> f64| Vector3::from_fn(|row, _| number(row, &of));
+        let vectors = |of: fn(&JointRow<f64>) -> Vector3<f64>| {
+            [0, 1, 2].map(|row| Vector3::from_fn(|axis, _| number(row, &|joint_row| of(joint_row)[axis])))
+        };
+        let frames = pairs.frames();
+        let (linear_a, linear_b) = (vectors(|row| -row.jacobian.linear_a), vectors(|row| row.jacobian.linear_b));
+        let angular_a = vectors(|row| -row.jacobian.angular_a).map(|row| frames[0].whiten(&row));
+        let angular_b = vectors(|row| row.jacobian.angular_b).map(|row| frames[1].whiten(&row));
+        let limits = |row: &JointRow<f64>| match row.bound {
+            Bound::Within(lower, upper) => (lower, upper),
+            Bound::None | Bound::Norm { .. } => (f64::NEG_INFINITY, f64::INFINITY),
+        };
+        let limit = |of: &dyn Fn(&JointRow<f64>) -> f64| {
+            Vector3::from_fn(|row, _| number(row, &|row| (of(row) * h).clamp(-UNLIMITED, UNLIMITED)))
+        };
+        self.linear = Directions {
+            linear: [0, 1, 2].map(|row| [linear_a[row], linear_b[row]]),
+            time_rate: numbers(|row| row.time_rate),
+            lower: limit(&|row| limits(row).0),
+            upper: limit(&|row| limits(row).1),
+            opens: numbers(|row| row.bound.open(1.0) + row.bound.open(-1.0)),
+            per_step: L::of(1.0 / h),
+            wrenches: std::array::from_fn(|lane| {
+                let input = inputs.get(lane).copied().unwrap_or_default();
+                input.rows.map(|row| row.map_or_else(Wrench::zero, |row| row.wrench_about(&input.arm_b)))
+            }),
+            scratch: std::mem::take(&mut self.linear.scratch),
+        };
+        self.angular = [0, 1, 2].map(|row| [angular_a[row], angular_b[row]]);
+        self.error = numbers(|row| row.error);
+        self.inverse_mass = frames.map(|frame| frame.inverse_mass);
+        let [mass_a, mass_b] = &self.inverse_mass;
+        let mut k = Matrix3::from_fn(|row, column| {
+            let linear = dot(&linear_a[row].component_mul(mass_a), &linear_a[column])
+                + dot(&linear_b[row].component_mul(mass_b), &linear_b[column]);
+            linear + dot(&angular_a[row], &angular_a[column]) + dot(&angular_b[row], &angular_b[column])
+        });
+        for row in 0..3 {
+            // Rows that say the same share what they carry; those that nothing moves, as those there are not, do nothing.
+            let own = k[(row, row)];
+            k[(row, row)] = (own * L::of(1.0 + DEPENDENT_ROWS)).select(own.simd_gt(L::zero()), L::one());
+        }
+        self.mass = inverse_symmetric(&k);
+        let impulse = |lane: usize| inputs.get(lane).map_or_else(Vector3::zeros, |input| input.impulse);
+        self.impulse = Vector3::from_fn(|row, _| L::each(|lane| <L::Scalar as Scalar>::of(impulse(lane)[row])));
+        self.softness = JointSoftness::new(|lane| inputs[lane.min(inputs.len() - 1)].softness, h);
+    }
+
+    /// Room for the rows of one joint.
+    pub fn scratch(&mut self) -> &mut Vec<JointRow<f64>> {
+        &mut self.linear.scratch
+    }
+
+    /// Impulse on B of a joint, N·s, and its moment about B's anchor.
+    pub fn wrench(&self, lane: usize) -> Wrench<f64> {
+        let impulse = self.impulse(lane);
+        let of_rows = self.linear.wrenches[lane].iter().zip(impulse.iter());
+        of_rows.fold(Wrench::zero(), |sum, (wrench, &impulse)| sum.plus(wrench, impulse))
+    }
+}
+
+impl<L: Lanes, P: LinearParts<L>> JointBlock<L, P> {
+    /// One that does nothing.
+    pub fn idle() -> Self {
+        let (zero, none) = (L::zero(), Vector3::repeat(L::zero()));
+        Self {
+            ends: [[READ_ONLY; WIDTH]; 2],
+            inverse_mass: [none; 2],
+            linear: P::default(),
+            angular: [[none; 2]; 3],
+            error: none,
+            mass: [zero; 6],
+            impulse: none,
+            softness: None,
+        }
+    }
 
     /// Adds what the impulses at hand do to the velocities.
     pub fn warm_start(&self, pairs: &mut ClaimedPairs<L>) {
@@ -136,8 +333,12 @@ impl<L: Lanes> JointBlock<L> {
         let mut pair = Pair::new(pairs.velocities(), &self.inverse_mass);
         let mut seen = self.rows(&pair);
         let soft = self.softness.as_ref().map(|softness| &softness.terms).or(soft);
+        let mut error = Vector3::repeat(L::zero());
+        if soft.is_some() || P::LEAVES_GAPS {
+            error = self.error + self.rows(&Pair::new(pairs.displacements(), &self.inverse_mass));
+        }
+        self.linear.prescribe(&mut seen, &mut error);
         if let Some(soft) = soft {
-            let error = self.error + self.rows(&Pair::new(pairs.displacements(), &self.inverse_mass));
             let speed = dot(&error, &error).simd_sqrt() * soft.rate;
             let rate = soft.rate * (soft.max_speed / speed.simd_max(soft.max_speed));
             seen = add_scaled(&seen, &error, rate) * soft.mass;
@@ -149,6 +350,7 @@ impl<L: Lanes> JointBlock<L> {
         if let Some(JointSoftness { limit, .. }) = self.softness {
             change = bounded(self.impulse + change, limit) - self.impulse;
         }
+        let change = self.linear.admitted(&self.impulse, change);
         self.impulse += change;
         self.apply(&mut pair, &change);
         pairs.set_velocities(pair.records());
@@ -165,7 +367,8 @@ impl<L: Lanes> JointBlock<L> {
             return;
         }
         let mut pair = Pair::new(pairs.displacements(), &self.inverse_mass);
-        let error = self.error + self.rows(&pair);
+        let mut error = self.error + self.rows(&pair);
+        self.linear.prescribe(&mut Vector3::repeat(L::zero()), &mut error);
         let most = terms.max_correction;
         let share = terms.joint_share * (most / dot(&error, &error).simd_sqrt().simd_max(most));
         self.apply(&mut pair, &(self.effective_mass(&error) * -share));
@@ -186,19 +389,19 @@ impl<L: Lanes> JointBlock<L> {
     /// What the rows see of the bodies' motions.
     #[inline(always)]
     fn rows(&self, pair: &Pair<L>) -> Vector3<L> {
-        let linear = pair.linear();
+        let linear = self.linear.seen(pair);
         Vector3::from_fn(|axis, _| pair.row(linear[axis], &self.angular[axis]))
     }
 
     #[inline(always)]
     fn apply(&self, pair: &mut Pair<L>, impulse: &Vector3<L>) {
-        pair.apply_linear(impulse);
+        self.linear.apply(pair, impulse);
         for axis in 0..3 {
             pair.apply_angular(&self.angular[axis], impulse[axis]);
         }
     }
 
-    /// The impulse on B of each joint, N·s.
+    /// The impulse of each row of a joint, N·s: of a point's on B.
     pub fn impulse(&self, lane: usize) -> Vector3<f64> {
         self.impulse.map(|lanes| lanes.lane(lane).to_f64())
     }

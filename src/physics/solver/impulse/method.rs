@@ -7,12 +7,12 @@ use super::{sequential_impulses, soft_step, xpbd};
 use crate::physics::lanes::Lanes;
 use crate::physics::settings::{Method, SolverSettings};
 
-/// What groups need of the settings.
-pub(crate) fn terms<L: Lanes>(settings: &SolverSettings) -> GroupTerms<L> {
+/// What groups need of the settings, at a simulation time, s.
+pub(crate) fn terms<L: Lanes>(settings: &SolverSettings, time: f64) -> GroupTerms<L> {
     match settings.method {
-        Method::SequentialImpulses => sequential_impulses::terms(settings),
-        Method::Xpbd => xpbd::terms(settings),
-        _ => soft_step::terms(settings),
+        Method::SequentialImpulses => sequential_impulses::terms(settings, time),
+        Method::Xpbd => xpbd::terms(settings, time),
+        _ => soft_step::terms(settings, time),
     }
 }
 

@@ -95,11 +95,11 @@ fn solve_groups(
     let counts = match settings.precision {
         Precision::F32 => {
             double.planned = None;
-            single.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings)
+            single.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings, stats.time)
         }
         Precision::F64 => {
             single.planned = None;
-            double.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings)
+            double.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings, stats.time)
         }
     };
     let Bodies { list, asleep, .. } = &mut *bodies;
@@ -126,6 +126,7 @@ impl<L: Lanes> GroupsOf<L> {
         graph: &mut ContactGraph,
         islands: &Islands,
         settings: &SolverSettings,
+        time: f64,
     ) -> DirectCounts {
         let count = islands.count();
         if self.list.len() < count {
@@ -141,7 +142,7 @@ impl<L: Lanes> GroupsOf<L> {
             for_each_block(threads, groups, |group| group.plan(&input, scope));
         }
         if !groups.iter().all(|group| group.islands.is_empty()) {
-            let terms = MotionTerms::of(settings);
+            let terms = MotionTerms::of(settings, time);
             SharedWorld::share(bodies, joints, graph, &mut self.claims, |world| {
                 for_each_block(threads, groups, |group| {
                     // SAFETY: no two groups share what either writes, see above.
@@ -168,7 +169,7 @@ impl<L: Lanes> GroupsOf<L> {
             let colors = group.colors();
             method::stages(settings.method, &plan, colors, &mut group.stages);
         }
-        let terms = method::terms(settings);
+        let terms = method::terms(settings, time);
         SharedWorld::share(bodies, joints, graph, &mut self.claims, |world| {
             // SAFETY: no two groups share what either writes, see above.
             let step = |group: &mut Group<L>, threads: u32| unsafe { group.run(&terms, world, threads) };

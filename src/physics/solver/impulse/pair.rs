@@ -1,5 +1,6 @@
 //! The velocities, or the displacements, of both bodies of each pair of a block, and the rows between them: a row is
-//! linear along n, angular parts whitened (see [`super::bodies`]), and sees n·(v_B − v_A) + j_B·ψ_B − j_A·ψ_A.
+//! linear along n, angular parts whitened (see [`super::bodies`]), and sees n·(v_B − v_A) + j_B·ψ_B − j_A·ψ_A; some have
+//! linear parts of their own for A and for B.
 
 use nalgebra::Vector3;
 
@@ -38,6 +39,19 @@ impl<L: Lanes> Pair<L> {
     #[inline(always)]
     pub fn linear(&self) -> Vector3<L> {
         self.linear[1] - self.linear[0]
+    }
+
+    /// What the linear parts of a row see, of A and of B.
+    #[inline(always)]
+    pub fn along(&self, [of_a, of_b]: &[Vector3<L>; 2]) -> L {
+        dot(of_b, &self.linear[1]) - dot(of_a, &self.linear[0])
+    }
+
+    /// The linear parts of an impulse along a row that has them for A and for B.
+    #[inline(always)]
+    pub fn apply_along(&mut self, [of_a, of_b]: &[Vector3<L>; 2], impulse: L) {
+        self.linear[0] = add_scaled(&self.linear[0], &self.inverse_mass[0].component_mul(of_a), -impulse);
+        self.linear[1] = add_scaled(&self.linear[1], &self.inverse_mass[1].component_mul(of_b), impulse);
     }
 
     /// What a row sees, of which the linear part is given.

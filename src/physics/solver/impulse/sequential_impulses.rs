@@ -28,8 +28,8 @@ use crate::physics::settings::SolverSettings;
 use crate::physics::solver::soft_terms::{Projection, UNLIMITED};
 
 /// What groups need of the settings.
-pub(crate) fn terms<L: Lanes>(settings: &SolverSettings) -> GroupTerms<L> {
-    let rigid = GroupTerms::new(settings);
+pub(crate) fn terms<L: Lanes>(settings: &SolverSettings, time: f64) -> GroupTerms<L> {
+    let rigid = GroupTerms::new(settings, time);
     GroupTerms {
         projection: Some(Projection {
             contact_share: L::of(CONTACT_SHARE),
@@ -59,8 +59,9 @@ pub(crate) fn stages(plan: &Plan, colors: impl Iterator<Item = Color> + Clone, s
             }
         });
         if turns {
-            stages.push(Stage::Gather { substeps: 0, done: interval.0 + 1 });
-            stages.extend(colors.clone().map(Stage::Prepare));
+            let done = interval.0 + 1;
+            stages.push(Stage::Gather { substeps: 0, done });
+            stages.extend(colors.clone().map(|color| Stage::Prepare { color, done }));
             project(stages);
             stages.push(Stage::Scatter);
         }

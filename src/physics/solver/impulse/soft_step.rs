@@ -20,8 +20,8 @@ use crate::physics::settings::SolverSettings;
 use crate::physics::solver::soft_terms::{SoftTerms, UNLIMITED};
 
 /// What groups need of the settings.
-pub(crate) fn terms<L: Lanes>(settings: &SolverSettings) -> GroupTerms<L> {
-    let rigid = GroupTerms::new(settings);
+pub(crate) fn terms<L: Lanes>(settings: &SolverSettings, time: f64) -> GroupTerms<L> {
+    let rigid = GroupTerms::new(settings, time);
     let h = rigid.h;
     let max_speed = settings.correction_speed.unwrap_or(UNLIMITED);
     let soft = |share: f64, damping, slop| SoftTerms::new(share / h, damping, max_speed, slop, h);

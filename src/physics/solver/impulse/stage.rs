@@ -28,8 +28,8 @@ pub(crate) enum Stage {
     Trees,
     /// Bodies are taken in, for so many substeps after those that are done.
     Gather { substeps: u32, done: u32 },
-    /// Rows for the present poses.
-    Prepare(Color),
+    /// Rows for the present poses, of when so many substeps are done.
+    Prepare { color: Color, done: u32 },
     /// External forces act; in all but the first substep, the impulses of the substep before act again.
     BeginSubstep { is_first: bool },
     /// The impulses of the step before act.
@@ -63,7 +63,7 @@ impl Stage {
     /// The colour that the stage works on, if it is one of constraints.
     pub fn color(self) -> Option<Color> {
         match self {
-            Self::Prepare(color)
+            Self::Prepare { color, .. }
             | Self::WarmStart(color)
             | Self::Solve { color, .. }
             | Self::SolvePositions { color, .. }
@@ -90,6 +90,8 @@ pub(crate) struct GroupTerms<L> {
     /// Length of a substep, s.
     pub h: f64,
     pub substeps: Substeps,
+    /// Simulation time at the start of the step, s.
+    pub time: f64,
     pub joint: SoftTerms<L>,
     pub contact: SoftTerms<L>,
     /// Of methods with [`Stage::Project`].
@@ -100,12 +102,13 @@ pub(crate) struct GroupTerms<L> {
 
 impl<L: Lanes> GroupTerms<L> {
     /// Rigid constraints without bias.
-    pub fn new(settings: &SolverSettings) -> Self {
+    pub fn new(settings: &SolverSettings, time: f64) -> Self {
         let h = settings.step() / f64::from(settings.substeps);
         let without_bias = SoftTerms::rigid(0.0, UNLIMITED, 0.0, h);
         Self {
             h,
             substeps: Substeps::of(settings),
+            time,
             joint: without_bias,
             contact: without_bias,
             projection: None,
@@ -148,7 +151,7 @@ impl Plan {
         mut substep: impl FnMut(bool, &mut Vec<Stage>),
     ) {
         stages.push(Stage::Gather { substeps, done });
-        stages.extend(colors.clone().map(Stage::Prepare));
+        stages.extend(colors.clone().map(|color| Stage::Prepare { color, done }));
         for index in 0..substeps {
             substep(index == 0, stages);
             if self.records {

@@ -27,7 +27,7 @@ fn colours_share_no_body_and_hold_every_constraint_once() {
         (a, if a == b { 40 | READ_ONLY } else { b })
     }));
     let mut coloring = Coloring::default();
-    coloring.set(41, &pairs, 150, 8);
+    coloring.set(41, &pairs, [150, pairs.len() - 150], 8);
     let mut order = coloring.order.clone();
     order.sort_unstable();
     assert_eq!(order, (0..pairs.len() as u32).collect::<Vec<_>>());

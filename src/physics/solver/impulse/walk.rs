@@ -1,16 +1,19 @@
 //! What each [`Stage`] does to the bodies and constraints of a group.
 #![allow(unsafe_code)]
 
+use nalgebra::Vector3;
+
 use super::bodies::{Ends, SharedBodies};
 use super::coloring::{Color, Coloring};
 use super::constants::{CHUNK_BLOCKS, CHUNK_BODIES};
 use super::contact::{ContactBlock, ContactImpulses, ContactInput};
 use super::group::{Group, GroupContact, GroupJoint, Restitution};
-use super::joint::{JointBlock, JointInput};
+use super::joint::{Directions, JointBlock, JointInput, LinearParts, RowsInput};
 use super::stage::{GroupTerms, Stage, Sweep};
 use super::tree::TreeStep;
 use super::world::SharedWorld;
 use crate::physics::body::{RigidBody, free_flight};
+use crate::physics::joint::{BodyState, JointRow};
 use crate::physics::lanes::{Lanes, READ_ONLY, WIDTH};
 use crate::physics::scalar::Scalar;
 use crate::physics::threads::{Division, Shared};
@@ -31,7 +34,7 @@ impl<L: Lanes> Group<L> {
         if world.totals.is_some() {
             self.totals.resize(self.contact_blocks.len(), [ContactImpulses::default(); WIDTH]);
         }
-        let [of_trees, of_joints, of_contacts] = &mut self.claims;
+        let [of_trees, of_joints, of_rows, of_contacts] = &mut self.claims;
         of_contacts.cover(self.contact_blocks.len());
         let walk = Walk {
             members: &self.members,
@@ -44,6 +47,7 @@ impl<L: Lanes> Group<L> {
             trees: Shared::new(&mut self.trees, of_trees),
             bodies: self.bodies.share(),
             joint_blocks: Shared::new(&mut self.joint_blocks, of_joints),
+            row_blocks: Shared::new(&mut self.row_blocks, of_rows),
             contact_blocks: Shared::with(&mut self.contact_blocks, of_contacts),
             restitutions: Shared::with(&mut self.restitutions, of_contacts),
             totals: Shared::with(&mut self.totals, of_contacts),
@@ -73,6 +77,7 @@ struct Walk<'a, L: Lanes> {
     trees: Shared<'a, TreeStep>,
     bodies: SharedBodies<'a, L::Scalar>,
     joint_blocks: Shared<'a, JointBlock<L>>,
+    row_blocks: Shared<'a, JointBlock<L, Directions<L>>>,
     contact_blocks: Shared<'a, ContactBlock<L>>,
     restitutions: Shared<'a, Option<Restitution<L>>>,
     totals: Shared<'a, [ContactImpulses; WIDTH]>,
@@ -199,20 +204,51 @@ impl<L: Lanes> Walk<'_, L> {
     /// As of [`Self::work`].
     unsafe fn joint_stage(&self, stage: Stage, index: usize) {
         let joints = self.joint_colors.lanes(index).iter().map(|&joint| self.joints[joint as usize]);
+        let h = self.terms.h;
         // SAFETY: as the caller promises.
         unsafe {
-            let block = self.joint_blocks.element(index);
-            if let Stage::Prepare(_) = stage {
-                block.ends = block_ends(joints.clone().map(|joint| [joint.a, joint.b]));
-            }
-            let mut pairs = self.bodies.claim_pairs(block.ends);
-            match stage {
-                Stage::Prepare(_) => {
+            let Some(index) = index.checked_sub(self.joint_blocks.len()) else {
+                let block = self.joint_blocks.element(index);
+                if let Stage::Prepare { .. } = stage {
                     let mut inputs = [JointInput::default(); WIDTH];
                     let lanes = inputs.iter_mut().zip(joints.clone());
                     lanes.for_each(|(input, joint)| *input = self.joint_input(joint));
-                    block.take_in(&inputs[..joints.len()], &pairs, self.terms.h);
+                    block.ends = block_ends(joints.clone().map(|joint| [joint.a, joint.b]));
+                    block.take_in(&inputs[..joints.len()], &self.bodies.claim_pairs(block.ends), h);
+                } else if let Stage::Store(_) = stage {
+                    for (lane, joint) in joints.enumerate() {
+                        self.world.joints.element(joint.global as usize).force = block.impulse(lane) / h;
+                    }
+                } else {
+                    self.sweep_joints(stage, block);
                 }
+                return;
+            };
+            let block = self.row_blocks.element(index);
+            if let Stage::Prepare { done, .. } = stage {
+                let mut inputs = [RowsInput::default(); WIDTH];
+                let lanes = inputs.iter_mut().zip(joints.clone());
+                lanes.for_each(|(input, joint)| *input = self.rows_input(joint, done, block.scratch()));
+                block.ends = block_ends(joints.clone().map(|joint| [joint.a, joint.b]));
+                block.take_in_rows(&inputs[..joints.len()], &self.bodies.claim_pairs(block.ends), h);
+            } else if let Stage::Store(_) = stage {
+                for (lane, GroupJoint { global, part, .. }) in joints.enumerate() {
+                    let joint = self.world.joints.element(global as usize);
+                    joint.store(part.half(), &block.wrench(lane), &block.impulse(lane), h);
+                }
+            } else {
+                self.sweep_joints(stage, block);
+            }
+        }
+    }
+
+    /// # Safety
+    /// As of [`Self::work`].
+    unsafe fn sweep_joints<P: LinearParts<L>>(&self, stage: Stage, block: &mut JointBlock<L, P>) {
+        // SAFETY: as the caller promises.
+        unsafe {
+            let mut pairs = self.bodies.claim_pairs(block.ends);
+            match stage {
                 Stage::WarmStart(_) => block.warm_start(&mut pairs),
                 Stage::Solve { sweep, .. } => {
                     let soft = (sweep != Sweep::Relax).then_some(&self.terms.joint);
@@ -229,11 +265,6 @@ impl<L: Lanes> Walk<'_, L> {
                         block.project(&mut pairs, projection);
                     }
                 }
-                Stage::Store(_) => {
-                    for (lane, joint) in joints.enumerate() {
-                        self.world.joints.element(joint.global as usize).force = block.impulse(lane) / self.terms.h;
-                    }
-                }
                 _ => {}
             }
         }
@@ -241,7 +272,38 @@ impl<L: Lanes> Walk<'_, L> {
 
     /// # Safety
     /// As of [`Self::work`].
-    unsafe fn joint_input(&self, GroupJoint { global, a, b }: GroupJoint) -> JointInput {
+    unsafe fn rows_input(
+        &self,
+        GroupJoint { global, part, .. }: GroupJoint,
+        done: u32,
+        rows: &mut Vec<JointRow<f64>>,
+    ) -> RowsInput {
+        let h = self.terms.h;
+        let passed = h * f64::from(done);
+        // SAFETY: as the caller promises.
+        let joint = unsafe { self.world.joints.get(global as usize) };
+        let states = [joint.a, joint.b].map(|body| {
+            // SAFETY: as the caller promises.
+            let body = unsafe { self.world.bodies.get(body as usize) };
+            let state = BodyState::of(body);
+            // The own pose of a kinematic body follows at the end of the step.
+            if body.kind == RigidBody::Kinematic { state.later(passed) } else { state }
+        });
+        rows.clear();
+        joint.definition.rows_at(&states, self.terms.time + passed, rows);
+        let first = if part.half() == 0 { 0 } else { joint.definition.halves()[0] };
+        let count = joint.definition.halves()[part.half()];
+        RowsInput {
+            rows: std::array::from_fn(|row| rows.get(first + row).filter(|_| row < count).copied()),
+            arm_b: states[1].rotation.mul_vec3(joint.definition.frames[1].anchor.into()).into(),
+            impulse: Vector3::from_fn(|row, _| if row < count { joint.multipliers[first + row] * h } else { 0.0 }),
+            softness: joint.definition.spring_of(part.half()),
+        }
+    }
+
+    /// # Safety
+    /// As of [`Self::work`].
+    unsafe fn joint_input(&self, GroupJoint { global, a, b, .. }: GroupJoint) -> JointInput {
         // SAFETY: as the caller promises.
         let (joint, offset) = unsafe { (self.world.joints.get(global as usize), self.bodies.offset(a, b)) };
         let (anchors, softness) = (joint.anchors(), joint.softness());
@@ -255,12 +317,12 @@ impl<L: Lanes> Walk<'_, L> {
         // SAFETY: as the caller promises.
         unsafe {
             let block = self.contact_blocks.element(index);
-            if let Stage::Prepare(_) = stage {
+            if let Stage::Prepare { .. } = stage {
                 block.ends = block_ends(contacts.clone().map(|contact| [contact.a, contact.b]));
             }
             let mut pairs = self.bodies.claim_pairs(block.ends);
             match stage {
-                Stage::Prepare(_) => {
+                Stage::Prepare { .. } => {
                     let first = contacts.clone().next().expect("a block has a contact");
                     let mut inputs = [self.contact_input(first); WIDTH];
                     let lanes = inputs.iter_mut().zip(contacts.clone()).skip(1);

@@ -1,0 +1,277 @@
+//! The rows of any joint: a coordinate each, S_X from their Jacobians, which are known to [`joint`](crate::physics::joint)
+//! alone. The first half of them are the linear coordinates, the second the angular.
+//!
+//! A row has λ = λ̂ − ρ (row + b), where it is rigid; λ = −W (row + b), where it is a spring; or the impulse that its
+//! bound leaves, where that is less.
+
+use nalgebra::Vector3;
+
+use super::constants::JOINT_PENALTY;
+use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, bits, body_vector, halves};
+use crate::physics::body::{Body, RigidBody, world_inverse_inertia};
+use crate::physics::collision::POINTS;
+use crate::physics::constraint::row::{RowPair, Twist, Wrench, bounded};
+use crate::physics::joint::{Bound, Joint, JointRow, Softness};
+use crate::physics::solver::linear::{BodyBlock, BodyVector};
+use crate::physics::solver::soft_terms::{SoftTerms, UNLIMITED};
+
+/// Rows of a joint at most.
+const ROWS: usize = 6;
+
+/// One row.
+#[derive(Clone, Copy, Debug)]
+struct Law {
+    /// C, m or rad: what there is to correct.
+    error: f64,
+    is_spring: bool,
+    /// ρ or W, impulse over speed.
+    stiffness: f64,
+    /// b: an open gap is closed at this speed at most.
+    bias: f64,
+    /// λ̂.
+    expected: f64,
+    bound: Bound<f64>,
+    /// Whether its impulse is within its bound, and which it is.
+    is_active: bool,
+    impulse: f64,
+}
+
+impl Default for Law {
+    /// Holds nothing.
+    fn default() -> Self {
+        let bound = Bound::None;
+        let (error, stiffness, bias, expected, impulse) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        Self { error, is_spring: false, stiffness, bias, expected, bound, is_active: true, impulse }
+    }
+}
+
+impl Law {
+    /// Impulse at a speed, if it is within its bound.
+    fn trial(&self, speed: f64) -> f64 {
+        self.expected - self.stiffness * (speed + self.bias)
+    }
+}
+
+/// A joint.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct AnyJoint {
+    /// The arms are those of the joint's frames.
+    pub sides: [Side; 2],
+    pub prescribed: Twist<f64>,
+    /// S_A and S_B.
+    maps: [BodyBlock; 2],
+    laws: [Law; ROWS],
+    /// How many rows the first half has, and the second.
+    counts: [usize; 2],
+}
+
+impl AnyJoint {
+    /// From the rows at present, for `h`, s; `ahead` is how far into it rows are to turn with their bodies, s.
+    pub fn new(
+        joint: &Joint,
+        rows: &[JointRow<f64>],
+        bodies: [&Body; 2],
+        ends: &[Option<u32>; 2],
+        [h, ahead]: [f64; 2],
+    ) -> Self {
+        let frames = &joint.definition.frames;
+        let sides = [0, 1].map(|side| Side { body: ends[side], arm: bodies[side].rotation * frames[side].anchor });
+        let first = joint.definition.halves()[0].min(rows.len());
+        let mut all = Self { sides, counts: [first, rows.len() - first], ..Self::default() };
+        for (index, row) in rows.iter().enumerate() {
+            let place = all.place(index);
+            let RowPair { linear_a, angular_a, linear_b, angular_b } = row.jacobian;
+            for (map, part) in all.maps.iter_mut().zip([[-linear_a, -angular_a], [linear_b, angular_b]]) {
+                map.row_mut(place).copy_from(&body_vector(&part[0], &part[1]).transpose());
+            }
+            let held = (0..2).filter(|&side| sides[side].body.is_none() && bodies[side].kind != RigidBody::Static);
+            let given = held.map(|side| {
+                let (linear, angular) = [(linear_a, angular_a), (linear_b, angular_b)][side];
+                linear.dot(&bodies[side].linear) + angular.dot(&bodies[side].angular)
+            });
+            let mut given = given.sum::<f64>() + row.time_rate;
+            if row.spring.is_none() {
+                given += ahead * row.velocity_term;
+            }
+            if place < 3 {
+                all.prescribed.linear[place] = given
+            } else {
+                all.prescribed.angular[place - 3] = given
+            }
+            let mobility: f64 = (0..2).map(|side| mobility(&row.jacobian, side, bodies[side], &sides[side])).sum();
+            let mass = if mobility > 0.0 { 1.0 / mobility } else { 0.0 };
+            all.laws[place] = law(row, mass, joint.multipliers[index], h);
+        }
+        all
+    }
+
+    /// The coordinate of a row.
+    fn place(&self, row: usize) -> usize {
+        if row < self.counts[0] { row } else { 3 + row - self.counts[0] }
+    }
+
+    /// How many rows it has.
+    pub fn rows(&self) -> usize {
+        self.counts[0] + self.counts[1]
+    }
+
+    /// Takes over from the iterations before which rows are active.
+    pub fn resume(&mut self, before: &Self) {
+        for (law, before) in self.laws.iter_mut().zip(&before.laws) {
+            if law.bound != Bound::None {
+                (law.is_active, law.impulse) = (before.is_active, before.impulse);
+            }
+        }
+    }
+
+    /// λ̂ as a force at the frames' origins, on B.
+    pub fn expected_force(&self) -> Vector3<f64> {
+        self.wrench_on(1, &self.impulses(|law, _| law.expected, &Twist::zero())).fixed_rows::<3>(0).into()
+    }
+
+    /// Writes what it carried in `h`, s.
+    pub fn store(&self, joint: &mut Joint, h: f64) {
+        let (force, torque) = halves(&self.wrench_on(1, &self.impulses(|law, _| law.impulse, &Twist::zero())));
+        (joint.force, joint.torque) = (force / h, (torque - self.sides[1].arm.cross(&force)) / h);
+        for row in 0..self.rows() {
+            joint.multipliers[row] = self.laws[self.place(row)].impulse / h;
+        }
+    }
+
+    fn impulses(&self, of: impl Fn(&Law, f64) -> f64, motion: &Twist<f64>) -> Wrench<f64> {
+        let half = |first: usize, speeds: &Vector3<f64>| {
+            Vector3::from_fn(|index, _| of(&self.laws[first + index], speeds[index]))
+        };
+        Wrench { linear: half(0, &motion.linear), angular: half(3, &motion.angular) }
+    }
+
+    /// At a motion, with what is assumed of rows at their bounds.
+    fn trial(&self, motion: &Twist<f64>) -> Wrench<f64> {
+        self.impulses(|law, speed| if law.is_active { law.trial(speed) } else { law.impulse }, motion)
+    }
+
+    /// At a motion, within all bounds.
+    fn bounded(&self, motion: &Twist<f64>) -> Wrench<f64> {
+        let trial = self.impulses(Law::trial, motion);
+        let half = |first: usize, trial: Vector3<f64>| match self.laws[first].bound {
+            Bound::Norm { most, .. } => bounded(trial, most),
+            _ => Vector3::from_fn(|index, _| match self.laws[first + index].bound {
+                Bound::Within(lower, upper) => trial[index].clamp(lower, upper),
+                _ => trial[index],
+            }),
+        };
+        Wrench { linear: half(0, trial.linear), angular: half(3, trial.angular) }
+    }
+}
+
+/// Speed along a row for an impulse along it, of one body.
+fn mobility(jacobian: &RowPair<f64>, side: usize, body: &Body, of: &Side) -> f64 {
+    if of.body.is_none() {
+        return 0.0;
+    }
+    let inverse_inertia = world_inverse_inertia(&body.inverse_inertia_body, &body.rotation, &body.rotation_freedom);
+    let (linear, angular) = [(jacobian.linear_a, jacobian.angular_a), (jacobian.linear_b, jacobian.angular_b)][side];
+    linear.dot(&body.inverse_mass.component_mul(&linear)) + angular.dot(&(inverse_inertia * angular))
+}
+
+/// The law of a row of that effective mass, which carried a force before.
+fn law(row: &JointRow<f64>, mass: f64, force: f64, h: f64) -> Law {
+    let bound = match row.bound {
+        Bound::None => Bound::None,
+        Bound::Within(lower, upper) => Bound::Within(lower * h, upper * h),
+        Bound::Norm { most, place, count } => Bound::Norm { most: most * h, place, count },
+    };
+    if let Some(Softness { frequency, damping_ratio, .. }) = row.spring {
+        // As sweeps take it: of the row's own mass.
+        let terms = SoftTerms::<f64>::new(frequency, damping_ratio, UNLIMITED, 0.0, h);
+        let (stiffness, bias) = (mass * (terms.mass / terms.impulse), row.error * terms.rate);
+        return Law { error: row.error, is_spring: true, stiffness, bias, bound, ..Law::default() };
+    }
+    let open = row.bound.open(row.error);
+    let expected = match bound {
+        Bound::Within(lower, upper) => (force * h).clamp(lower, upper),
+        _ => force * h,
+    };
+    Law {
+        error: row.error - open,
+        stiffness: JOINT_PENALTY * mass,
+        bias: open / h,
+        expected,
+        bound,
+        is_active: open == 0.0 || expected != 0.0,
+        ..Law::default()
+    }
+}
+
+impl Rows for AnyJoint {
+    fn sides(&self) -> &[Side; 2] {
+        &self.sides
+    }
+
+    fn motion_of(&self, side: usize, velocity: &BodyVector) -> Twist<f64> {
+        let (linear, angular) = halves(&(self.maps[side] * velocity));
+        Twist { linear, angular }
+    }
+
+    fn wrench_on(&self, side: usize, impulse: &Wrench<f64>) -> BodyVector {
+        self.maps[side].tr_mul(&body_vector(&impulse.linear, &impulse.angular))
+    }
+
+    fn prescribed(&self) -> &Twist<f64> {
+        &self.prescribed
+    }
+
+    fn key(&self) -> RowKey {
+        let none = Vector3::zeros();
+        RowKey {
+            penalty: self.laws[0].stiffness,
+            arms: self.sides.map(|side| side.arm),
+            normal: none,
+            levers: std::array::from_fn::<_, POINTS, _>(|row| self.maps[1].fixed_view::<1, 3>(row, 3).transpose()),
+            active: bits(self.laws.iter().map(|law| law.is_active)),
+            across: [0.0; 2],
+            is_soft: true,
+        }
+    }
+
+    fn blocks(&self) -> RowBlocks {
+        let stiffness = BodyVector::from_fn(|row, _| {
+            let law = &self.laws[row];
+            if law.is_active { law.stiffness } else { 0.0 }
+        });
+        let [a, b] = &self.maps;
+        RowBlocks::new(&self.sides, [a, b], |x, y| x.tr_mul(&BodyBlock::from_diagonal(&stiffness)) * y)
+    }
+
+    fn impulse_at_rest(&self) -> Wrench<f64> {
+        self.trial(&self.prescribed)
+    }
+
+    fn impulse_at(&self, motion: &Twist<f64>) -> Wrench<f64> {
+        self.bounded(motion)
+    }
+
+    fn take(&mut self, motion: &Twist<f64>, tolerance: f64) -> bool {
+        let (trial, bounded) = (self.impulses(Law::trial, motion), self.bounded(motion));
+        let mut holds = true;
+        for (index, law) in self.laws.iter_mut().enumerate() {
+            let of = |wrench: &Wrench<f64>| if index < 3 { wrench.linear[index] } else { wrench.angular[index - 3] };
+            let (trial, impulse) = (of(&trial), of(&bounded));
+            let exceeds = (trial - impulse).abs() > if law.is_active { tolerance } else { 0.0 };
+            holds &= law.is_active != exceeds && (law.is_active || (impulse - law.impulse).abs() <= tolerance);
+            (law.is_active, law.impulse) = (!exceeds, if exceeds { impulse } else { trial });
+        }
+        holds
+    }
+
+    fn correction(&self, factored: &RowKey, correction: &Correction) -> Wrench<f64> {
+        let half = |first: usize| {
+            let laws = &self.laws[first..first + 3];
+            let is_held = |index: usize| !laws[index].is_spring && factored.active >> (first + index) & 1 == 1;
+            let errors = Vector3::from_fn(|index, _| if is_held(index) { laws[index].error } else { 0.0 });
+            let rate = correction.of_gap(errors.norm());
+            Vector3::from_fn(|index, _| -laws[index].stiffness * errors[index] * rate)
+        };
+        Wrench { linear: half(0), angular: half(3) }
+    }
+}
