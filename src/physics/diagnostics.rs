@@ -13,9 +13,10 @@ use nalgebra::Vector3;
 use super::settings::{Gravity, Method, SolverSettings};
 use crate::physics::body::{Bodies, GravityScale};
 use crate::physics::collision::{ContactGraph, Contacts, LaggedContacts};
-use crate::physics::joint::Joints;
+use crate::physics::joint::{BodyState, Joints};
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::physics::solver::{ExactGroups, IslandSolvers};
+use crate::physics::stats::StepStats;
 
 /// How long the last step's measuring took.
 #[derive(Resource, Default)]
@@ -65,6 +66,7 @@ fn measure(
     joints: Res<Joints>,
     contacts: Res<Contacts>,
     gravity: Res<Gravity>,
+    stats: Res<StepStats>,
     scales: Query<&GravityScale>,
     mut diagnostics: ResMut<Diagnostics>,
 ) {
@@ -84,11 +86,9 @@ fn measure(
     }
     sum.linear_momentum = linear.into();
     sum.angular_momentum = angular.into();
-    for joint in joints.list.iter().filter(|joint| joint.softness().is_none()) {
-        let (a, b) = (&bodies.list[joint.a as usize], &bodies.list[joint.b as usize]);
-        let [anchor_a, anchor_b] = joint.anchors();
-        let error = b.position - a.position + b.rotation * anchor_b - a.rotation * anchor_a;
-        sum.joint_error = sum.joint_error.max(error.norm());
+    for joint in &joints.list {
+        let ends = [&bodies.list[joint.a as usize], &bodies.list[joint.b as usize]];
+        sum.joint_error = sum.joint_error.max(joint.definition.separation(&ends.map(BodyState::of), stats.time));
     }
     sum.penetration = contacts.points.iter().fold(0.0, |deepest, point| point.depth.max(deepest));
     *diagnostics = sum;

@@ -119,25 +119,79 @@ fn its_load_is_what_the_rows_carry() {
 
 #[test]
 fn its_bounds_bound_what_it_carries() {
-    // One substep, so that both rows have one direction a step.
-    let settings = SolverSettings { precision: Precision::F64, substeps: 1, ..SolverSettings::classic() };
-    let (mut world, bead, own) = hoop(settings, (-0.5, 0.5));
-    steps(&mut world, 12);
-    let outwards = position(&world, bead).normalize();
-    step(&mut world);
-    let load = world.get::<JointLoad>(own).unwrap().force;
-    // Across the hoop's radius acts the row with the bounds alone; by then the Coriolis force is some newtons.
-    let across = (load - outwards * load.dot(outwards)).length();
-    assert!((0.4..0.5 + 1e-9).contains(&across), "{across} N");
+    let impulse = [SolverSettings::game(), SolverSettings::sequential_impulses(), SolverSettings::xpbd()];
+    for settings in impulse.into_iter().chain([SolverSettings::classic()]) {
+        // One substep, so that both rows have one direction a step.
+        let settings = SolverSettings { precision: Precision::F64, substeps: 1, ..settings };
+        let (mut world, bead, own) = hoop(settings, (-0.5, 0.5));
+        steps(&mut world, 12);
+        let outwards = position(&world, bead).normalize();
+        step(&mut world);
+        let load = world.get::<JointLoad>(own).unwrap().force;
+        // Across the hoop's radius acts the row with the bounds alone; by then the Coriolis force is some newtons.
+        let across = (load - outwards * load.dot(outwards)).length();
+        assert!((0.4..0.5 + 1e-9).contains(&across), "{:?}: {across} N", settings.method);
+    }
+}
+
+/// A floor made of a row: it pushes the bead up, and holds nothing down.
+#[derive(Component, Clone)]
+struct Floor([Entity; 2]);
+
+impl Constraint for Floor {
+    fn bodies(&self) -> [Entity; 2] {
+        self.0
+    }
+
+    fn rows(&self, [ground, bead]: &[BodyState; 2], _: f64) -> ConstraintRows {
+        let error = bead.position.y - ground.position.y;
+        [ConstraintRow { linear: [-DVec3::Y, DVec3::Y], error, bounds: (0.0, f64::INFINITY), ..default() }].into()
+    }
+}
+
+#[test]
+fn a_row_that_only_pushes_is_a_floor() {
+    let classic = SolverSettings { precision: Precision::F64, ..SolverSettings::classic() };
+    let impulse = [SolverSettings::game(), SolverSettings::sequential_impulses(), SolverSettings::xpbd()];
+    for settings in impulse.into_iter().chain([classic, SolverSettings::steady()]) {
+        start_pool();
+        let mut app = headless_app();
+        app.add_constraint::<Floor>();
+        let mut world = std::mem::take(app.world_mut());
+        world.insert_resource(settings);
+        let ground = world.spawn((RigidBody::Static, Transform::default())).id();
+        let bead = body(&mut world, Collider::sphere(0.1), DVec3::Y);
+        world.entity_mut(bead).insert(Mass(2.0));
+        let own = world.spawn((Floor([ground, bead]), JointLoad::default())).id();
+        let lowest = (0..60).map(|_| {
+            step(&mut world);
+            position(&world, bead).y
+        });
+        let lowest = lowest.fold(f64::INFINITY, f64::min);
+        assert!(lowest > -0.05 && world.get::<JointLoad>(own).unwrap().force.y >= 0.0, "{:?}", settings.method);
+        run(&mut world, 1.0);
+        let (at, load) = (position(&world, bead).y, world.get::<JointLoad>(own).unwrap().force.y);
+        println!("{:?}: lowest {lowest:.1e} m, then {at:.1e} m with {load:.3} N", settings.method);
+        assert!(at.abs() < 2e-3 && (load - 2.0 * G).abs() < 0.02 * G, "{:?}: {at} m, {load} N", settings.method);
+        // Thrown up, it flies.
+        world.get_mut::<Velocity>(bead).unwrap().linear.y = 2.0;
+        run(&mut world, 0.1);
+        assert!(position(&world, bead).y > 0.1, "{:?}", settings.method);
+    }
 }
 
 #[test]
 fn impulse_methods_follow_it_too() {
-    let f64_lanes = |settings: SolverSettings| SolverSettings { precision: Precision::F64, ..settings };
-    let swept = [SolverSettings::sequential_impulses(), SolverSettings::xpbd()];
-    for settings in [SolverSettings::game()].into_iter().chain(swept.map(f64_lanes)).chain(swept) {
-        let errors = [240.0, 480.0].map(|hz| error_after(SolverSettings { hz, ..settings }, 0.5));
-        println!("{:?} {:?}: {errors:?} m", settings.method, settings.precision);
+    let (game, impulses, xpbd) =
+        (SolverSettings::game(), SolverSettings::sequential_impulses(), SolverSettings::xpbd());
+    for (settings, most) in [(game, 7e-4), (impulses, 7e-3), (xpbd, 2e-4)] {
+        for precision in [Precision::F32, Precision::F64] {
+            let errors = [240.0, 480.0].map(|hz| error_after(SolverSettings { hz, precision, ..settings }, 0.5));
+            let message = format!("{:?} {precision:?}: {errors:?} m", settings.method);
+            println!("{message}");
+            // Of first order, with a tenth more than was measured.
+            assert!(errors[0] < most && errors[1] < 0.6 * errors[0], "{message}");
+        }
     }
 }
 

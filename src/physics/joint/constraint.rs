@@ -50,7 +50,7 @@ pub struct ConstraintRows {
 
 /// A component that is a constraint of one's own, on an entity of its own. [`AddConstraint::add_constraint`] makes
 /// Plumb hold it; with a [`JointLoad`](super::JointLoad) its force and torque are told, about B's centre of mass.
-/// Force-level methods hold it (`classic`, `steady`); under another its entity is quarantined. Derive `Component` with
+/// Derive `Component` with
 /// `map_entities` where scenes are copied.
 ///
 /// A bead on a hoop that turns about the vertical axis:

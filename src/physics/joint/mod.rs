@@ -11,6 +11,8 @@ mod pairs;
 mod rows;
 mod slot;
 mod softness;
+#[cfg(test)]
+mod tests;
 
 pub use ball::BallJoint;
 pub use constraint::{BodyState, Constraint, ConstraintRow, ConstraintRows};

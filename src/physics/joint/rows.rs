@@ -228,6 +228,18 @@ impl JointDefinition {
         }
     }
 
+    /// How far what it holds rigidly is apart, m: where it holds no point at a point, the largest row, m or rad.
+    pub fn separation(&self, bodies: &[BodyState; 2], time: f64) -> f64 {
+        if self.is_ball() {
+            let state = JointState::of(&self.frames, bodies);
+            return if self.is_soft() { 0.0 } else { state.separation.norm() };
+        }
+        let mut rows = Vec::new();
+        self.rows_at(bodies, time, &mut rows);
+        let rigid = rows.iter().filter(|row| row.spring.is_none());
+        rigid.fold(0.0, |most, row| most.max((row.error - row.bound.open(row.error)).abs()))
+    }
+
     /// Adds its rows: translations first.
     pub fn rows<N: SimdRealField + Copy>(&self, state: &JointState<N>, rows: &mut Vec<JointRow<N>>)
     where
