@@ -3,6 +3,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::Segment;
 use crate::physics::shape::Hull;
 
 /// A body's axes and centre in those of another.
@@ -65,8 +66,8 @@ impl Edge {
         }
     }
 
-    pub fn end(&self) -> Vector3<f64> {
-        self.start + self.direction * self.length
+    pub fn segment(&self) -> Segment {
+        Segment([self.start, self.start + self.direction * self.length])
     }
 
     /// Whether the arcs of an edge and of a mirrored one cross: then both edges are foremost in
