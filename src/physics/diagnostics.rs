@@ -3,19 +3,17 @@
 //! [`StepStats`] is always there. [`Diagnostics`], [`ContactForces`] and [`JointForces`] are filled
 //! in only while the resource exists: insert it to read it.
 
-use super::readings::{ContactForce, ContactForces, Diagnostics, JointForce, JointForces};
 use std::time::{Duration, Instant};
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use super::settings::{Gravity, Method, SolverSettings};
-use crate::physics::body::{Bodies, GravityScale};
-use crate::physics::collision::{ContactGraph, Contacts, LaggedContacts};
-use crate::physics::joint::Joints;
-use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
-use crate::physics::solver::{ExactGroups, IslandSolvers};
+use super::{
+    Bodies, ContactForce, ContactForces, ContactGraph, Contacts, Diagnostics, ExactGroups, Gravity, GravityScale,
+    IslandSolvers, JointForce, JointForces, Joints, LaggedContacts, Method, PhysicsSchedule, PhysicsSystems,
+    SolverSettings,
+};
 
 /// How long the last step's measuring took.
 #[derive(Resource, Default)]

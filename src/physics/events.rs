@@ -3,11 +3,10 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-use super::messages::{Collision, ContactEnded, ContactStarted};
-use super::settings::contacts_last;
-use crate::physics::body::{Bodies, ObserveContacts, ReportCollisions};
-use crate::physics::collision::{ContactGraph, Contacts, Manifold};
-use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
+use super::{
+    Bodies, Collision, ContactEnded, ContactGraph, ContactStarted, Contacts, Manifold, ObserveContacts,
+    PhysicsSchedule, PhysicsSystems, ReportCollisions, contacts_last,
+};
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Touching>()

@@ -10,11 +10,7 @@ mod tests;
 
 use bevy::prelude::*;
 
-use super::settings::SolverSettings;
-use crate::physics::body::{Bodies, RigidBody};
-use crate::physics::collision::{ContactGraph, Contacts, LaggedContacts};
-use crate::physics::joint::Joints;
-use crate::physics::stats::StepStats;
+use super::{Bodies, ContactGraph, Contacts, Joints, LaggedContacts, RigidBody, SolverSettings, StepStats};
 
 /// Islands are packed until a group has this many bodies.
 const BODIES_PER_GROUP: u32 = 128;

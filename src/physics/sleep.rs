@@ -20,13 +20,11 @@
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use super::collision::{ContactGraph, GONE, NearPairs};
-use super::island::{Islands, find_islands};
-use super::settings::{SolverSettings, contacts_last};
-use crate::physics::body::{Bodies, Body, BodySlot, Presence, RigidBody, Sleeping};
-use crate::physics::joint::Joints;
-use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
-use crate::physics::stats::StepStats;
+use super::island::find_islands;
+use super::{
+    Bodies, Body, BodySlot, ContactGraph, GONE, Islands, Joints, NearPairs, PhysicsSchedule, PhysicsSystems, Presence,
+    RigidBody, Sleeping, SolverSettings, StepStats, contacts_last,
+};
 
 #[cfg(test)]
 mod tests;

@@ -10,15 +10,11 @@ use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::columns::{self, Numbers, set_if_other};
-use super::messages::{BodyQuarantined, set_aside};
-use super::settings::SolverSettings;
-use super::sleep::Sleep;
-use crate::physics::body::{
-    Bodies, Body, BodySlot, PoseHistory, Position, QuarantineReason, RigidBody, Rotation, Sleeping, Velocity,
+use super::{
+    Bodies, Body, BodyQuarantined, BodySlot, JointLoad, JointSlot, Joints, PhysicsSchedule, PhysicsSystems,
+    PoseHistory, Position, QuarantineReason, RigidBody, Rotation, Sleep, Sleeping, SolverSettings, StepStats, Velocity,
+    set_aside,
 };
-use crate::physics::joint::{JointLoad, JointSlot, Joints};
-use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
-use crate::physics::stats::StepStats;
 
 pub(super) fn plugin(app: &mut App) {
     app.add_systems(

@@ -4,14 +4,13 @@
 //! All quantities are SI and world-space unless stated. Poses are `f64`: the `Transform` that
 //! Bevy renders is an output (see [`crate::physics::transform`]).
 
-use super::slot::{BirthCounter, BodySlot};
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::world::DeferredWorld;
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::pose_history::PoseHistory;
+use super::{BirthCounter, BodySlot, PoseHistory};
 
 /// Whether the solver moves a body. Adding it makes an entity a body.
 ///

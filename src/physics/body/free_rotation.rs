@@ -15,7 +15,7 @@
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
-use super::rotation::rotation_by;
+use super::rotation_by;
 
 /// Newton's method doubles the digits: four suffice for |hΩ| ≤ 1; no body turns that far in a step
 /// with any accuracy left.

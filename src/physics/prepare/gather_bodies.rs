@@ -6,14 +6,11 @@ use bevy::prelude::*;
 
 use super::gather_body::{freeze, gather_body, teleport};
 use super::table::{BodyQuery, BodyTable, Watch};
-use crate::physics::body::{Bodies, Body, BodySlot, QuarantineReason, RenderOrigin, RigidBody, Sleeping};
-use crate::physics::collision::{CandidateTree, ContactGraph, LaggedContacts, NearPairs};
-use crate::physics::contact::ContactCache;
-use crate::physics::joint::Joints;
-use crate::physics::messages::{BodyQuarantined, set_aside};
-use crate::physics::settings::{Gravity, SolverSettings};
-use crate::physics::sleep::Sleep;
-use crate::physics::stats::StepStats;
+use crate::physics::{
+    Bodies, Body, BodyQuarantined, BodySlot, CandidateTree, ContactCache, ContactGraph, Gravity, Joints,
+    LaggedContacts, NearPairs, QuarantineReason, RenderOrigin, RigidBody, Sleep, Sleeping, SolverSettings, StepStats,
+    set_aside,
+};
 
 /// Why contiguous iteration cannot fail: all components of a body are stored in tables.
 const IN_TABLES: &str = "a disabling component stored as a sparse set hides bodies from physics: store it in tables";

@@ -5,12 +5,10 @@ use bevy::prelude::*;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
 use super::table::{BodyTable, Components};
-use crate::physics::body::{
-    Body, Inertia, Mass, PoseHistory, Position, QuarantineReason, RigidBody, Rotation, Velocity,
+use crate::physics::{
+    Body, Gravity, Inertia, Mass, PoseHistory, Position, QuarantineReason, RigidBody, Rotation, Shape, SolverSettings,
+    Velocity, columns,
 };
-use crate::physics::columns;
-use crate::physics::settings::{Gravity, SolverSettings};
-use crate::physics::shape::Shape;
 
 /// Takes over a `Transform` that the user changed. Returns whether there was one.
 pub(super) fn teleport(table: &mut BodyTable, row: usize, origin: DVec3) -> bool {

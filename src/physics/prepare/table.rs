@@ -10,17 +10,15 @@
 //! Ticks lie in columns of their own, so that looking at all of them is a few instructions for
 //! eight bodies.
 
-use crate::physics::body::Presence;
 use bevy::ecs::change_detection::{ContiguousMut, ContiguousRef, Tick};
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 
-use crate::physics::body::{BodySlot, PoseHistory};
-use crate::physics::body::{
-    CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, Position,
-    QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, Sleeping, SurfaceMaterial, Velocity,
+use crate::physics::{
+    BodySlot, Collider, CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass,
+    PoseHistory, Position, Presence, QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, Sleeping,
+    SurfaceMaterial, Velocity,
 };
-use crate::physics::shape::Collider;
 
 #[derive(QueryData)]
 #[query_data(mutable, contiguous(all))]

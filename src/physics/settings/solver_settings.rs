@@ -5,8 +5,8 @@ use bevy::reflect::GetPath;
 use serde::de::MapAccess;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
-use super::choices::{BroadPhase, ContactModel, ExactIntegrator, FrictionModel, Integrator, Method, Precision};
-use super::described::{Choice, Choices, one_line, settings};
+use super::described::{one_line, settings};
+use super::{BroadPhase, Choice, Choices, ContactModel, ExactIntegrator, FrictionModel, Integrator, Method, Precision};
 
 const EVERY: Readers = Readers { methods: |_| true, with: None };
 const ALL_BUT_EXACT: Readers = Readers { methods: |method| method != Method::Exact, with: None };

@@ -5,8 +5,9 @@ use std::f64::consts::{PI, TAU};
 use bevy::math::DVec3;
 use nalgebra::Vector3;
 
-use super::hull::{Hull, VERTEX_EPSILON};
-use crate::physics::collision::VectorSet;
+use super::Hull;
+use super::hull::VERTEX_EPSILON;
+use crate::physics::VectorSet;
 
 /// Sides of the polygon inscribed in the base circle: flats lie 0.9 % of the radius inside it.
 const SIDES: u32 = 24;

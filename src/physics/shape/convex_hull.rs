@@ -9,11 +9,10 @@ use bevy::math::{DMat3, DQuat, DVec3};
 use bevy::prelude::*;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-use super::hull::{Face, Hull};
-use super::merge_facets;
-use super::quick_hull;
-use super::quick_hull::Degenerate;
+use super::hull::Face;
+use super::quick_hull::{self, Degenerate};
 use super::volume_integrals::VolumeIntegrals;
+use super::{Hull, merge_facets};
 
 /// Half the largest extent that a hull may have, m: its volume and moments are well within the
 /// range of `f64`.

@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::Vector3;
 
 use super::hull::VERTEX_EPSILON;
-use crate::physics::collision::VectorSet;
+use crate::physics::VectorSet;
 
 /// Most vertices of a hull: at most 252 faces.
 pub(super) const MAX_VERTICES: usize = 128;

@@ -9,11 +9,9 @@ use nalgebra::Vector3;
 
 use super::placed::Placed;
 use super::sat::{self, AxisBuffers, AxisSearch};
-use crate::physics::body::Body;
 use crate::physics::collision::constants::EXTREME_SHARE;
-use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
-use crate::physics::settings::SolverSettings;
-use crate::physics::shape::Geometry;
+use crate::physics::collision::manifold::Overlap;
+use crate::physics::{Body, ContactPoint, FeatureId, Geometry, SolverSettings};
 
 /// Adds the contact points of two bodies in world axes, if they overlap.
 pub(crate) fn touch(

@@ -5,9 +5,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::physics::body::Body;
 use crate::physics::collision::narrow::polyhedron::nearest_on_hull;
-use crate::physics::shape::Geometry;
+use crate::physics::{Body, Geometry};
 
 /// A body's shape, its centre relative to body A of the pair, in world axes.
 pub(crate) struct Placed<'a> {

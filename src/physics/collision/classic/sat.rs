@@ -17,10 +17,9 @@
 use nalgebra::Vector3;
 
 use super::placed::Placed;
-use super::vector_set::VectorSet;
 use crate::physics::collision::constants::{CONTACT_TOLERANCE, ON_SURFACE};
 use crate::physics::collision::manifold::Overlap;
-use crate::physics::shape::Geometry;
+use crate::physics::{Geometry, VectorSet};
 
 /// How axes are chosen.
 #[derive(Clone, Copy, Debug)]

@@ -20,15 +20,12 @@ use std::cmp::Ordering;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use crate::physics::body::{Bodies, Body, CollisionLayers};
 use crate::physics::collision::constants::{BUCKETS_A_BLOCK, CONTACT_TOLERANCE, MOVES_A_BODY};
 use crate::physics::collision::gap::{contact_gap, own_reach};
-use crate::physics::collision::manifold::{CandidatePairs, Pair};
-use crate::physics::joint::JoinedPairs;
-use crate::physics::settings::{Method, SolverSettings};
-use crate::physics::shape::Geometry;
-use crate::physics::stats::StepStats;
-use crate::physics::threads::for_each_of;
+use crate::physics::collision::manifold::CandidatePairs;
+use crate::physics::{
+    Bodies, Body, CollisionLayers, Geometry, JoinedPairs, Method, Pair, SolverSettings, StepStats, for_each_of,
+};
 
 /// What the sweep keeps from step to step: the order of the bodies, and buffers.
 #[derive(Default)]

@@ -5,9 +5,9 @@
 
 use nalgebra::Vector3;
 
-use super::{Cone, ContactPoint, FeatureId, Frame, Overlap, Scale, first_max, nearest_on_hull, unit_across};
+use super::{Cone, Frame, Overlap, Scale, first_max, nearest_on_hull, unit_across};
 use crate::physics::collision::constants::ON_SURFACE;
-use crate::physics::shape::{Geometry, Hull};
+use crate::physics::{ContactPoint, FeatureId, Geometry, Hull};
 
 /// Where a point is with respect to a shape.
 pub(crate) struct Place {

@@ -26,11 +26,10 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::{
-    ClipBuffers, Cone, ContactPoint, Feature, FeatureId, Found, Frame, Least, Overlap, PairSearch, Segment, ShapePair,
-    edge_contact, unit_across,
+    ClipBuffers, Cone, Feature, Found, Frame, Least, Overlap, PairSearch, Segment, ShapePair, edge_contact, unit_across,
 };
 use crate::physics::collision::constants::{CIRCLE_SAMPLES, GOLDEN_STEPS, LONGEST_TURN, NEWTON_STEPS, ON_FLANK};
-use crate::physics::contact;
+use crate::physics::{ContactPoint, FeatureId, contact};
 
 /// The twelve corners of an icosahedron and the twenty of a dodecahedron, not normalised: no
 /// direction is farther than 38° from all.

@@ -21,11 +21,9 @@ use nalgebra::Vector3;
 use super::clipping::keep_touching_spread;
 pub(crate) use super::feature_sat::PairSearch;
 use super::{
-    Cone, ContactPoint, Cuboid, Frame, Overlap, Scale, ShapePair, ball, boxes, cone_cone, cone_polyhedron, feature_sat,
-    plane,
+    Cone, Cuboid, Frame, Overlap, Scale, ShapePair, ball, boxes, cone_cone, cone_polyhedron, feature_sat, plane,
 };
-use crate::physics::body::Body;
-use crate::physics::shape::Geometry;
+use crate::physics::{Body, ContactPoint, Geometry};
 
 /// Adds the contact points of two bodies in world axes, if they touch or are apart by no more than
 /// the gap, m. With a gap of zero no depth is negative.

@@ -16,7 +16,6 @@ pub(super) mod polyhedron;
 mod scale;
 mod shape_pair;
 
-use super::manifold::{ContactPoint, FeatureId, Overlap};
 use clipping::{ClipBuffers, Faced};
 use cone::{Cone, unit_across};
 use edge_contact::{Segment, closest, middle};
@@ -24,3 +23,6 @@ use feature_sat::{Feature, Found, Least, PairSearch};
 use polyhedron::{Convex, Cuboid, Edge, Frame, Plane, Polyhedron, first_max, nearest_on_hull};
 use scale::Scale;
 use shape_pair::ShapePair;
+
+use super::manifold::Overlap;
+use crate::physics::{ContactPoint, FeatureId};

@@ -4,7 +4,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::Segment;
-use crate::physics::shape::Hull;
+use crate::physics::Hull;
 
 /// A body's axes and centre in those of another.
 #[derive(Clone, Copy, Debug)]

@@ -15,11 +15,8 @@ use super::constants::{
     FAR_CENTRING, FAR_GAP, INTERIOR_STEPS, LEAST_CENTRING, NEWTON_AGAIN, NEWTON_PRODUCT, SHORT_STEP, SHORT_STEPS,
     SOFTNESS, TO_BOUNDARY,
 };
-use super::iterate::Iterate;
-use super::law::Law;
-use super::point::ConePoint;
-use super::problem::ConeOutcome;
 use super::second_order_cone::{Scaling, product, quotient, reach};
+use super::{ConeOutcome, ConePoint, Iterate, Law};
 
 /// Kept from solve to solve.
 #[derive(Clone, Debug, Default)]

@@ -2,11 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::super::linear::{BodyVector, Elimination};
 use super::constants::ROUNDINGS;
 use super::linear::LinearSystem;
-use super::point::ConePoint;
-use super::problem::ConeOutcome;
+use super::{BodyVector, ConeOutcome, ConePoint, Elimination};
 
 /// The iterate of all methods.
 #[derive(Clone, Debug, Default)]

@@ -7,8 +7,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::super::linear::{BlockLdl, BlockLu, BodyVector, Elimination, Inverse};
-use super::point::ConePoint;
+use super::{BlockLdl, BlockLu, BodyVector, ConePoint, Elimination, Inverse};
 
 /// D and h of the points, the factor, and the two sides.
 #[derive(Clone, Debug, Default)]

@@ -2,9 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::super::linear::{BodyBlock, BodyVector, Elimination};
-use super::law::Law;
-use super::problem::{ConeContact, ConeJoint, PointJacobian, Velocity, relative_velocity};
+use super::{
+    BodyBlock, BodyVector, ConeContact, ConeJoint, Elimination, Law, PointJacobian, Velocity, relative_velocity,
+};
 
 /// A contact or a joint.
 #[derive(Clone, Debug)]

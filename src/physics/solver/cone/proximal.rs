@@ -13,15 +13,12 @@
 
 use nalgebra::Vector3;
 
-use super::super::linear::BodyVector;
 use super::constants::{
     ENOUGH_RESIDUAL, ENOUGH_STEPS, FIRST_SOFTNESS, FLOOR_DECAY, HALVINGS, JOINT_SOFTNESS, LEAST_SOFTNESS,
     MOST_SOFTNESS, MOST_STEPS, NEARLY_RIGID, PATIENCE, PROXIMAL_ACCURACY, PROXIMAL_ITERATIONS, PROXIMAL_LOSS,
     SOFTNESS_FALL, SOFTNESS_RISE,
 };
-use super::iterate::Iterate;
-use super::law::{Law, Mode};
-use super::problem::{ConeEnd, ConeOutcome};
+use super::{BodyVector, ConeEnd, ConeOutcome, Iterate, Law, Mode};
 
 /// Kept from solve to solve.
 #[derive(Clone, Debug, Default)]

@@ -2,13 +2,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::super::linear::Elimination;
 use super::constants::PROXIMAL_POINTS;
 use super::interior::InteriorBuffers;
-use super::iterate::Iterate;
-use super::point::{ConePoint, root};
-use super::problem::{ConeBody, ConeContact, ConeEnd, ConeJoint, ConeOutcome, PerPoint, Velocity};
 use super::proximal::ProximalBuffers;
+use super::{
+    ConeBody, ConeContact, ConeEnd, ConeJoint, ConeOutcome, ConePoint, Elimination, Iterate, PerPoint, Velocity, root,
+};
 
 /// Solves one island's points. Keeps its buffers and, as long as the same bodies touch, its structure.
 #[derive(Clone, Debug, Default)]

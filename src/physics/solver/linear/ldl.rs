@@ -8,9 +8,10 @@ use std::marker::PhantomData;
 
 use nalgebra::{SMatrix, SMatrixViewMut};
 
-use super::elimination::{Elimination, Sizes, Target};
-use super::layout::{BlockVector, Layout, Number, Uniform};
+use super::elimination::{Sizes, Target};
+use super::layout::{BlockVector, Layout, Uniform};
 use super::pivot::Pivot;
+use super::{Elimination, Number};
 
 /// The matrix, and then its factor.
 #[derive(Clone, Debug, Default)]

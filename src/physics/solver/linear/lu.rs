@@ -4,8 +4,9 @@
 //! and A_ik −= L_ij A_jk for all of its i and k. Within a block on the diagonal pivots are chosen, between blocks they
 //! are not.
 
-use super::body_blocks::{BodyBlock as Block, BodyVector};
-use super::elimination::{Elimination, Target};
+use super::body_blocks::BodyBlock as Block;
+use super::elimination::Target;
+use super::{BodyVector, Elimination};
 
 /// The matrix, and then its factor.
 #[derive(Clone, Debug, Default)]
