@@ -1,6 +1,6 @@
 //! Bodies enter and leave the packed array; those that others wrote to are gathered.
 
-use bevy::ecs::system::SystemChangeTick;
+use bevy::ecs::system::{SystemChangeTick, SystemParam};
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
@@ -27,23 +27,21 @@ pub(super) struct Gathering {
 }
 
 /// What a jump of a body's pose, or its end, makes worthless.
-struct Known<'a> {
-    lagged: &'a mut LaggedContacts,
-    cache: &'a mut ContactCache,
-    near: &'a mut NearPairs,
-    candidates: &'a mut CandidateTree,
-    graph: &'a mut ContactGraph,
-    joints: &'a mut Joints,
-    sleep: &'a mut Sleep,
+#[derive(SystemParam)]
+pub(super) struct Known<'w> {
+    lagged: ResMut<'w, LaggedContacts>,
+    cache: ResMut<'w, ContactCache>,
+    near: ResMut<'w, NearPairs>,
+    candidates: ResMut<'w, CandidateTree>,
+    graph: ResMut<'w, ContactGraph>,
+    joints: ResMut<'w, Joints>,
+    sleep: ResMut<'w, Sleep>,
 }
 
 pub(super) fn gather_bodies(
     mut query: Query<BodyQuery>,
     mut bodies: ResMut<Bodies>,
-    mut lagged: ResMut<LaggedContacts>,
-    mut cache: ResMut<ContactCache>,
-    (mut near, mut candidates, mut graph): (ResMut<NearPairs>, ResMut<CandidateTree>, ResMut<ContactGraph>),
-    (mut joints, mut sleep): (ResMut<Joints>, ResMut<Sleep>),
+    mut known: Known,
     gravity: Res<Gravity>,
     settings: Res<SolverSettings>,
     origin: Res<RenderOrigin>,
@@ -57,15 +55,6 @@ pub(super) fn gather_bodies(
     let bodies = &mut *bodies;
     bodies.renewed.clear();
     if !is_list_complete(&query, bodies, new) {
-        let mut known = Known {
-            lagged: &mut lagged,
-            cache: &mut cache,
-            near: &mut near,
-            candidates: &mut candidates,
-            graph: &mut graph,
-            joints: &mut joints,
-            sleep: &mut sleep,
-        };
         update_list(&mut query, bodies, new, &mut known, &mut commands);
     }
     stats.bodies = bodies.list.len() as u32;
@@ -86,14 +75,14 @@ pub(super) fn gather_bodies(
         for row in (0..stale.len()).filter(|&row| stale[row]) {
             let index = table.slot.as_ref()[row].index;
             if teleport(&mut table, row, origin.0) {
-                lagged.drop_body(index);
-                cache.drop_body(index);
+                known.lagged.drop_body(index);
+                known.cache.drop_body(index);
                 bodies.renewed.push(index);
             }
             if table.sleeping && !bodies.asleep.contains(index) {
-                sleep.is_no_sleeper(table.entity[row]);
+                known.sleep.is_no_sleeper(table.entity[row]);
             }
-            sleep.disturb(index, bodies);
+            known.sleep.disturb(index, bodies);
             let Some(reason) = gather_row(&mut table, row, bodies, &watch, &gravity, &settings, &mut commands) else {
                 continue;
             };
@@ -104,7 +93,7 @@ pub(super) fn gather_bodies(
         }
     }
     // Before the broad phase, that must see what has moved.
-    sleep.wake_disturbed(bodies, &mut graph, &near);
+    known.sleep.wake_disturbed(bodies, &mut known.graph, &known.near);
 }
 
 /// Gathers one body, or freezes it and says why.
@@ -128,9 +117,8 @@ fn gather_row(
     };
     let before = known(body);
     body.mass_is_stale |= presence.lost_density(slot.gathered_with);
-    let components = table.components(row, watch);
-    let verdict = gather_body(&components, body, gravity, settings, commands);
-    let reason = components.quarantined.or(verdict.err());
+    let verdict = gather_body(table, row, watch, body, gravity, settings, commands);
+    let reason = table.quarantined.map(|column| column[row].reason).or(verdict.err());
     if reason.is_some() {
         freeze(table, row, body);
     }
@@ -199,16 +187,8 @@ fn drop_gone_bodies(
     query: &mut Query<BodyQuery>,
     commands: &mut Commands,
 ) {
-    let mut next = 0;
-    let new_index: Vec<Option<u32>> = seen
-        .iter()
-        .map(|&alive| {
-            alive.then(|| {
-                next += 1;
-                next - 1
-            })
-        })
-        .collect();
+    let mut places = 0..;
+    let new_index: Vec<Option<u32>> = seen.iter().map(|&alive| if alive { places.next() } else { None }).collect();
     known.lagged.remap(&new_index);
     known.near.remap(&new_index);
     known.candidates.remap(&new_index);
