@@ -99,15 +99,12 @@ impl<'a> Placed<'a> {
         }
     }
 
-    /// The point of the shape that is nearest to `point`, which is itself if it lies inside.
+    /// The point of the shape that is nearest to `point`, which is itself if it lies inside. Of a ball, any point on
+    /// the way to its centre shows the way; its centre always does.
     pub fn nearest(&self, point: &Vector3<f64>) -> Vector3<f64> {
         let local = self.to_body(&(point - self.center));
         match self.geometry {
-            Geometry::HalfSpace => point - self.plane_normal() * local.y.max(0.0),
-            Geometry::Sphere { radius } => {
-                let distance = local.norm();
-                if distance <= *radius { *point } else { self.to_world(&(local * (radius / distance))) }
-            }
+            Geometry::HalfSpace | Geometry::Sphere { .. } => self.center,
             Geometry::Cuboid { half } => self.to_world(&local.zip_map(half, |along, half| along.clamp(-half, half))),
             Geometry::Hull(hull) | Geometry::Cone { hull, .. } => self.to_world(&nearest_on_hull(hull, &local)),
         }

@@ -206,7 +206,7 @@ impl Iterate {
             if is_cone(point) {
                 let softened = motion + SOFTNESS / point.mass * step;
                 let gap = buffers.slack[index] - to_dual(point.law, &velocities[index]);
-                buffers.change[index] = [to_cone(point.law, &step), unshifted_dual(point.law, &softened) - gap];
+                buffers.change[index] = [to_cone(point.law, &step), from_cone(point.law, &softened) - gap];
             }
         }
         true
@@ -257,13 +257,8 @@ fn to_cone(law: Law, impulse: &Vector3<f64>) -> Vector3<f64> {
     }
 }
 
-/// T⁻¹ x.
-fn from_cone(law: Law, x: &Vector3<f64>) -> Vector3<f64> {
-    unshifted_dual(law, x)
-}
-
-/// T⁻¹ u.
-fn unshifted_dual(law: Law, velocity: &Vector3<f64>) -> Vector3<f64> {
+/// T⁻¹ x, and T⁻¹ u.
+fn from_cone(law: Law, velocity: &Vector3<f64>) -> Vector3<f64> {
     match law {
         Law::Friction(friction) => Vector3::new(velocity.x / friction, velocity.y, velocity.z),
         Law::Frictionless | Law::Joint => *velocity,
@@ -272,5 +267,5 @@ fn unshifted_dual(law: Law, velocity: &Vector3<f64>) -> Vector3<f64> {
 
 /// T⁻¹ û.
 fn to_dual(law: Law, velocity: &Vector3<f64>) -> Vector3<f64> {
-    unshifted_dual(law, &law.shifted(velocity))
+    from_cone(law, &law.shifted(velocity))
 }
