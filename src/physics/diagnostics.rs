@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 
 use super::{
     Bodies, ContactForce, ContactForces, ContactGraph, Contacts, Diagnostics, ExactGroups, Gravity, GravityScale,
-    IslandSolvers, JointForce, JointForces, Joints, LaggedContacts, Method, PhysicsSchedule, PhysicsSystems,
+    IslandSolvers, JointForce, JointForces, Joints, LaggedContacts, Method, PhysicsSchedule, PhysicsSystems, Refill,
     SolverSettings,
 };
 
@@ -148,6 +148,5 @@ impl ContactForces {
 }
 
 fn collect_joint_forces(joints: Res<Joints>, mut forces: ResMut<JointForces>) {
-    forces.0.clear();
-    forces.0.extend(joints.list.iter().map(|joint| JointForce { joint: joint.entity, force: joint.force.into() }));
+    forces.0.refill(joints.list.iter().map(|joint| JointForce { joint: joint.entity, force: joint.force.into() }));
 }

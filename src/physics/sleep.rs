@@ -23,7 +23,7 @@ use nalgebra::Vector3;
 use super::island::find_islands;
 use super::{
     Bodies, Body, BodySlot, ContactGraph, GONE, Islands, Joints, NearPairs, PhysicsSchedule, PhysicsSystems, Presence,
-    RigidBody, Sleeping, SolverSettings, StepStats, contacts_last,
+    Refill, RigidBody, Sleeping, SolverSettings, StepStats, contacts_last,
 };
 
 #[cfg(test)]
@@ -175,8 +175,7 @@ impl Sleep {
         if self.kinematic_of != Some((bodies.version, joints.version)) {
             self.kinematic_of = Some((bodies.version, joints.version));
             let is_kinematic = |body: u32| bodies.list[body as usize].kind == RigidBody::Kinematic;
-            self.kinematic.clear();
-            self.kinematic.extend((0..bodies.list.len() as u32).filter(|&body| is_kinematic(body)));
+            self.kinematic.refill((0..bodies.list.len() as u32).filter(|&body| is_kinematic(body)));
             self.held.clear();
             let ends = joints.list.iter().flat_map(|joint| [(joint.a, joint.b), (joint.b, joint.a)]);
             self.held.extend(ends.filter(|&(a, _)| is_kinematic(a)));

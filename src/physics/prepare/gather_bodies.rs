@@ -8,8 +8,8 @@ use super::gather_body::{freeze, gather_body, teleport};
 use super::table::{BodyQuery, BodyTable, Watch};
 use crate::physics::{
     Bodies, Body, BodyQuarantined, BodySlot, CandidateTree, ContactCache, ContactGraph, Gravity, Joints,
-    LaggedContacts, NearPairs, QuarantineReason, RenderOrigin, RigidBody, Sleep, Sleeping, SolverSettings, StepStats,
-    set_aside,
+    LaggedContacts, NearPairs, QuarantineReason, Refill, RenderOrigin, RigidBody, Sleep, Sleeping, SolverSettings,
+    StepStats, set_aside,
 };
 
 /// Why contiguous iteration cannot fail: all components of a body are stored in tables.
@@ -67,8 +67,7 @@ pub(super) fn gather_bodies(
     *summed = terms;
     for mut table in query.contiguous_iter_mut().expect(IN_TABLES) {
         if all {
-            stale.clear();
-            stale.resize(table.entity.len(), true);
+            stale.reset(table.entity.len(), true);
         } else if !table.find_stale(&watch, stale) {
             continue;
         }

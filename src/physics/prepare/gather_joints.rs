@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use crate::physics::joint::any_changed;
 use crate::physics::{
     BitSet, Bodies, BodyQuarantined, BodySlot, JoinedPairs, Joint, JointDefinition, JointSlot, Joints, Method,
-    QuarantineReason, Quarantined, RigidBody, Sleep, SolverSettings, StepStats, set_aside,
+    QuarantineReason, Quarantined, Refill, RigidBody, Sleep, SolverSettings, StepStats, set_aside,
 };
 
 /// What the joints were packed for. Counts tell that one is gone or was let go; events would be lost
@@ -98,8 +98,7 @@ pub(super) fn gather_joints(
     }
     packed.sort_unstable_by_key(|&(born, _)| born);
     joints.version += 1;
-    joints.list.clear();
-    joints.list.extend(packed.into_iter().map(|(_, joint)| joint));
+    joints.list.refill(packed.into_iter().map(|(_, joint)| joint));
     let apart = joints.list.iter().filter(|joint| !joint.definition.collide);
     joined.rebuild(apart.map(|joint| (joint.a, joint.b)));
     let Joints { list, joined, driven, .. } = &mut *joints;

@@ -16,8 +16,8 @@ use bevy::prelude::*;
 
 use crate::physics::{
     BodySlot, Collider, CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass,
-    PoseHistory, Position, Presence, Quarantined, ReportCollisions, RigidBody, Rotation, Sleeping, SurfaceMaterial,
-    Velocity,
+    PoseHistory, Position, Presence, Quarantined, Refill, ReportCollisions, RigidBody, Rotation, Sleeping,
+    SurfaceMaterial, Velocity,
 };
 
 #[derive(QueryData)]
@@ -113,8 +113,7 @@ impl BodyTable<'_, '_> {
         let rows = self.entity.len();
         // What is quarantined is looked at every step: it may have been mended, and it is counted.
         let all = self.quarantined.is_some() || self.parent;
-        stale.clear();
-        stale.resize(rows, all);
+        stale.reset(rows, all);
         if all {
             return true;
         }

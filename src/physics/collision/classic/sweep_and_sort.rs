@@ -24,7 +24,7 @@ use crate::physics::collision::constants::{BUCKETS_A_BLOCK, CONTACT_TOLERANCE, M
 use crate::physics::collision::gap::{contact_gap, own_reach};
 use crate::physics::collision::manifold::CandidatePairs;
 use crate::physics::{
-    Bodies, Body, CollisionLayers, Geometry, JoinedPairs, Method, Pair, SolverSettings, StepStats, for_each_of,
+    Bodies, Body, CollisionLayers, Geometry, JoinedPairs, Method, Pair, Refill, SolverSettings, StepStats, for_each_of,
 };
 
 /// What the sweep keeps from step to step: the order of the bodies, and buffers.
@@ -174,8 +174,7 @@ impl SweepAndSort {
     }
 
     fn project(&mut self, bodies: &[Body], settings: &SolverSettings) {
-        self.spheres.clear();
-        self.spheres.extend(self.order.iter().map(|begin| {
+        self.spheres.refill(self.order.iter().map(|begin| {
             let body = &bodies[begin.body as usize];
             let reach = reach(body, settings);
             let interval = |middle: f64| [middle - reach, middle + reach];

@@ -12,8 +12,9 @@
 
 use nalgebra::Vector3;
 
-use super::{ContactPoint, Convex, FeatureId, Frame, Plane, Polyhedron, Scale, ShapePair, first_max};
+use super::{Convex, Frame, Plane, Polyhedron, Scale, ShapePair, first_max};
 use crate::physics::collision::constants::{NEARLY_DEEPEST, NEARLY_WIDEST, SIDE_MARGIN, SOUND_MARGIN, SOUND_SHARE};
+use crate::physics::{ContactPoint, FeatureId, Refill};
 
 /// Most points of a clipped manifold.
 pub(crate) const MAX_POINTS: usize = 4;
@@ -229,8 +230,7 @@ impl ClipBuffers {
 
 /// The incident face as the polygon to clip.
 fn fill(polygon: &mut Vec<Corner>, incident: &[Vector3<f64>]) {
-    polygon.clear();
-    polygon.extend(incident.iter().enumerate().map(|(index, &point)| incident_corner(point, index, incident.len())));
+    polygon.refill(incident.iter().enumerate().map(|(index, &point)| incident_corner(point, index, incident.len())));
 }
 
 fn incident_corner(point: Vector3<f64>, index: usize, corners: usize) -> Corner {

@@ -33,6 +33,7 @@ use nalgebra::Vector3;
 
 use super::clipping::clip_to_face;
 use super::{ClipBuffers, Convex, Edge, Faced, Overlap, Polyhedron, Scale, ShapePair, apart, first_max};
+use crate::physics::Refill;
 use crate::physics::collision::constants::PARALLEL_SINE;
 
 /// What an axis was made of, by number.
@@ -330,8 +331,7 @@ impl<A: Polyhedron, B: Convex> ShapePair<'_, A, B> {
     pub fn facing_edges(&self, bound: f64, edges: &mut Vec<Edge>) {
         let inner = self.b.inner_radius();
         let faces = |edge: &Edge| inner - edge.height_of(&self.b_in_a.center) <= bound;
-        edges.clear();
-        edges.extend((0..self.a.edge_count()).map(|index| self.a.edge(index)).filter(faces));
+        edges.refill((0..self.a.edge_count()).map(|index| self.a.edge(index)).filter(faces));
     }
 }
 

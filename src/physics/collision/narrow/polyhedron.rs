@@ -4,7 +4,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::Segment;
-use crate::physics::Hull;
+use crate::physics::{Hull, Refill};
 
 /// A body's axes and centre in those of another.
 #[derive(Clone, Copy, Debug)]
@@ -229,8 +229,7 @@ impl Polyhedron for Hull {
     }
 
     fn corners(&self, face: usize, corners: &mut Vec<Vector3<f64>>) {
-        corners.clear();
-        corners.extend(self.faces[face].vertices.iter().map(|&vertex| self.vertices[vertex as usize]));
+        corners.refill(self.faces[face].vertices.iter().map(|&vertex| self.vertices[vertex as usize]));
     }
 
     fn edge_count(&self) -> usize {

@@ -17,6 +17,7 @@ use super::constants::{
 };
 use super::second_order_cone::{Scaling, product, quotient, reach};
 use super::{ConeOutcome, ConePoint, Iterate, Law};
+use crate::physics::Refill;
 
 /// Kept from solve to solve.
 #[derive(Clone, Debug, Default)]
@@ -172,8 +173,7 @@ impl Iterate {
         if !aim.is_corrector {
             linear.stiffness.clear();
             buffers.softening.clear();
-            buffers.change.clear();
-            buffers.change.resize(points.len(), [Vector3::zeros(); 2]);
+            buffers.change.reset(points.len(), [Vector3::zeros(); 2]);
         }
         linear.offset.clear();
         for (index, ((point, impulse), velocity)) in points.iter().zip(&*impulses).zip(&*velocities).enumerate() {

@@ -8,6 +8,7 @@ use super::proximal::ProximalBuffers;
 use super::{
     ConeBody, ConeContact, ConeEnd, ConeJoint, ConeOutcome, ConePoint, Elimination, Iterate, PerPoint, Velocity, root,
 };
+use crate::physics::Refill;
 
 /// Solves one island's points. Keeps its buffers and, as long as the same bodies touch, its structure.
 #[derive(Clone, Debug, Default)]
@@ -24,19 +25,16 @@ impl ConeSolver {
     /// are others than before.
     pub fn set(&mut self, bodies: &[ConeBody], contacts: &[ConeContact], joints: &[ConeJoint]) {
         let Self { edges, iterate: Iterate { points, elimination, roots, .. }, .. } = self;
-        roots.clear();
-        roots.extend(
+        roots.refill(
             bodies
                 .iter()
                 .map(|body| [Matrix3::from_diagonal(&body.inverse_mass.map(f64::sqrt)), root(&body.inverse_inertia)]),
         );
         self.contacts = contacts.len();
-        points.clear();
-        points.extend(contacts.iter().map(|contact| ConePoint::of_contact(contact, roots)));
+        points.refill(contacts.iter().map(|contact| ConePoint::of_contact(contact, roots)));
         points.extend(joints.iter().map(|joint| ConePoint::of_joint(joint, roots)));
         if elimination.count() != bodies.len() || !points.iter().filter_map(ConePoint::edge).eq(edges.iter().copied()) {
-            edges.clear();
-            edges.extend(points.iter().filter_map(ConePoint::edge));
+            edges.refill(points.iter().filter_map(ConePoint::edge));
             let found = Elimination::new(&vec![6; bodies.len()], edges.iter().copied(), usize::MAX);
             *elimination = found.expect("no bound on the work");
         }
