@@ -13,7 +13,6 @@ mod ellipse;
 pub(super) mod feature_sat;
 mod plane;
 pub(super) mod polyhedron;
-mod scale;
 mod shape_pair;
 
 use clipping::{ClipBuffers, Faced};
@@ -21,8 +20,7 @@ use cone::{Cone, unit_across};
 use edge_contact::{Segment, closest, middle};
 use feature_sat::{Feature, Found, Least, PairSearch};
 use polyhedron::{Convex, Cuboid, Edge, Frame, Plane, Polyhedron, first_max, nearest_on_hull};
-use scale::Scale;
-use shape_pair::ShapePair;
+use shape_pair::{Scale, ShapePair};
 
 use super::manifold::Overlap;
 use crate::physics::{ContactPoint, FeatureId};

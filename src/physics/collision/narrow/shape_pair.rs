@@ -1,8 +1,9 @@
-//! Two shapes to be tested against each other.
+//! Two shapes to be tested against each other, and the lengths by which that is judged.
 
 use nalgebra::Vector3;
 
-use super::{Convex, Frame, Scale};
+use super::{Convex, Frame};
+use crate::physics::collision::constants::{BOUND_SLACK, CONTACT_TOLERANCE, RIVAL_MARGIN, RIVAL_SHARE};
 
 /// Two shapes, about the origins of their own axes.
 pub(crate) struct ShapePair<'t, A, B> {
@@ -26,5 +27,55 @@ impl<'t, A: Convex, B: Convex> ShapePair<'t, A, B> {
     /// A normal of B's, out of A.
     pub fn out_of_a(&self, normal: Vector3<f64>) -> Vector3<f64> {
         -(self.b_in_a.rotation * normal)
+    }
+}
+
+/// Lengths that a pair's sizes and its gap set.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scale {
+    /// Distance up to which two shapes count as touching.
+    pub tolerance: f64,
+    /// Distance up to which two shapes, and single points of them, get contact points: the gap
+    /// asked for, but at least the tolerance.
+    pub gap: f64,
+    /// The smaller bounding radius.
+    pub size: f64,
+    slack: f64,
+}
+
+impl Scale {
+    /// Of the bounding radii of two shapes, and the gap asked for.
+    pub fn new(radius_a: f64, radius_b: f64, gap: f64) -> Self {
+        let sum = radius_a + radius_b;
+        let tolerance = CONTACT_TOLERANCE * sum;
+        Self { tolerance, gap: gap.max(tolerance), size: radius_a.min(radius_b), slack: BOUND_SLACK * sum }
+    }
+
+    /// Whether points that only may touch are asked for.
+    pub fn is_speculative(&self) -> bool {
+        self.gap > self.tolerance
+    }
+
+    /// Whether a depth along some axis tells that two shapes are farther apart than the gap.
+    pub fn separates(&self, depth: f64) -> bool {
+        depth < -self.gap
+    }
+
+    /// The depth; zero if rounding could have made it of that.
+    pub fn rounded(&self, depth: f64) -> f64 {
+        if depth >= -self.tolerance { depth.max(0.0) } else { depth }
+    }
+
+    /// The depth under which a rival axis is preferred to one of that depth.
+    pub fn limit(&self, depth: f64) -> f64 {
+        let depth = self.rounded(depth);
+        let share = if depth < 0.0 { depth / RIVAL_SHARE } else { RIVAL_SHARE * depth };
+        share - RIVAL_MARGIN * self.size
+    }
+
+    /// What is certain to be deeper than this can be left out: it neither is below `limit` nor
+    /// separates.
+    pub fn bound(&self, limit: f64) -> f64 {
+        limit.max(-self.gap) + self.slack
     }
 }

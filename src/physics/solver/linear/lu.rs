@@ -4,7 +4,7 @@
 //! and A_ik −= L_ij A_jk for all of its i and k. Within a block on the diagonal pivots are chosen, between blocks they
 //! are not.
 
-use super::body_blocks::BodyBlock as Block;
+use super::BodyBlock as Block;
 use super::elimination::Target;
 use super::{BodyVector, Elimination};
 use crate::physics::Refill;
