@@ -58,9 +58,8 @@ pub(crate) struct Sleep {
     calm: Vec<Calm>,
     /// Islands that are to wake.
     disturbed: Vec<u32>,
-    /// Bodies that fell asleep in this step, and those that woke.
-    slept: Vec<Entity>,
-    woken: Vec<Entity>,
+    /// Bodies that woke in this step, and then those that fell asleep.
+    marks: Vec<(Entity, bool)>,
     has_woken: bool,
     /// Kinematic bodies, and the bodies that joints hold to them: as of these versions of bodies and joints.
     kinematic: Vec<u32>,
@@ -118,7 +117,7 @@ impl Sleep {
 
     /// To be called for one that is marked as asleep by somebody else.
     pub fn is_no_sleeper(&mut self, entity: Entity) {
-        self.woken.push(entity);
+        self.marks.push((entity, false));
     }
 
     /// Whether somebody woke in this step.
@@ -139,7 +138,7 @@ impl Sleep {
                 bodies.asleep.set(body, false);
                 self.island_of[body as usize] = AWAKE;
                 self.calm[body as usize] = Calm::default();
-                self.woken.push(bodies.list[body as usize].entity);
+                self.marks.push((bodies.list[body as usize].entity, false));
                 near.of_body(body).for_each(|(slot, _)| graph.set_active(slot, true));
             }
         }
@@ -259,7 +258,7 @@ impl Sleep {
             bodies.asleep.set(index, true);
             let body = &mut bodies.list[index as usize];
             (body.linear, body.angular) = (Vector3::zeros(), Vector3::zeros());
-            self.slept.push(body.entity);
+            self.marks.push((body.entity, true));
         }
         for &body in &fallen {
             for (slot, other) in near.of_body(body) {
@@ -338,14 +337,13 @@ fn fall_asleep(
 /// Puts the component on those that fell asleep and takes it from those that woke, at the end of the step.
 fn mark_sleepers(mut sleep: ResMut<Sleep>, bodies: Res<Bodies>, mut stats: ResMut<StepStats>, mut commands: Commands) {
     stats.sleeping = bodies.asleep.len();
-    sleep.has_woken = !sleep.woken.is_empty();
-    if sleep.slept.is_empty() && sleep.woken.is_empty() {
+    sleep.has_woken = sleep.marks.iter().any(|&(_, sleeps)| !sleeps);
+    if sleep.marks.is_empty() {
         return;
     }
-    let (slept, woken) = (std::mem::take(&mut sleep.slept), std::mem::take(&mut sleep.woken));
+    let marks = std::mem::take(&mut sleep.marks);
     commands.queue(move |world: &mut World| {
-        let woken = woken.into_iter().map(|entity| (entity, false));
-        for (entity, sleeps) in woken.chain(slept.into_iter().map(|entity| (entity, true))) {
+        for (entity, sleeps) in marks {
             let Ok(mut body) = world.get_entity_mut(entity) else { continue };
             if sleeps {
                 body.insert(Sleeping)

@@ -77,8 +77,8 @@ impl AxisTest<'_> {
         }
         self.test_faces(set, one, a)?;
         self.test_faces(set, other, b)?;
-        one.edge_directions(a);
-        other.edge_directions(b);
+        one.axes(true, a);
+        other.axes(true, b);
         for along_a in &*a {
             for along_b in &*b {
                 if let Some(axis) = set.insert_direction(along_a.cross(along_b)) {
@@ -102,7 +102,7 @@ impl AxisTest<'_> {
     }
 
     fn test_faces(&mut self, set: &mut VectorSet, shape: &Placed, normals: &mut Vec<Vector3<f64>>) -> Option<()> {
-        shape.face_normals(normals);
+        shape.axes(false, normals);
         for &normal in &*normals {
             if set.insert(normal) {
                 self.test(normal)?;

@@ -256,11 +256,7 @@ fn starts() -> impl Iterator<Item = Vector3<f64>> {
     let golden = 0.5 * (1.0 + 5_f64.sqrt());
     (0..STARTS).map(move |index| {
         let sign = |bit: usize| if index >> bit & 1 == 0 { 1.0 } else { -1.0 };
-        let turned = |turns: usize, vector: Vector3<f64>| match turns {
-            0 => vector,
-            1 => vector.yzx(),
-            _ => vector.zxy(),
-        };
+        let turned = |turns: usize, vector: Vector3<f64>| (0..turns).fold(vector, |vector, _| vector.yzx());
         let start = match index {
             0..12 => turned(index / 4, Vector3::new(0.0, sign(0), sign(1) * golden)),
             12..24 => turned(index / 4 - 3, Vector3::new(0.0, sign(0) * golden, sign(1) / golden)),

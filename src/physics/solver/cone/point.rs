@@ -76,11 +76,6 @@ impl ConePoint {
         self.mass.is_finite()
     }
 
-    /// The guessed impulse, projected on what the law allows.
-    pub fn allowed(&self, impulse: &Vector3<f64>) -> Vector3<f64> {
-        if self.is_movable() { self.law.project(impulse) } else { Vector3::zeros() }
-    }
-
     /// Its two bodies, if both move.
     pub fn edge(&self) -> Option<[u32; 2]> {
         match &self.sides {

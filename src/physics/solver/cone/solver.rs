@@ -64,7 +64,8 @@ impl ConeSolver {
         let guesses = impulses.contacts.iter().chain(&impulses.joints);
         for ((point, bias), guess) in iterate.points.iter().zip(biases).zip(guesses) {
             iterate.free.push(point.law.relevant(&point.frame.tr_mul(&(bias + point.velocity(velocities)))));
-            iterate.impulses.push(point.allowed(&point.frame.tr_mul(guess)));
+            let guess = point.law.project(&point.frame.tr_mul(guess));
+            iterate.impulses.push(if point.is_movable() { guess } else { Vector3::zeros() });
         }
         let fastest = iterate.free.iter().map(Vector3::norm_squared).fold(1.0, f64::max).sqrt();
         let outcome = self.run(tolerance * fastest);
