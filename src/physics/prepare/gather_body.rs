@@ -6,8 +6,8 @@ use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
 use super::table::{BodyTable, Watch, optional, or_default, value};
 use crate::physics::{
-    Body, Collider, Damping, ExternalForce, Gravity, Inertia, Mass, PoseHistory, Position, QuarantineReason, RigidBody,
-    Rotation, Shape, SolverSettings, SurfaceMaterial, Velocity, columns,
+    Body, Collider, Damping, ExternalForce, Inertia, Mass, PoseHistory, Position, QuarantineReason, RigidBody,
+    Rotation, Shape, SurfaceMaterial, Velocity, columns,
 };
 
 /// Takes over a `Transform` that the user changed. Returns whether there was one.
@@ -23,6 +23,13 @@ pub(super) fn teleport(table: &mut BodyTable, row: usize, origin: DVec3) -> bool
     true
 }
 
+/// What goes into the forces and drags of all bodies.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct Terms {
+    pub gravity: DVec3,
+    pub drag: f64,
+}
+
 /// What is wrong with a body, if something is.
 type Verdict = Result<(), QuarantineReason>;
 
@@ -33,8 +40,7 @@ pub(super) fn gather_body(
     row: usize,
     watch: &Watch,
     body: &mut Body,
-    gravity: &Gravity,
-    settings: &SolverSettings,
+    terms: Terms,
     commands: &mut Commands,
 ) -> Verdict {
     body.kind = table.kind[row];
@@ -46,10 +52,10 @@ pub(super) fn gather_body(
     let verdicts = [
         gather_pose(&value(&table.position, row), &value(&table.rotation, row), body),
         if table.parent { Err(QuarantineReason::HasParent) } else { Ok(()) },
-        gather_surface(or_default(&table.material, row), or_default(&table.damping, row), body, settings),
+        gather_surface(or_default(&table.material, row), or_default(&table.damping, row), body, terms.drag),
         gather_shape(collider, is_collider_new, body),
         gather_mass(table, row, collider, body, commands),
-        gather_motion(table, row, body, gravity),
+        gather_motion(table, row, body, terms.gravity),
     ];
     verdicts.into_iter().collect()
 }
@@ -64,12 +70,12 @@ fn gather_pose(position: &Position, rotation: &Rotation, body: &mut Body) -> Ver
 }
 
 /// Velocity and force, once the mass is known.
-fn gather_motion(table: &BodyTable, row: usize, body: &mut Body, gravity: &Gravity) -> Verdict {
+fn gather_motion(table: &BodyTable, row: usize, body: &mut Body, gravity: DVec3) -> Verdict {
     let (velocity, locked) = (value(&table.velocity, row), or_default(&table.locked, row));
     let ExternalForce { force, torque } = or_default(&table.force, row);
     let scale = or_default(&table.gravity_scale, row).0;
     let (linear, angular) = (Vector3::from(velocity.linear), Vector3::from(velocity.angular));
-    body.force = Vector3::from(force) + Vector3::from(gravity.0) * (body.mass * scale);
+    body.force = Vector3::from(force) + Vector3::from(gravity) * (body.mass * scale);
     body.torque = torque.into();
     if [linear, angular, body.force, body.torque].iter().flatten().any(|value| !value.is_finite()) {
         return Err(QuarantineReason::NotFinite);
@@ -84,7 +90,7 @@ fn gather_motion(table: &BodyTable, row: usize, body: &mut Body, gravity: &Gravi
     Ok(())
 }
 
-fn gather_surface(material: SurfaceMaterial, damping: Damping, body: &mut Body, settings: &SolverSettings) -> Verdict {
+fn gather_surface(material: SurfaceMaterial, damping: Damping, body: &mut Body, drag: f64) -> Verdict {
     let not_negative = |value: f64| value >= 0.0 && value.is_finite();
     if ![material.friction, damping.linear, damping.angular].into_iter().all(not_negative)
         || !(0.0..=1.0).contains(&material.restitution)
@@ -93,7 +99,7 @@ fn gather_surface(material: SurfaceMaterial, damping: Damping, body: &mut Body, 
     }
     body.material = material;
     body.drag = match body.kind {
-        RigidBody::Dynamic => (settings.drag + damping.linear, settings.drag + damping.angular),
+        RigidBody::Dynamic => (drag + damping.linear, drag + damping.angular),
         // Its own velocity alone moves it.
         RigidBody::Kinematic | RigidBody::Static => (0.0, 0.0),
     };
