@@ -56,7 +56,7 @@ impl BitSet {
             let range = if left < u64::BITS { (1 << left) - 1 } else { u64::MAX };
             !self.words.get(place as usize).copied().unwrap_or(0) & range
         });
-        Ones::of(words)
+        walk(words)
     }
 
     /// The words from a multiple of 64 on, for a run of indices: see [`ones`].
@@ -78,37 +78,23 @@ impl BitSet {
 
 /// The places of the ones, ascending.
 pub(crate) fn ones(words: &[u64]) -> impl Iterator<Item = u32> + Clone + '_ {
-    Ones::of(words.iter().copied())
+    walk(words.iter().copied())
 }
 
 /// Walks the ones of words.
-#[derive(Clone)]
-struct Ones<W> {
-    words: W,
-    /// What is left of the present word, and where it ends.
-    word: u64,
-    end: u32,
-}
-
-impl<W: Iterator<Item = u64>> Ones<W> {
-    fn of(words: W) -> Self {
-        Self { words, word: 0, end: 0 }
-    }
-}
-
-impl<W: Iterator<Item = u64>> Iterator for Ones<W> {
-    type Item = u32;
-
-    #[inline]
-    fn next(&mut self) -> Option<u32> {
-        while self.word == 0 {
-            self.word = self.words.next()?;
-            self.end += u64::BITS;
+#[inline]
+fn walk(mut words: impl Iterator<Item = u64> + Clone) -> impl Iterator<Item = u32> + Clone {
+    // What is left of the present word, and where it ends.
+    let (mut word, mut end) = (0, 0);
+    std::iter::from_fn(move || {
+        while word == 0 {
+            word = words.next()?;
+            end += u64::BITS;
         }
-        let place = self.end - u64::BITS + self.word.trailing_zeros();
-        self.word &= self.word - 1;
+        let place = end - u64::BITS + word.trailing_zeros();
+        word &= word - 1;
         Some(place)
-    }
+    })
 }
 
 #[cfg(test)]

@@ -15,17 +15,16 @@ pub(super) fn set<T>(column: &mut ContiguousMut<T>, row: usize, value: T) {
     column.changed_by_ticks_slice_mut().map(|changed_by| changed_by[row] = caller);
 }
 
-/// A component made of numbers.
-pub(super) trait Numbers<const N: usize>: Copy {
-    fn numbers(self) -> [f64; N];
-}
-
-/// Writes one row if that changes any bit of it.
+/// Writes one row, made of those numbers, if that changes any bit of it.
 #[track_caller]
 #[inline]
-pub(super) fn set_if_other<T: Numbers<N>, const N: usize>(column: &mut ContiguousMut<T>, row: usize, value: T) {
-    let present: &[T] = column.as_ref();
-    let (old, new) = (present[row].numbers(), value.numbers());
+pub(super) fn set_if_other<T, const N: usize>(
+    column: &mut ContiguousMut<T>,
+    row: usize,
+    value: T,
+    numbers: impl Fn(&T) -> [f64; N],
+) {
+    let (old, new) = (numbers(&column.as_ref()[row]), numbers(&value));
     // Without a branch: the lot is compared in two or three instructions.
     let difference = (0..N).fold(0, |bits, index| bits | (old[index].to_bits() ^ new[index].to_bits()));
     if difference != 0 {

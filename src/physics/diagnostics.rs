@@ -3,20 +3,17 @@
 //! [`StepStats`] is always there. [`Diagnostics`], [`ContactForces`] and [`JointForces`] are filled
 //! in only while the resource exists: insert it to read it.
 
-use super::readings::{ContactForce, ContactForces, Diagnostics, JointForce, JointForces};
 use std::time::{Duration, Instant};
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use super::settings::{Gravity, Method, SolverSettings};
-use crate::physics::body::{Bodies, GravityScale};
-use crate::physics::collision::{ContactGraph, Contacts, LaggedContacts};
-use crate::physics::joint::{BodyState, Joints};
-use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
-use crate::physics::solver::{ExactGroups, IslandSolvers};
-use crate::physics::stats::StepStats;
+use super::{
+    Bodies, BodyState, ContactForce, ContactForces, ContactGraph, Contacts, Diagnostics, ExactGroups, Gravity,
+    GravityScale, IslandSolvers, JointForce, JointForces, Joints, LaggedContacts, Method, PhysicsSchedule,
+    PhysicsSystems, Refill, SolverSettings, StepStats,
+};
 
 /// How long the last step's measuring took.
 #[derive(Resource, Default)]
@@ -38,20 +35,15 @@ pub(super) fn plugin(app: &mut App) {
             .chain()
             .in_set(Measuring),
     );
-    app.configure_sets(PhysicsSchedule, Measuring.in_set(PhysicsSystems::Diagnose).run_if(somebody_reads));
+    let is_read = resource_exists::<Diagnostics>
+        .or_else(resource_exists::<ContactForces>)
+        .or_else(resource_exists::<JointForces>);
+    app.configure_sets(PhysicsSchedule, Measuring.in_set(PhysicsSystems::Diagnose).run_if(is_read));
 }
 
 /// All that is measured: one condition for the lot, for the many steps in which nobody reads it.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Measuring;
-
-fn somebody_reads(
-    diagnostics: Option<Res<Diagnostics>>,
-    contacts: Option<Res<ContactForces>>,
-    joints: Option<Res<JointForces>>,
-) -> bool {
-    diagnostics.is_some() || contacts.is_some() || joints.is_some()
-}
 
 fn start_clock(mut time: ResMut<MeasuringTime>) {
     time.started = Some(Instant::now());
@@ -150,6 +142,5 @@ impl ContactForces {
 }
 
 fn collect_joint_forces(joints: Res<Joints>, mut forces: ResMut<JointForces>) {
-    forces.0.clear();
-    forces.0.extend(joints.list.iter().map(|joint| JointForce { joint: joint.entity, force: joint.force.into() }));
+    forces.0.refill(joints.list.iter().map(|joint| JointForce { joint: joint.entity, force: joint.force.into() }));
 }

@@ -3,27 +3,19 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-use super::messages::{Collision, ContactEnded, ContactStarted};
-use super::settings::contacts_last;
-use crate::physics::body::{Bodies, ObserveContacts, ReportCollisions};
-use crate::physics::collision::{ContactGraph, Contacts, Manifold};
-use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
+use super::{
+    Bodies, Collision, ContactEnded, ContactGraph, ContactStarted, Contacts, Manifold, ObserveContacts,
+    PhysicsSchedule, PhysicsSystems, ReportCollisions, contacts_last,
+};
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<Touching>()
-        .add_systems(
-            PhysicsSchedule,
-            // Before the solve, while velocities are those at which the contacts were found.
-            report_collisions
-                .after(PhysicsSystems::NarrowPhase)
-                .before(PhysicsSystems::Islands)
-                .run_if(any_with_component::<ReportCollisions>),
-        )
-        .add_systems(
-            PhysicsSchedule,
-            (report_changes.run_if(not(contacts_last)), report_starts_and_ends.run_if(contacts_last))
-                .in_set(PhysicsSystems::Events),
-        );
+    // Before the solve, while velocities are those at which the contacts were found.
+    let found = report_collisions.after(PhysicsSystems::NarrowPhase).before(PhysicsSystems::Islands);
+    let changes = (report_changes.run_if(not(contacts_last)), report_starts_and_ends.run_if(contacts_last));
+    app.init_resource::<Touching>().add_systems(
+        PhysicsSchedule,
+        (found.run_if(any_with_component::<ReportCollisions>), changes.in_set(PhysicsSystems::Events)),
+    );
 }
 
 /// The pairs that touched in the last step, sorted, the lower entity first.

@@ -10,11 +10,7 @@ mod tests;
 
 use bevy::prelude::*;
 
-use super::settings::SolverSettings;
-use crate::physics::body::{Bodies, RigidBody};
-use crate::physics::collision::{ContactGraph, Contacts, LaggedContacts};
-use crate::physics::joint::Joints;
-use crate::physics::stats::StepStats;
+use super::{Bodies, ContactGraph, Contacts, Joints, LaggedContacts, Refill, RigidBody, SolverSettings, StepStats};
 
 /// Islands are packed until a group has this many bodies.
 const BODIES_PER_GROUP: u32 = 128;
@@ -38,7 +34,6 @@ pub(crate) struct Islands {
     constrained: Vec<bool>,
     /// Whether something that does not move by contacts and joints holds or touches an island, by its root.
     grounded: Vec<bool>,
-    scratch: Vec<(u32, u32)>,
     /// Counts every time they were found anew.
     version: u64,
     /// What they were found for: versions of contacts that last, of joints and of who sleeps.
@@ -56,8 +51,7 @@ struct Grouped {
 impl Grouped {
     /// From items with their groups, ascending.
     fn rebuild(&mut self, groups: u32, items: impl Iterator<Item = (u32, u32)> + Clone) {
-        self.starts.clear();
-        self.starts.resize(groups as usize + 1, 0);
+        self.starts.reset(groups as usize + 1, 0);
         let items = items.filter(|&(_, group)| group != Islands::NONE);
         for (_, group) in items.clone() {
             self.starts[group as usize + 1] += 1;
@@ -65,8 +59,7 @@ impl Grouped {
         for group in 0..groups as usize {
             self.starts[group + 1] += self.starts[group];
         }
-        self.items.clear();
-        self.items.resize(self.starts[groups as usize] as usize, 0);
+        self.items.reset(self.starts[groups as usize] as usize, 0);
         // Filling moves each start to its end; walking backwards would put it back, but a shift
         // afterwards is simpler.
         for (item, group) in items {
@@ -150,17 +143,14 @@ impl Islands {
     /// constraint.
     fn pack(&mut self, bodies: &Bodies) -> u32 {
         let n = bodies.list.len();
-        self.size.clear();
-        self.size.resize(n, 0);
+        self.size.reset(n, 0);
         for body in bodies.awake() {
             let root = self.root(body);
             self.parent[body as usize] = root;
             self.size[root as usize] += 1;
         }
-        self.group_of.clear();
-        self.group_of.resize(n, Self::NONE);
-        self.local_of.clear();
-        self.local_of.resize(n, 0);
+        self.group_of.reset(n, Self::NONE);
+        self.local_of.reset(n, 0);
         let (mut group, mut filled, mut constrained) = (0, 0, 0);
         for body in bodies.awake() {
             if bodies.list[body as usize].kind == RigidBody::Static {
@@ -230,12 +220,9 @@ impl Islands {
         contacts: impl Iterator<Item = (u32, (u32, u32))> + Clone,
     ) -> u32 {
         self.version += 1;
-        self.parent.clear();
-        self.parent.extend(0..bodies.list.len() as u32);
-        self.constrained.clear();
-        self.constrained.resize(bodies.list.len(), false);
-        self.grounded.clear();
-        self.grounded.resize(bodies.list.len(), false);
+        self.parent.refill(0..bodies.list.len() as u32);
+        self.constrained.reset(bodies.list.len(), false);
+        self.grounded.reset(bodies.list.len(), false);
         let dynamic = |body: u32| bodies.is_awake_dynamic(body);
         let joint_pairs = (0..).zip(joints.list.iter().map(|joint| (joint.a, joint.b)));
         for (_, (a, b)) in contacts.clone().chain(joint_pairs.clone()) {
@@ -252,18 +239,13 @@ impl Islands {
         }
         let constrained = self.pack(bodies);
         let groups = self.count() as u32;
-        let group_of_pair = |islands: &Self, (a, b): (u32, u32)| {
+        let Self { group_of, manifolds, joints, .. } = self;
+        let with_group = |(item, (a, b)): (u32, (u32, u32))| {
             let moved = [a, b].into_iter().find(|&body| dynamic(body));
-            moved.map_or(Self::NONE, |body| islands.group_of[body as usize])
+            (item, moved.map_or(Self::NONE, |body| group_of[body as usize]))
         };
-        let mut scratch = std::mem::take(&mut self.scratch);
-        scratch.clear();
-        scratch.extend(contacts.map(|(item, pair)| (item, group_of_pair(self, pair))));
-        self.manifolds.rebuild(groups, scratch.iter().copied());
-        scratch.clear();
-        scratch.extend(joint_pairs.map(|(item, pair)| (item, group_of_pair(self, pair))));
-        self.joints.rebuild(groups, scratch.iter().copied());
-        self.scratch = scratch;
+        manifolds.rebuild(groups, contacts.map(with_group));
+        joints.rebuild(groups, joint_pairs.map(with_group));
         constrained
     }
 }

@@ -12,8 +12,7 @@ use nalgebra::{SimdRealField, Vector3};
 use simba::simd::WideF32x8;
 use wide::f32x8;
 
-use super::threads::Shared;
-use crate::physics::scalar::Scalar;
+use super::{Scalar, Shared};
 
 /// Constraints that a block of any kind of lanes can hold.
 pub(crate) const WIDTH: usize = 8;

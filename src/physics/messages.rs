@@ -4,7 +4,7 @@
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use crate::physics::body::{QuarantineReason, Quarantined};
+use super::{QuarantineReason, Quarantined};
 
 /// Two bodies touch that did not in the step before. As an entity event it is triggered for
 /// each of the two that has [`super::ObserveContacts`], with that one as `a`.
@@ -58,7 +58,7 @@ pub struct BodyQuarantined {
 }
 
 /// Sets a body or joint aside and tells all who listen.
-pub(super) fn set_aside(
+pub(crate) fn set_aside(
     entity: Entity,
     reason: QuarantineReason,
     commands: &mut Commands,

@@ -29,6 +29,7 @@ mod messages;
 mod plugin;
 mod prepare;
 mod readings;
+mod refill;
 mod scalar;
 mod schedule;
 mod settings;
@@ -43,24 +44,41 @@ mod threads;
 mod transform;
 mod write_back;
 
-#[cfg(feature = "lab")]
-pub(crate) use body::BodySlot;
+pub(crate) use bit_set::BitSet;
+pub(crate) use body::{
+    BirthCounter, Bodies, Body, BodySlot, PoseHistory, Presence, bits, rotation_by, world_inverse_inertia,
+};
 pub use body::{
     CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, ObserveContacts,
     Position, QuarantineReason, Quarantined, RenderOrigin, ReportCollisions, RigidBody, Rotation, Sleeping,
     SurfaceMaterial, Velocity,
 };
 pub use collision::PlacedCollider;
+pub(crate) use collision::{
+    CandidateTree, ContactGraph, ContactPoint, Contacts, FeatureId, GONE, LaggedContacts, Manifold, NearPairs, Pair,
+    VectorSet,
+};
+pub(crate) use contact::ContactCache;
+pub(crate) use island::Islands;
 pub use joint::{BallJoint, BodyState, Constraint, ConstraintRow, ConstraintRows, JointLoad, Softness};
+pub(crate) use joint::{JoinedPairs, Joint, JointDefinition, JointSlot, Joints};
+pub(crate) use messages::set_aside;
 pub use messages::{BodyQuarantined, Collision, ContactEnded, ContactStarted};
 pub use plugin::{PhysicsPlugin, headless_app, step};
 pub use prepare::AddConstraint;
 pub use readings::{ContactForce, ContactForces, Diagnostics, JointForce, JointForces};
+pub(crate) use refill::Refill;
+pub(crate) use scalar::Scalar;
 pub use schedule::{PhysicsSchedule, PhysicsSystems};
+pub(crate) use settings::contacts_last;
 pub use settings::{
     BroadPhase, Choice, Choices, ContactModel, ExactIntegrator, ExactSettings, FrictionModel, Gravity, ImpulseSettings,
     Integrator, Method, Precision, SETTINGS, Setting, SettingsError, SolverSettings, SweepSettings, WrittenSettings,
 };
 pub use shape::{Collider, ConvexHull, HullError, MassProperties, Shape};
+pub(crate) use shape::{Geometry, Hull};
+pub(crate) use sleep::Sleep;
+pub(crate) use solver::{ExactGroups, IslandSolvers};
 pub use state_hash::hash_state;
 pub use stats::StepStats;
+pub(crate) use threads::{Shared, for_each_of};

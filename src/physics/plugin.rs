@@ -9,12 +9,11 @@ use bevy::ecs::message::{MessageRegistry, message_update_system};
 use bevy::ecs::schedule::{ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 
-use super::diagnostics::MeasuringTime;
-use super::messages::{BodyQuarantined, Collision, ContactEnded, ContactStarted};
-use super::schedule::{PhysicsSchedule, PhysicsSystems};
-use super::settings::{Gravity, SolverSettings};
-use super::stats::StepStats;
-use super::{RenderOrigin, collision, diagnostics, events, island, prepare, sleep, solver, transform, write_back};
+use super::diagnostics::{self, MeasuringTime};
+use super::{
+    BodyQuarantined, Collision, ContactEnded, ContactStarted, Gravity, PhysicsSchedule, PhysicsSystems, RenderOrigin,
+    SolverSettings, StepStats, collision, events, island, prepare, sleep, solver, transform, write_back,
+};
 
 /// Rigid bodies for a Bevy app: adds [`PhysicsSchedule`] and runs it once a fixed step.
 pub struct PhysicsPlugin {

@@ -20,13 +20,11 @@
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use super::collision::{ContactGraph, GONE, NearPairs};
-use super::island::{Islands, find_islands};
-use super::settings::{SolverSettings, contacts_last};
-use crate::physics::body::{Bodies, Body, BodySlot, Presence, RigidBody, Sleeping};
-use crate::physics::joint::Joints;
-use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
-use crate::physics::stats::StepStats;
+use super::island::find_islands;
+use super::{
+    Bodies, Body, BodySlot, ContactGraph, GONE, Islands, Joints, NearPairs, PhysicsSchedule, PhysicsSystems, Presence,
+    Refill, RigidBody, Sleeping, SolverSettings, StepStats, contacts_last,
+};
 
 #[cfg(test)]
 mod tests;
@@ -60,9 +58,8 @@ pub(crate) struct Sleep {
     calm: Vec<Calm>,
     /// Islands that are to wake.
     disturbed: Vec<u32>,
-    /// Bodies that fell asleep in this step, and those that woke.
-    slept: Vec<Entity>,
-    woken: Vec<Entity>,
+    /// Bodies that woke in this step, and then those that fell asleep.
+    marks: Vec<(Entity, bool)>,
     has_woken: bool,
     /// Kinematic bodies, and the bodies that joints hold to them: as of these versions of bodies and joints.
     kinematic: Vec<u32>,
@@ -120,7 +117,7 @@ impl Sleep {
 
     /// To be called for one that is marked as asleep by somebody else.
     pub fn is_no_sleeper(&mut self, entity: Entity) {
-        self.woken.push(entity);
+        self.marks.push((entity, false));
     }
 
     /// Whether somebody woke in this step.
@@ -141,7 +138,7 @@ impl Sleep {
                 bodies.asleep.set(body, false);
                 self.island_of[body as usize] = AWAKE;
                 self.calm[body as usize] = Calm::default();
-                self.woken.push(bodies.list[body as usize].entity);
+                self.marks.push((bodies.list[body as usize].entity, false));
                 near.of_body(body).for_each(|(slot, _)| graph.set_active(slot, true));
             }
         }
@@ -177,8 +174,7 @@ impl Sleep {
         if self.kinematic_of != Some((bodies.version, joints.version)) {
             self.kinematic_of = Some((bodies.version, joints.version));
             let is_kinematic = |body: u32| bodies.list[body as usize].kind == RigidBody::Kinematic;
-            self.kinematic.clear();
-            self.kinematic.extend((0..bodies.list.len() as u32).filter(|&body| is_kinematic(body)));
+            self.kinematic.refill((0..bodies.list.len() as u32).filter(|&body| is_kinematic(body)));
             self.held.clear();
             let ends = joints.list.iter().flat_map(|joint| [(joint.a, joint.b), (joint.b, joint.a)]);
             self.held.extend(ends.filter(|&(a, _)| is_kinematic(a)));
@@ -262,7 +258,7 @@ impl Sleep {
             bodies.asleep.set(index, true);
             let body = &mut bodies.list[index as usize];
             (body.linear, body.angular) = (Vector3::zeros(), Vector3::zeros());
-            self.slept.push(body.entity);
+            self.marks.push((body.entity, true));
         }
         for &body in &fallen {
             for (slot, other) in near.of_body(body) {
@@ -341,14 +337,13 @@ fn fall_asleep(
 /// Puts the component on those that fell asleep and takes it from those that woke, at the end of the step.
 fn mark_sleepers(mut sleep: ResMut<Sleep>, bodies: Res<Bodies>, mut stats: ResMut<StepStats>, mut commands: Commands) {
     stats.sleeping = bodies.asleep.len();
-    sleep.has_woken = !sleep.woken.is_empty();
-    if sleep.slept.is_empty() && sleep.woken.is_empty() {
+    sleep.has_woken = sleep.marks.iter().any(|&(_, sleeps)| !sleeps);
+    if sleep.marks.is_empty() {
         return;
     }
-    let (slept, woken) = (std::mem::take(&mut sleep.slept), std::mem::take(&mut sleep.woken));
+    let marks = std::mem::take(&mut sleep.marks);
     commands.queue(move |world: &mut World| {
-        let woken = woken.into_iter().map(|entity| (entity, false));
-        for (entity, sleeps) in woken.chain(slept.into_iter().map(|entity| (entity, true))) {
+        for (entity, sleeps) in marks {
             let Ok(mut body) = world.get_entity_mut(entity) else { continue };
             if sleeps {
                 body.insert(Sleeping)

@@ -4,10 +4,7 @@ use std::hash::Hasher;
 
 use bevy::prelude::*;
 
-use super::body::{Bodies, Position, Rotation, Velocity};
-use super::collision::{ContactGraph, LaggedContacts};
-use super::contact::ContactCache;
-use super::solver::ExactGroups;
+use super::{Bodies, ContactCache, ContactGraph, ExactGroups, LaggedContacts, Position, Rotation, Velocity};
 
 /// Feeds every bit that the next step depends on to a hasher: poses and velocities of all bodies
 /// in the order in which they became bodies, who sleeps (not how long others have been calm), the

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::settings::SolverSettings;
+use super::SolverSettings;
 
 /// Counts and times of the last step.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq)]

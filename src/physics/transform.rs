@@ -5,10 +5,9 @@
 //! that differs in any bit is the user's and teleports the body (velocity kept, no
 //! interpolation).
 
-use super::body::{PoseHistory, RenderOrigin, bits};
 use bevy::prelude::*;
 
-use crate::physics::body::{Position, RigidBody, Rotation, Sleeping};
+use super::{PoseHistory, Position, RenderOrigin, RigidBody, Rotation, Sleeping, bits};
 
 /// What a transform is written from and to.
 type Written = (

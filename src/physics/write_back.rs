@@ -9,16 +9,12 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::columns::{self, Numbers, set_if_other};
-use super::messages::{BodyQuarantined, set_aside};
-use super::settings::SolverSettings;
-use super::sleep::Sleep;
-use crate::physics::body::{
-    Bodies, Body, BodySlot, PoseHistory, Position, QuarantineReason, RigidBody, Rotation, Sleeping, Velocity,
+use super::columns::{self, set_if_other};
+use super::{
+    Bodies, Body, BodyQuarantined, BodySlot, JointLoad, JointSlot, Joints, PhysicsSchedule, PhysicsSystems,
+    PoseHistory, Position, QuarantineReason, RigidBody, Rotation, Sleep, Sleeping, SolverSettings, StepStats, Velocity,
+    set_aside,
 };
-use crate::physics::joint::{JointLoad, JointSlot, Joints};
-use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
-use crate::physics::stats::StepStats;
 
 pub(super) fn plugin(app: &mut App) {
     app.add_systems(
@@ -43,25 +39,6 @@ pub(super) struct StateQuery {
 }
 
 type StateTable<'w, 's> = StateQueryContiguousItem<'w, 's>;
-
-impl Numbers<3> for Position {
-    fn numbers(self) -> [f64; 3] {
-        self.0.to_array()
-    }
-}
-
-impl Numbers<4> for Rotation {
-    fn numbers(self) -> [f64; 4] {
-        self.0.to_array()
-    }
-}
-
-impl Numbers<6> for Velocity {
-    fn numbers(self) -> [f64; 6] {
-        let ([x, y, z], [u, v, w]) = (self.linear.to_array(), self.angular.to_array());
-        [x, y, z, u, v, w]
-    }
-}
 
 fn is_finite(body: &Body) -> bool {
     // Without a branch for each number.
@@ -113,10 +90,12 @@ pub(super) fn write_bodies(
 fn write_state(table: &mut StateTable, row: usize, body: &Body) {
     let previous = (table.position.as_ref()[row].0, table.rotation.as_ref()[row].0);
     table.history.bypass_change_detection()[row].previous = Some(previous);
-    set_if_other(&mut table.position, row, Position(body.position.into()));
-    set_if_other(&mut table.rotation, row, Rotation(body.rotation.into()));
+    set_if_other(&mut table.position, row, Position(body.position.into()), |position| position.0.to_array());
+    set_if_other(&mut table.rotation, row, Rotation(body.rotation.into()), |rotation| rotation.0.to_array());
     let velocity = Velocity { linear: body.linear.into(), angular: body.angular.into() };
-    set_if_other(&mut table.velocity, row, velocity);
+    set_if_other(&mut table.velocity, row, velocity, |Velocity { linear: v, angular: w }| {
+        [v.x, v.y, v.z, w.x, w.y, w.z]
+    });
 }
 
 /// Back to the pose before the step, at rest; to be gathered again whatever becomes of it.
@@ -126,8 +105,7 @@ fn restore_state(table: &mut StateTable, row: usize, body: &mut Body) {
     table.slot.bypass_change_detection()[row].gathered_with = BodySlot::TO_GATHER;
     body.position = position.into();
     body.rotation = UnitQuaternion::new_normalize(rotation.into());
-    body.linear = Vector3::zeros();
-    body.angular = Vector3::zeros();
+    (body.linear, body.angular) = (Vector3::zeros(), Vector3::zeros());
     columns::set(&mut table.velocity, row, Velocity::default());
 }
 

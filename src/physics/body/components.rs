@@ -4,14 +4,13 @@
 //! All quantities are SI and world-space unless stated. Poses are `f64`: the `Transform` that
 //! Bevy renders is an output (see [`crate::physics::transform`]).
 
-use super::slot::{BirthCounter, BodySlot};
 use bevy::ecs::lifecycle::HookContext;
 use bevy::ecs::world::DeferredWorld;
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::pose_history::PoseHistory;
+use super::{BirthCounter, BodySlot, PoseHistory, RenderOrigin};
 
 /// Whether the solver moves a body. Adding it makes an entity a body.
 ///
@@ -41,8 +40,7 @@ fn enter_world(mut world: DeferredWorld, context: HookContext) {
     let transform = body.get::<Transform>().copied().unwrap_or_default();
     let has_position = body.contains::<Position>();
     let has_rotation = body.contains::<Rotation>();
-    let origin =
-        world.get_resource::<crate::physics::body::pose_history::RenderOrigin>().map_or(DVec3::ZERO, |origin| origin.0);
+    let origin = world.get_resource::<RenderOrigin>().map_or(DVec3::ZERO, |origin| origin.0);
     if let Some(mut history) = world.get_mut::<PoseHistory>(context.entity) {
         // Taken over here; from now on a change of it is a teleport.
         *history = PoseHistory { previous: None, written: Some(transform) };

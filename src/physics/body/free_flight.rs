@@ -4,8 +4,7 @@
 use nalgebra::Vector3;
 
 use super::free_rotation::turn_freely;
-use super::inertia::world_inverse_inertia;
-use super::packed::Body;
+use super::{Body, world_inverse_inertia};
 
 /// A step of `substeps` of length `h`, s.
 pub(crate) fn fly(body: &mut Body, h: f64, substeps: u32) {

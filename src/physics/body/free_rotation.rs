@@ -15,7 +15,7 @@
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
-use super::rotation::rotation_by;
+use super::{is_isotropic, rotation_by};
 
 /// Newton's method doubles the digits: four suffice for |hΩ| ≤ 1; no body turns that far in a step
 /// with any accuracy left.
@@ -37,11 +37,6 @@ pub(crate) fn rotate(inertia: &Vector3<f64>, angular: &Vector3<f64>, h: f64) -> 
     let mean = if turns_steadily(inertia, &start) { start } else { midpoint(inertia, &start) };
     let turn = UnitQuaternion::new_normalize(Quaternion::from_parts(1.0, mean * 0.5));
     FreeRotation { angular: if h == 0.0 { *angular } else { mean * (2.0 / h) - angular }, turn }
-}
-
-/// Whether rotation about any axis is free of torque.
-pub(crate) fn is_isotropic(inertia: &Vector3<f64>) -> bool {
-    inertia.x == inertia.y && inertia.y == inertia.z
 }
 
 /// The angular velocity, world axes, and the rotation after a time h of a body that is not round; none

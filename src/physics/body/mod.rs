@@ -3,7 +3,6 @@
 mod components;
 pub(crate) mod free_flight;
 pub(crate) mod free_rotation;
-mod inertia;
 mod packed;
 mod pose_history;
 mod rotation;
@@ -14,9 +13,9 @@ pub use components::{
     Position, QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, Sleeping, SurfaceMaterial,
     Velocity,
 };
-pub(crate) use inertia::world_inverse_inertia;
 pub(crate) use packed::{Bodies, Body};
 pub use pose_history::RenderOrigin;
 pub(crate) use pose_history::{PoseHistory, bits};
-pub(crate) use rotation::rotation_by;
+use rotation::is_isotropic;
+pub(crate) use rotation::{rotation_by, world_inverse_inertia};
 pub(crate) use slot::{BirthCounter, BodySlot, Presence};

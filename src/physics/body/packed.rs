@@ -2,14 +2,12 @@
 //! written back at its end. A private cache: never the only copy of anything. A body that nobody
 //! else writes to is gathered once and stays as the steps leave it.
 
-use super::rotation::rotation_by;
 use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::components::{CollisionLayers, RigidBody, SurfaceMaterial};
-use crate::physics::bit_set::BitSet;
-use crate::physics::shape::Geometry;
+use super::{CollisionLayers, RigidBody, SurfaceMaterial, rotation_by};
+use crate::physics::{BitSet, Geometry};
 
 /// One body as the step sees it. World axes and SI unless stated.
 ///

@@ -2,10 +2,9 @@
 
 use bevy::prelude::*;
 
-use super::gather_bodies::gather_bodies;
-use super::gather_joints::gather_joints;
-use crate::physics::joint::{Constraint, JointDefinition, JointKind, define_joints};
-use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
+use super::{gather_bodies, gather_joints};
+use crate::physics::joint::{JointKind, define_joints};
+use crate::physics::{Constraint, JointDefinition, PhysicsSchedule, PhysicsSystems};
 
 /// Gives every component of a kind its definition, for as long as it is there.
 pub(super) fn add_joint<J: JointKind>(app: &mut App) {

@@ -1,19 +1,15 @@
 //! Bodies enter and leave the packed array; those that others wrote to are gathered.
 
-use bevy::ecs::system::SystemChangeTick;
-use bevy::math::DVec3;
+use bevy::ecs::system::{SystemChangeTick, SystemParam};
 use bevy::prelude::*;
 
-use super::gather_body::{freeze, gather_body, teleport};
+use super::gather_body::{Terms, freeze, gather_body, teleport};
 use super::table::{BodyQuery, BodyTable, Watch};
-use crate::physics::body::{Bodies, Body, BodySlot, QuarantineReason, RenderOrigin, RigidBody, Sleeping};
-use crate::physics::collision::{CandidateTree, ContactGraph, LaggedContacts, NearPairs};
-use crate::physics::contact::ContactCache;
-use crate::physics::joint::Joints;
-use crate::physics::messages::{BodyQuarantined, set_aside};
-use crate::physics::settings::{Gravity, SolverSettings};
-use crate::physics::sleep::Sleep;
-use crate::physics::stats::StepStats;
+use crate::physics::{
+    Bodies, Body, BodyQuarantined, BodySlot, CandidateTree, ContactCache, ContactGraph, Gravity, Joints,
+    LaggedContacts, NearPairs, QuarantineReason, Refill, RenderOrigin, RigidBody, Sleep, Sleeping, SolverSettings,
+    StepStats, set_aside,
+};
 
 /// Why contiguous iteration cannot fail: all components of a body are stored in tables.
 const IN_TABLES: &str = "a disabling component stored as a sparse set hides bodies from physics: store it in tables";
@@ -26,88 +22,74 @@ pub(super) struct Gathering {
     /// Rows of the table at hand that others wrote to.
     stale: Vec<bool>,
     /// Gravity and drag that went into all forces and drags.
-    summed: Option<(DVec3, f64)>,
+    summed: Option<Terms>,
 }
 
-/// What a jump of a body's pose, or its end, makes worthless.
-struct Known<'a> {
-    lagged: &'a mut LaggedContacts,
-    cache: &'a mut ContactCache,
-    near: &'a mut NearPairs,
-    candidates: &'a mut CandidateTree,
-    graph: &'a mut ContactGraph,
-    joints: &'a mut Joints,
-    sleep: &'a mut Sleep,
+/// The bodies of the world, and what a jump of a pose, or the end of a body, makes worthless.
+#[derive(SystemParam)]
+pub(super) struct Known<'w, 's> {
+    query: Query<'w, 's, BodyQuery>,
+    commands: Commands<'w, 's>,
+    lagged: ResMut<'w, LaggedContacts>,
+    cache: ResMut<'w, ContactCache>,
+    near: ResMut<'w, NearPairs>,
+    candidates: ResMut<'w, CandidateTree>,
+    graph: ResMut<'w, ContactGraph>,
+    joints: ResMut<'w, Joints>,
+    sleep: ResMut<'w, Sleep>,
 }
 
 pub(super) fn gather_bodies(
-    mut query: Query<BodyQuery>,
     mut bodies: ResMut<Bodies>,
-    mut lagged: ResMut<LaggedContacts>,
-    mut cache: ResMut<ContactCache>,
-    (mut near, mut candidates, mut graph): (ResMut<NearPairs>, ResMut<CandidateTree>, ResMut<ContactGraph>),
-    (mut joints, mut sleep): (ResMut<Joints>, ResMut<Sleep>),
+    mut known: Known,
     gravity: Res<Gravity>,
     settings: Res<SolverSettings>,
     origin: Res<RenderOrigin>,
     mut stats: ResMut<StepStats>,
     mut quarantine: MessageWriter<BodyQuarantined>,
-    mut commands: Commands,
     mut gathering: Local<Gathering>,
     ticks: SystemChangeTick,
 ) {
     let Gathering { new, stale, summed } = &mut *gathering;
     let bodies = &mut *bodies;
     bodies.renewed.clear();
-    if !is_list_complete(&query, bodies, new) {
-        let mut known = Known {
-            lagged: &mut lagged,
-            cache: &mut cache,
-            near: &mut near,
-            candidates: &mut candidates,
-            graph: &mut graph,
-            joints: &mut joints,
-            sleep: &mut sleep,
-        };
-        update_list(&mut query, bodies, new, &mut known, &mut commands);
+    if !is_list_complete(&known.query, bodies, new) {
+        update_list(&mut known, bodies, new);
     }
     stats.bodies = bodies.list.len() as u32;
     stats.quarantined = 0;
     let last_run = ticks.last_run();
     let written_back = bodies.written_back.unwrap_or(last_run);
     let watch = Watch { last_run, this_run: ticks.this_run(), written_back };
-    let terms = Some((gravity.0, settings.drag));
-    let all = *summed != terms;
-    *summed = terms;
-    for mut table in query.contiguous_iter_mut().expect(IN_TABLES) {
+    let terms = Terms { gravity: gravity.0, drag: settings.drag };
+    let all = summed.replace(terms) != Some(terms);
+    for mut table in known.query.contiguous_iter_mut().expect(IN_TABLES) {
         if all {
-            stale.clear();
-            stale.resize(table.entity.len(), true);
+            stale.reset(table.entity.len(), true);
         } else if !table.find_stale(&watch, stale) {
             continue;
         }
         for row in (0..stale.len()).filter(|&row| stale[row]) {
             let index = table.slot.as_ref()[row].index;
             if teleport(&mut table, row, origin.0) {
-                lagged.drop_body(index);
-                cache.drop_body(index);
+                known.lagged.drop_body(index);
+                known.cache.drop_body(index);
                 bodies.renewed.push(index);
             }
             if table.sleeping && !bodies.asleep.contains(index) {
-                sleep.is_no_sleeper(table.entity[row]);
+                known.sleep.is_no_sleeper(table.entity[row]);
             }
-            sleep.disturb(index, bodies);
-            let Some(reason) = gather_row(&mut table, row, bodies, &watch, &gravity, &settings, &mut commands) else {
-                continue;
-            };
-            stats.quarantined += 1;
-            if table.quarantined.is_none() {
-                set_aside(table.entity[row], reason, &mut commands, &mut quarantine);
+            known.sleep.disturb(index, bodies);
+            if let Some(reason) = gather_row(&mut table, row, bodies, &watch, terms, &mut known.commands) {
+                stats.quarantined += 1;
+                if table.quarantined.is_none() {
+                    set_aside(table.entity[row], reason, &mut known.commands, &mut quarantine);
+                }
             }
         }
     }
     // Before the broad phase, that must see what has moved.
-    sleep.wake_disturbed(bodies, &mut graph, &near);
+    known.sleep.wake_disturbed(bodies, &mut known.graph, &known.near);
 }
 
 /// Gathers one body, or freezes it and says why.
@@ -116,8 +98,7 @@ fn gather_row(
     row: usize,
     bodies: &mut Bodies,
     watch: &Watch,
-    gravity: &Gravity,
-    settings: &SolverSettings,
+    terms: Terms,
     commands: &mut Commands,
 ) -> Option<QuarantineReason> {
     let presence = table.presence();
@@ -131,9 +112,8 @@ fn gather_row(
     };
     let before = known(body);
     body.mass_is_stale |= presence.lost_density(slot.gathered_with);
-    let components = table.components(row, watch);
-    let verdict = gather_body(&components, body, gravity, settings, commands);
-    let reason = components.quarantined.or(verdict.err());
+    let verdict = gather_body(table, row, watch, body, terms, commands);
+    let reason = table.quarantined.map(|column| column[row].reason).or(verdict.err());
     if reason.is_some() {
         freeze(table, row, body);
     }
@@ -168,25 +148,17 @@ fn is_list_complete(query: &Query<BodyQuery>, bodies: &Bodies, new: &mut Vec<(u6
 }
 
 /// Drops bodies that are gone and appends new ones in the order in which they became bodies.
-fn update_list(
-    query: &mut Query<BodyQuery>,
-    bodies: &mut Bodies,
-    new: &mut [(u64, Entity)],
-    known: &mut Known,
-    commands: &mut Commands,
-) {
+fn update_list(known: &mut Known, bodies: &mut Bodies, new: &mut [(u64, Entity)]) {
     bodies.version += 1;
-    let seen: Vec<bool> = (0..)
-        .zip(&bodies.list)
-        .map(|(index, body)| query.get(body.entity).is_ok_and(|item| item.slot.index == index))
-        .collect();
+    let is_at = |body: &Body, index| known.query.get(body.entity).is_ok_and(|item| item.slot.index == index);
+    let seen: Vec<bool> = (0..).zip(&bodies.list).map(|(index, body)| is_at(body, index)).collect();
     if seen.contains(&false) {
         known.cache.clear();
-        drop_gone_bodies(&seen, bodies, known, query, commands);
+        drop_gone_bodies(&seen, bodies, known);
     }
     new.sort_unstable();
     for &(_, entity) in new.iter() {
-        if let Ok(mut body) = query.get_mut(entity) {
+        if let Ok(mut body) = known.query.get_mut(entity) {
             *body.slot = BodySlot { index: bodies.list.len() as u32, gathered_with: BodySlot::TO_GATHER, ..*body.slot };
             bodies.renewed.push(bodies.list.len() as u32);
             bodies.list.push(Body::new(entity));
@@ -195,23 +167,9 @@ fn update_list(
 }
 
 /// Packs the living bodies again, in their order.
-fn drop_gone_bodies(
-    seen: &[bool],
-    bodies: &mut Bodies,
-    known: &mut Known,
-    query: &mut Query<BodyQuery>,
-    commands: &mut Commands,
-) {
-    let mut next = 0;
-    let new_index: Vec<Option<u32>> = seen
-        .iter()
-        .map(|&alive| {
-            alive.then(|| {
-                next += 1;
-                next - 1
-            })
-        })
-        .collect();
+fn drop_gone_bodies(seen: &[bool], bodies: &mut Bodies, known: &mut Known) {
+    let mut places = 0..;
+    let new_index: Vec<Option<u32>> = seen.iter().map(|&alive| if alive { places.next() } else { None }).collect();
     known.lagged.remap(&new_index);
     known.near.remap(&new_index);
     known.candidates.remap(&new_index);
@@ -219,14 +177,14 @@ fn drop_gone_bodies(
     known.joints.remap(&new_index);
     known.sleep.remap(&new_index, bodies);
     for (body, _) in bodies.list.iter().zip(seen).filter(|(_, seen)| !**seen) {
-        if !query.contains(body.entity) {
-            forget_place(body.entity, commands);
+        if !known.query.contains(body.entity) {
+            forget_place(body.entity, &mut known.commands);
         }
     }
     let mut alive = seen.iter();
     bodies.list.retain(|_| *alive.next().expect("one flag a body"));
     for (index, body) in bodies.list.iter().enumerate() {
-        if let Ok(mut item) = query.get_mut(body.entity) {
+        if let Ok(mut item) = known.query.get_mut(body.entity) {
             item.slot.index = index as u32;
         }
     }

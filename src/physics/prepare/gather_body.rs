@@ -4,13 +4,11 @@ use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
-use super::table::{BodyTable, Components};
-use crate::physics::body::{
-    Body, Inertia, Mass, PoseHistory, Position, QuarantineReason, RigidBody, Rotation, Velocity,
+use super::table::{BodyTable, Watch, optional, or_default, value};
+use crate::physics::{
+    Body, Collider, Damping, ExternalForce, Inertia, Mass, PoseHistory, Position, QuarantineReason, RigidBody,
+    Rotation, Shape, SurfaceMaterial, Velocity, columns,
 };
-use crate::physics::columns;
-use crate::physics::settings::{Gravity, SolverSettings};
-use crate::physics::shape::Shape;
 
 /// Takes over a `Transform` that the user changed. Returns whether there was one.
 pub(super) fn teleport(table: &mut BodyTable, row: usize, origin: DVec3) -> bool {
@@ -25,131 +23,140 @@ pub(super) fn teleport(table: &mut BodyTable, row: usize, origin: DVec3) -> bool
     true
 }
 
+/// What goes into the forces and drags of all bodies.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct Terms {
+    pub gravity: DVec3,
+    pub drag: f64,
+}
+
+/// What is wrong with a body, if something is.
+type Verdict = Result<(), QuarantineReason>;
+
 /// Copies one body; says what is wrong with it. What is sane is copied even so: a change is seen
 /// only once, and a quarantined body keeps its pose and shape.
 pub(super) fn gather_body(
-    item: &Components,
+    table: &BodyTable,
+    row: usize,
+    watch: &Watch,
     body: &mut Body,
-    gravity: &Gravity,
-    settings: &SolverSettings,
+    terms: Terms,
     commands: &mut Commands,
-) -> Result<(), QuarantineReason> {
-    body.kind = item.kind;
-    body.layers = item.layers;
-    body.reports = item.reports;
+) -> Verdict {
+    body.kind = table.kind[row];
+    body.layers = or_default(&table.layers, row);
+    body.reports = table.reports;
+    let collider = table.collider.as_ref().map(|column| &column[row]);
+    let is_collider_new = table.is_collider_new(row, watch);
+    body.mass_is_stale |= is_collider_new || table.is_density_or_mass_new(row, watch);
     let verdicts = [
-        gather_pose(item, body),
-        if item.has_parent { Err(QuarantineReason::HasParent) } else { Ok(()) },
-        gather_surface(item, body, settings),
-        gather_shape(item, body),
-        gather_mass(item, body, commands),
-        gather_motion(item, body, gravity),
+        gather_pose(&value(&table.position, row), &value(&table.rotation, row), body),
+        if table.parent { Err(QuarantineReason::HasParent) } else { Ok(()) },
+        gather_surface(or_default(&table.material, row), or_default(&table.damping, row), body, terms.drag),
+        gather_shape(collider, is_collider_new, body),
+        gather_mass(table, row, collider, body, commands),
+        gather_motion(table, row, body, terms.gravity),
     ];
     verdicts.into_iter().collect()
 }
 
-fn gather_pose(item: &Components, body: &mut Body) -> Result<(), QuarantineReason> {
-    if !item.position.is_finite() || !item.rotation.is_finite() || item.rotation.length_squared() <= 1e-12 {
+fn gather_pose(position: &Position, rotation: &Rotation, body: &mut Body) -> Verdict {
+    if !position.is_finite() || !rotation.is_finite() || rotation.length_squared() <= 1e-12 {
         return Err(QuarantineReason::NotFinite);
     }
-    body.position = item.position.0.into();
-    body.rotation = unit(item.rotation.0);
+    body.position = position.0.into();
+    body.rotation = unit(rotation.0);
     Ok(())
 }
 
 /// Velocity and force, once the mass is known.
-fn gather_motion(item: &Components, body: &mut Body, gravity: &Gravity) -> Result<(), QuarantineReason> {
-    let (linear, angular) = (Vector3::from(item.velocity.linear), Vector3::from(item.velocity.angular));
-    body.force = Vector3::from(item.force.force) + Vector3::from(gravity.0) * (body.mass * item.gravity_scale.0);
-    body.torque = item.force.torque.into();
+fn gather_motion(table: &BodyTable, row: usize, body: &mut Body, gravity: DVec3) -> Verdict {
+    let (velocity, locked) = (value(&table.velocity, row), or_default(&table.locked, row));
+    let ExternalForce { force, torque } = or_default(&table.force, row);
+    let scale = or_default(&table.gravity_scale, row).0;
+    let (linear, angular) = (Vector3::from(velocity.linear), Vector3::from(velocity.angular));
+    body.force = Vector3::from(force) + Vector3::from(gravity) * (body.mass * scale);
+    body.torque = torque.into();
     if [linear, angular, body.force, body.torque].iter().flatten().any(|value| !value.is_finite()) {
         return Err(QuarantineReason::NotFinite);
     }
     (body.linear, body.angular) = match body.kind {
         RigidBody::Static => (Vector3::zeros(), Vector3::zeros()),
         RigidBody::Kinematic => (linear, angular),
-        RigidBody::Dynamic => (
-            linear.component_mul(&freedom(item.locked.translation)),
-            angular.component_mul(&freedom(item.locked.rotation)),
-        ),
+        RigidBody::Dynamic => {
+            (linear.component_mul(&freedom(locked.translation)), angular.component_mul(&freedom(locked.rotation)))
+        }
     };
     Ok(())
 }
 
-fn gather_surface(item: &Components, body: &mut Body, settings: &SolverSettings) -> Result<(), QuarantineReason> {
-    let (material, damping) = (item.material, item.damping);
-    let sane = material.friction >= 0.0
-        && material.friction.is_finite()
-        && (0.0..=1.0).contains(&material.restitution)
-        && damping.linear >= 0.0
-        && damping.angular >= 0.0
-        && damping.linear.is_finite()
-        && damping.angular.is_finite();
-    if !sane {
+fn gather_surface(material: SurfaceMaterial, damping: Damping, body: &mut Body, drag: f64) -> Verdict {
+    let not_negative = |value: f64| value >= 0.0 && value.is_finite();
+    if ![material.friction, damping.linear, damping.angular].into_iter().all(not_negative)
+        || !(0.0..=1.0).contains(&material.restitution)
+    {
         return Err(QuarantineReason::BadMaterial);
     }
     body.material = material;
     body.drag = match body.kind {
-        RigidBody::Dynamic => (settings.drag + damping.linear, settings.drag + damping.angular),
+        RigidBody::Dynamic => (drag + damping.linear, drag + damping.angular),
         // Its own velocity alone moves it.
         RigidBody::Kinematic | RigidBody::Static => (0.0, 0.0),
     };
     Ok(())
 }
 
-fn gather_shape(item: &Components, body: &mut Body) -> Result<(), QuarantineReason> {
-    let Some(collider) = item.collider else {
-        body.changes += u32::from(body.geometry.is_some());
-        body.geometry = None;
-        body.radius = 0.0;
-        return Ok(());
+fn gather_shape(collider: Option<&Collider>, is_new: bool, body: &mut Body) -> Verdict {
+    let can_have = |collider: &&Collider| {
+        collider.is_valid() && (body.kind == RigidBody::Static || *collider.shape() != Shape::HalfSpace)
     };
-    if !collider.is_valid() || (body.kind != RigidBody::Static && *collider.shape() == Shape::HalfSpace) {
-        body.changes += u32::from(body.geometry.is_some());
-        body.geometry = None;
-        body.radius = 0.0;
-        return Err(QuarantineReason::BadMass);
-    }
-    if item.collider_changed || body.geometry.is_none() {
-        body.changes += 1;
-        body.geometry = Some(collider.geometry());
-        body.radius = collider.bounding_radius();
+    match collider.filter(can_have) {
+        None => {
+            body.changes += u32::from(body.geometry.take().is_some());
+            body.radius = 0.0;
+            return if collider.is_some() { Err(QuarantineReason::BadMass) } else { Ok(()) };
+        }
+        Some(collider) if is_new || body.geometry.is_none() => {
+            body.changes += 1;
+            body.geometry = Some(collider.geometry());
+            body.radius = collider.bounding_radius();
+        }
+        Some(_) => {}
     }
     Ok(())
 }
 
 /// Mass and inertia: as given, or from the collider, computed once and again when it changes.
-fn gather_mass(item: &Components, body: &mut Body, commands: &mut Commands) -> Result<(), QuarantineReason> {
-    body.mass = 0.0;
-    body.inverse_mass = Vector3::zeros();
-    body.inverse_inertia_body = Vector3::zeros();
-    body.mass_is_stale |= item.collider_changed || item.density_or_mass_changed;
+fn gather_mass(
+    table: &BodyTable,
+    row: usize,
+    collider: Option<&Collider>,
+    body: &mut Body,
+    commands: &mut Commands,
+) -> Verdict {
+    fix(body);
     if body.kind != RigidBody::Dynamic {
         return Ok(());
     }
+    let collider = collider.ok_or(QuarantineReason::BadMass);
     let positive = |value: f64| value > 0.0 && value.is_finite();
-    let given_mass = item.mass.map(|mass| mass.0).filter(|&mass| body.computed_mass != Some(mass));
-    let given_inertia =
-        item.inertia.map(|inertia| inertia.0.into()).filter(|&inertia| body.computed_inertia != Some(inertia));
+    let given_mass = optional(&table.mass, row).map(|mass| mass.0).filter(|&mass| body.computed_mass != Some(mass));
+    let given_inertia = optional(&table.inertia, row).map(|inertia| inertia.0.into());
+    let given_inertia = given_inertia.filter(|&inertia| body.computed_inertia != Some(inertia));
     if given_mass.is_some() {
         body.computed_mass = None;
     } else if body.mass_is_stale || body.computed_mass.is_none() {
-        let collider = item.collider.ok_or(QuarantineReason::BadMass)?;
-        let mass = collider.mass_properties(item.density.0).mass;
+        let mass = collider?.mass_properties(or_default(&table.density, row).0).mass;
         if positive(mass) && body.computed_mass != Some(mass) {
             commands.entity(body.entity).insert(Mass(mass));
         }
         body.computed_mass = Some(mass);
     }
-    let mass = given_mass.or(body.computed_mass).ok_or(QuarantineReason::BadMass)?;
-    if !positive(mass) {
-        return Err(QuarantineReason::BadMass);
-    }
+    let mass = given_mass.or(body.computed_mass).filter(|&mass| positive(mass)).ok_or(QuarantineReason::BadMass)?;
     if given_inertia.is_some() {
         body.computed_inertia = None;
     } else if body.mass_is_stale || body.computed_inertia.is_none() {
-        let collider = item.collider.ok_or(QuarantineReason::BadMass)?;
-        let inertia = collider.mass_properties_of_mass(mass).inertia;
+        let inertia = collider?.mass_properties_of_mass(mass).inertia;
         if body.computed_inertia != Some(inertia.into()) {
             commands.entity(body.entity).insert(Inertia(inertia));
         }
@@ -159,12 +166,20 @@ fn gather_mass(item: &Components, body: &mut Body, commands: &mut Commands) -> R
     if !inertia.iter().copied().all(positive) {
         return Err(QuarantineReason::BadMass);
     }
+    let locked = or_default(&table.locked, row);
     body.mass_is_stale = false;
     body.mass = mass;
-    body.inverse_mass = freedom(item.locked.translation) / mass;
+    body.inverse_mass = freedom(locked.translation) / mass;
     body.inverse_inertia_body = inertia.map(f64::recip);
-    body.rotation_freedom = freedom(item.locked.rotation);
+    body.rotation_freedom = freedom(locked.rotation);
     Ok(())
+}
+
+/// Makes a body one that nothing moves.
+fn fix(body: &mut Body) {
+    body.mass = 0.0;
+    body.inverse_mass = Vector3::zeros();
+    body.inverse_inertia_body = Vector3::zeros();
 }
 
 /// 0 along locked axes, 1 else.
@@ -175,13 +190,9 @@ fn freedom(locked: [bool; 3]) -> Vector3<f64> {
 /// Puts a body back to its last finite pose, standing still; the solver sees it as static.
 pub(super) fn freeze(table: &mut BodyTable, row: usize, body: &mut Body) {
     body.kind = RigidBody::Static;
-    body.linear = Vector3::zeros();
-    body.angular = Vector3::zeros();
-    body.force = Vector3::zeros();
-    body.torque = Vector3::zeros();
-    body.mass = 0.0;
-    body.inverse_mass = Vector3::zeros();
-    body.inverse_inertia_body = Vector3::zeros();
+    (body.linear, body.angular) = (Vector3::zeros(), Vector3::zeros());
+    (body.force, body.torque) = (Vector3::zeros(), Vector3::zeros());
+    fix(body);
     let pose = (Position(body.position.into()), Rotation(DQuat::from(body.rotation)));
     if table.position.as_ref()[row] != pose.0 || table.rotation.as_ref()[row] != pose.1 {
         columns::set(&mut table.position, row, pose.0);

@@ -3,13 +3,11 @@
 use bevy::ecs::system::SystemChangeTick;
 use bevy::prelude::*;
 
-use crate::physics::bit_set::BitSet;
-use crate::physics::body::{Bodies, BodySlot, QuarantineReason, Quarantined, RigidBody};
-use crate::physics::joint::{JoinedPairs, Joint, JointDefinition, JointSlot, Joints, any_changed};
-use crate::physics::messages::{BodyQuarantined, set_aside};
-use crate::physics::settings::{Method, SolverSettings};
-use crate::physics::sleep::Sleep;
-use crate::physics::stats::StepStats;
+use crate::physics::joint::any_changed;
+use crate::physics::{
+    BitSet, Bodies, BodyQuarantined, BodySlot, JoinedPairs, Joint, JointDefinition, JointSlot, Joints, Method,
+    QuarantineReason, Quarantined, Refill, RigidBody, Sleep, SolverSettings, StepStats, set_aside,
+};
 
 /// What the joints were packed for. Counts tell that one is gone or was let go; events would be lost
 /// in an app that runs many frames without a step.
@@ -100,8 +98,7 @@ pub(super) fn gather_joints(
     }
     packed.sort_unstable_by_key(|&(born, _)| born);
     joints.version += 1;
-    joints.list.clear();
-    joints.list.extend(packed.into_iter().map(|(_, joint)| joint));
+    joints.list.refill(packed.into_iter().map(|(_, joint)| joint));
     let apart = joints.list.iter().filter(|joint| !joint.definition.collide);
     joined.rebuild(apart.map(|joint| (joint.a, joint.b)));
     let Joints { list, joined, driven, .. } = &mut *joints;

@@ -17,17 +17,13 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-use bevy::prelude::*;
-
-pub use add_joint::AddConstraint;
 use add_joint::add_joint;
+use bevy::prelude::*;
 use gather_bodies::gather_bodies;
 use gather_joints::{PackedFor, gather_joints, joints_changed, keep_driven_awake};
 
-use super::joint::JoinedPairs;
-use crate::physics::body::{BirthCounter, Bodies};
-use crate::physics::joint::{BallJoint, Joints};
-use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
+use crate::physics::{BallJoint, BirthCounter, Bodies, JoinedPairs, Joints, PhysicsSchedule, PhysicsSystems};
+pub use add_joint::AddConstraint;
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Bodies>()

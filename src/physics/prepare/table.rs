@@ -10,17 +10,15 @@
 //! Ticks lie in columns of their own, so that looking at all of them is a few instructions for
 //! eight bodies.
 
-use crate::physics::body::Presence;
 use bevy::ecs::change_detection::{ContiguousMut, ContiguousRef, Tick};
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 
-use crate::physics::body::{BodySlot, PoseHistory};
-use crate::physics::body::{
-    CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, Position,
-    QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, Sleeping, SurfaceMaterial, Velocity,
+use crate::physics::{
+    BodySlot, Collider, CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass,
+    PoseHistory, Position, Presence, Quarantined, Refill, ReportCollisions, RigidBody, Rotation, Sleeping,
+    SurfaceMaterial, Velocity,
 };
-use crate::physics::shape::Collider;
 
 #[derive(QueryData)]
 #[query_data(mutable, contiguous(all))]
@@ -83,56 +81,30 @@ impl Watch {
     }
 }
 
-fn ticks<'a, T>(column: &'a Option<ContiguousRef<T>>) -> &'a [Tick] {
-    column.as_ref().map_or(&[], |column| column.changed_ticks_slice())
-}
-
-fn row<T: Copy>(column: &Option<ContiguousRef<T>>, row: usize) -> Option<T> {
-    column.as_ref().map(|column| column[row])
-}
-
-/// The components of one body; defaults stand for what it does not have.
-pub(super) struct Components<'a> {
-    pub kind: RigidBody,
-    pub position: Position,
-    pub rotation: Rotation,
-    pub velocity: Velocity,
-    pub collider: Option<&'a Collider>,
-    pub collider_changed: bool,
-    pub density: Density,
-    pub mass: Option<Mass>,
-    /// Density or mass came or changed.
-    pub density_or_mass_changed: bool,
-    pub inertia: Option<Inertia>,
-    pub force: ExternalForce,
-    pub material: SurfaceMaterial,
-    pub layers: CollisionLayers,
-    pub locked: LockedAxes,
-    pub gravity_scale: GravityScale,
-    pub damping: Damping,
-    pub reports: bool,
-    pub quarantined: Option<QuarantineReason>,
-    pub has_parent: bool,
+fn ticks<'a, T>(column: &'a Option<ContiguousRef<T>>) -> Option<&'a [Tick]> {
+    column.as_ref().map(|column| column.changed_ticks_slice())
 }
 
 impl BodyTable<'_, '_> {
+    /// The optional columns with values, by when each row changed.
+    fn optional_columns(&self) -> [Option<&[Tick]>; 10] {
+        [
+            ticks(&self.collider),
+            ticks(&self.density),
+            ticks(&self.mass),
+            ticks(&self.inertia),
+            ticks(&self.force),
+            ticks(&self.material),
+            ticks(&self.layers),
+            ticks(&self.locked),
+            ticks(&self.gravity_scale),
+            ticks(&self.damping),
+        ]
+    }
+
     pub fn presence(&self) -> Presence {
-        let present = [
-            self.collider.is_some(),
-            self.density.is_some(),
-            self.mass.is_some(),
-            self.inertia.is_some(),
-            self.force.is_some(),
-            self.material.is_some(),
-            self.layers.is_some(),
-            self.locked.is_some(),
-            self.gravity_scale.is_some(),
-            self.damping.is_some(),
-            self.reports,
-            self.quarantined.is_some(),
-            self.parent,
-            self.sleeping,
-        ];
+        let marks = [self.reports, self.quarantined.is_some(), self.parent, self.sleeping];
+        let present = self.optional_columns().map(|column| column.is_some()).into_iter().chain(marks);
         Presence((0..).zip(present).map(|(bit, present)| u32::from(present) << bit).sum())
     }
 
@@ -141,8 +113,7 @@ impl BodyTable<'_, '_> {
         let rows = self.entity.len();
         // What is quarantined is looked at every step: it may have been mended, and it is counted.
         let all = self.quarantined.is_some() || self.parent;
-        stale.clear();
-        stale.resize(rows, all);
+        stale.reset(rows, all);
         if all {
             return true;
         }
@@ -154,22 +125,13 @@ impl BodyTable<'_, '_> {
                 *stale |= slot.gathered_with != present;
             }
         }
-        for ticks in [
+        let required = [
             self.kind.changed_ticks_slice(),
             self.position.changed_ticks_slice(),
             self.rotation.changed_ticks_slice(),
             self.velocity.changed_ticks_slice(),
-            ticks(&self.collider),
-            ticks(&self.density),
-            ticks(&self.mass),
-            ticks(&self.inertia),
-            ticks(&self.force),
-            ticks(&self.material),
-            ticks(&self.layers),
-            ticks(&self.locked),
-            ticks(&self.gravity_scale),
-            ticks(&self.damping),
-        ] {
+        ];
+        for ticks in required.into_iter().chain(self.optional_columns().into_iter().flatten()) {
             any |= watch.mark(ticks, stale);
         }
         any | self.find_teleported(watch, stale)
@@ -191,30 +153,29 @@ impl BodyTable<'_, '_> {
         any
     }
 
-    pub fn components(&self, index: usize, watch: &Watch) -> Components<'_> {
-        let changed = |ticks: &[Tick]| ticks.get(index).is_some_and(|&tick| watch.is_new(tick));
-        Components {
-            kind: self.kind[index],
-            position: value(&self.position, index),
-            rotation: value(&self.rotation, index),
-            velocity: value(&self.velocity, index),
-            collider: self.collider.as_ref().map(|column| &column[index]),
-            collider_changed: changed(ticks(&self.collider)),
-            density: row(&self.density, index).unwrap_or_default(),
-            mass: row(&self.mass, index),
-            density_or_mass_changed: changed(ticks(&self.density)) || changed(ticks(&self.mass)),
-            inertia: row(&self.inertia, index),
-            force: row(&self.force, index).unwrap_or_default(),
-            material: row(&self.material, index).unwrap_or_default(),
-            layers: row(&self.layers, index).unwrap_or_default(),
-            locked: row(&self.locked, index).unwrap_or_default(),
-            gravity_scale: row(&self.gravity_scale, index).unwrap_or_default(),
-            damping: row(&self.damping, index).unwrap_or_default(),
-            reports: self.reports,
-            quarantined: self.quarantined.map(|column| column[index].reason),
-            has_parent: self.parent,
-        }
+    /// Whether a row's collider has changed or is new.
+    pub fn is_collider_new(&self, row: usize, watch: &Watch) -> bool {
+        is_new(&self.collider, row, watch)
     }
+
+    /// Whether a row's density or mass has changed or is new.
+    pub fn is_density_or_mass_new(&self, row: usize, watch: &Watch) -> bool {
+        is_new(&self.density, row, watch) || is_new(&self.mass, row, watch)
+    }
+}
+
+fn is_new<T>(column: &Option<ContiguousRef<T>>, row: usize, watch: &Watch) -> bool {
+    ticks(column).is_some_and(|ticks| watch.is_new(ticks[row]))
+}
+
+/// Reads one row of a column that bodies need not have.
+pub(super) fn optional<T: Copy>(column: &Option<ContiguousRef<T>>, row: usize) -> Option<T> {
+    column.as_ref().map(|column| column[row])
+}
+
+/// Likewise, its default where they have not.
+pub(super) fn or_default<T: Copy + Default>(column: &Option<ContiguousRef<T>>, row: usize) -> T {
+    optional(column, row).unwrap_or_default()
 }
 
 /// Reads one row of a column.

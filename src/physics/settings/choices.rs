@@ -3,7 +3,8 @@
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::described::{Choice, Choices, choices};
+use super::described::choices;
+use super::{Choice, Choices};
 
 choices! {
     /// How contact and joint rows are solved: on the forces of each (sub)step, as `pgs`, `cg_pgs`, `nncg` and

@@ -4,15 +4,13 @@
 
 mod choices;
 mod described;
-mod gravity;
 mod solver_settings;
 mod written;
 
 pub use choices::{BroadPhase, ContactModel, ExactIntegrator, FrictionModel, Integrator, Method, Precision};
 pub use described::{Choice, Choices};
-pub use gravity::Gravity;
 pub(crate) use solver_settings::contacts_last;
 pub use solver_settings::{
-    ExactSettings, ImpulseSettings, SETTINGS, Setting, SettingsError, SolverSettings, SweepSettings,
+    ExactSettings, Gravity, ImpulseSettings, SETTINGS, Setting, SettingsError, SolverSettings, SweepSettings,
 };
 pub use written::WrittenSettings;

@@ -1,12 +1,13 @@
 //! The settings of the step, by engine, and the presets.
 
+use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy::reflect::GetPath;
 use serde::de::MapAccess;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
-use super::choices::{BroadPhase, ContactModel, ExactIntegrator, FrictionModel, Integrator, Method, Precision};
-use super::described::{Choice, Choices, one_line, settings};
+use super::described::{one_line, settings};
+use super::{BroadPhase, Choice, Choices, ContactModel, ExactIntegrator, FrictionModel, Integrator, Method, Precision};
 
 const EVERY: Readers = Readers { methods: |_| true, with: None };
 const ALL_BUT_EXACT: Readers = Readers { methods: |method| method != Method::Exact, with: None };
@@ -95,6 +96,17 @@ settings! {
             /// How what touches nothing is stepped.
             integrator: ExactIntegrator => EXACT;
         }
+    }
+}
+
+/// Acceleration of gravity, m/s² (default 9.81 downwards, y up).
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Deref, DerefMut)]
+#[reflect(Resource, Debug, Default, PartialEq)]
+pub struct Gravity(pub DVec3);
+
+impl Default for Gravity {
+    fn default() -> Self {
+        Self(DVec3::new(0.0, -9.81, 0.0))
     }
 }
 

@@ -6,8 +6,7 @@ use std::fmt;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 
-use super::choices::{ExactIntegrator, Integrator};
-use super::solver_settings::{SETTINGS, Setting, SettingsError, SolverSettings};
+use super::{ExactIntegrator, Integrator, SETTINGS, Setting, SettingsError, SolverSettings};
 
 /// Settings, and which of them a user wrote.
 #[derive(Default)]

@@ -9,11 +9,10 @@ use bevy::math::{DMat3, DQuat, DVec3};
 use bevy::prelude::*;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-use super::hull::{Face, Hull};
-use super::merge_facets;
-use super::quick_hull;
-use super::quick_hull::Degenerate;
+use super::hull::Face;
+use super::quick_hull::{self, Degenerate};
 use super::volume_integrals::VolumeIntegrals;
+use super::{Hull, Measures, merge_facets};
 
 /// Half the largest extent that a hull may have, m: its volume and moments are well within the
 /// range of `f64`.
@@ -87,10 +86,7 @@ struct Measured {
     hull: Arc<Hull>,
     center: DVec3,
     axes: DQuat,
-    volume: f64,
-    /// Principal, of 1 kg.
-    moments: DVec3,
-    radius: f64,
+    measures: Measures,
 }
 
 impl PartialEq for Measured {
@@ -117,7 +113,7 @@ impl ConvexHull {
         let (middle, half_extent) = bounds(points)?;
         // A power of two: scaling by it rounds nothing.
         let unit = half_extent.log2().ceil().exp2();
-        let scaled: Vec<Vector3<f64>> = points.iter().map(|&point| vector((point - middle) / unit)).collect();
+        let scaled: Vec<Vector3<f64>> = points.iter().map(|&point| ((point - middle) / unit).into()).collect();
         let count = points.len();
         let triangulation = quick_hull::triangulate(&scaled).map_err(|degenerate| match degenerate {
             Degenerate::Line => HullError::Collinear { count },
@@ -140,7 +136,7 @@ impl ConvexHull {
 
     /// From the centre of mass, in principal axes, m.
     pub fn vertices(&self) -> impl ExactSizeIterator<Item = DVec3> {
-        self.0.hull.vertices.iter().map(|vertex| DVec3::new(vertex.x, vertex.y, vertex.z))
+        self.0.hull.vertices.iter().map(|&vertex| vertex.into())
     }
 
     /// The faces, each as indices of its vertices, counter-clockwise seen from outside.
@@ -150,7 +146,7 @@ impl ConvexHull {
 
     /// m³.
     pub fn volume(&self) -> f64 {
-        self.0.volume
+        self.0.measures.volume
     }
 
     /// The least distance from a face's plane to the vertex farthest behind it, m.
@@ -161,14 +157,13 @@ impl ConvexHull {
         hull.faces.iter().map(behind).fold(f64::INFINITY, f64::min)
     }
 
-    /// Principal moments of 1 kg, m².
-    pub(super) fn moments(&self) -> DVec3 {
-        self.0.moments
+    pub(super) fn measures(&self) -> Measures {
+        self.0.measures
     }
 
     /// Radius of the smallest sphere about the centre of mass that holds it, m.
     pub fn bounding_radius(&self) -> f64 {
-        self.0.radius
+        self.0.measures.radius
     }
 
     pub(super) fn hull(&self) -> Arc<Hull> {
@@ -184,17 +179,16 @@ impl Measured {
         let about_center: Vec<Vector3<f64>> = vertices.iter().map(|vertex| vertex - center).collect();
         let integrals = VolumeIntegrals::of(&about_center, &loops);
         let (axes, moments) = principal_axes(&(integrals.inertia() / integrals.volume));
-        let turn = nalgebra::UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(axes.w, axes.x, axes.y, axes.z));
+        let turn = nalgebra::UnitQuaternion::new_unchecked(nalgebra::Quaternion::from(axes));
         let vertices: Vec<Vector3<f64>> =
             about_center.iter().map(|vertex| turn.inverse_transform_vector(vertex) * unit).collect();
-        Self {
-            radius: vertices.iter().map(Vector3::norm).fold(0.0, f64::max),
-            hull: Arc::new(Hull::new(vertices, loops)),
-            center: middle + DVec3::new(center.x, center.y, center.z) * unit,
-            axes,
+        let measures = Measures {
             volume: integrals.volume * unit.powi(3),
             moments: moments * unit * unit,
-        }
+            radius: vertices.iter().map(Vector3::norm).fold(0.0, f64::max),
+        };
+        let center = middle + DVec3::from(center) * unit;
+        Self { hull: Arc::new(Hull::new(vertices, loops)), center, axes, measures }
     }
 }
 
@@ -252,7 +246,7 @@ fn principal_axes(inertia: &Matrix3<f64>) -> (DQuat, DVec3) {
         None => nearest_to_identity([axis(0), axis(1), axis(2)]),
     };
     let moments = DVec3::AXES.map(|axis| {
-        let axis = vector(rotation * axis);
+        let axis = Vector3::from(rotation * axis);
         axis.dot(&(inertia * axis))
     });
     (rotation, DVec3::from_array(moments))
@@ -275,8 +269,4 @@ fn nearest_to_identity(axes: [DVec3; 3]) -> DQuat {
         }
     }
     if nearest.w < 0.0 { -nearest } else { nearest }
-}
-
-fn vector(point: DVec3) -> Vector3<f64> {
-    Vector3::new(point.x, point.y, point.z)
 }

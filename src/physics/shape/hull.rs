@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
-use crate::physics::collision::VectorSet;
+use crate::physics::VectorSet;
 
 /// Vertices within this share of the bounding radius (L1 distance) of a kept one are dropped
 /// where a hull is built from points (the 2009 engine's reduction at load).

@@ -8,8 +8,8 @@
 mod cone;
 mod convex_hull;
 mod cuboid;
-mod half_space;
 mod hull;
+mod measures;
 mod merge_facets;
 mod quick_hull;
 mod sphere;
@@ -26,6 +26,7 @@ use nalgebra::Vector3;
 
 pub use convex_hull::{ConvexHull, HullError};
 pub(crate) use hull::Hull;
+use measures::Measures;
 
 /// The shape of a body, one per body, centred on its centre of mass. Sizes are full and in m.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
@@ -121,15 +122,19 @@ impl Collider {
         }
     }
 
+    fn measures(&self) -> Measures {
+        match &self.shape {
+            Shape::HalfSpace => Measures { volume: f64::INFINITY, moments: DVec3::INFINITY, radius: f64::INFINITY },
+            Shape::Sphere { radius } => sphere::measures(*radius),
+            Shape::Cuboid { size } => cuboid::measures(*size),
+            Shape::Cone { radius, height } => cone::measures(*radius, *height),
+            Shape::Hull(hull) => hull.measures(),
+        }
+    }
+
     /// Volume, m³; infinite for a half-space.
     pub fn volume(&self) -> f64 {
-        match &self.shape {
-            Shape::HalfSpace => half_space::VOLUME,
-            Shape::Sphere { radius } => sphere::volume(*radius),
-            Shape::Cuboid { size } => cuboid::volume(*size),
-            Shape::Cone { radius, height } => cone::volume(*radius, *height),
-            Shape::Hull(hull) => hull.volume(),
-        }
+        self.measures().volume
     }
 
     /// Mass and inertia at a density in kg/m³, the mass spread evenly; infinite for a half-space.
@@ -139,26 +144,13 @@ impl Collider {
 
     /// Inertia of that mass in kg, spread evenly; infinite for a half-space.
     pub fn mass_properties_of_mass(&self, mass: f64) -> MassProperties {
-        let moments = match &self.shape {
-            Shape::HalfSpace => half_space::MOMENTS,
-            Shape::Sphere { radius } => sphere::moments(*radius),
-            Shape::Cuboid { size } => cuboid::moments(*size),
-            Shape::Cone { radius, height } => cone::moments(*radius, *height),
-            Shape::Hull(hull) => hull.moments(),
-        };
-        MassProperties { mass, inertia: mass * moments }
+        MassProperties { mass, inertia: mass * self.measures().moments }
     }
 
     /// Radius of the smallest sphere about the centre of mass that holds the shape, m; infinite
     /// for a half-space.
     pub fn bounding_radius(&self) -> f64 {
-        match &self.shape {
-            Shape::HalfSpace => half_space::BOUNDING_RADIUS,
-            Shape::Sphere { radius } => *radius,
-            Shape::Cuboid { size } => cuboid::bounding_radius(*size),
-            Shape::Cone { radius, height } => cone::bounding_radius(*radius, *height),
-            Shape::Hull(hull) => hull.bounding_radius(),
-        }
+        self.measures().radius
     }
 
     /// The shape ready for collision. Of a valid collider only.

@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::Vector3;
 
 use super::hull::VERTEX_EPSILON;
-use crate::physics::collision::VectorSet;
+use crate::physics::VectorSet;
 
 /// Most vertices of a hull: at most 252 faces.
 pub(super) const MAX_VERTICES: usize = 128;
@@ -290,9 +290,8 @@ impl<'a> Builder<'a> {
             }
             let [a, b, c] = corners.map(|corner| self.lattice(corner));
             // In whole numbers: the normal of the narrowest triangle is as true as any.
-            let normal = cross(minus(b, a), minus(c, a)).map(|component| component as f64);
-            let normal = Vector3::from(normal).normalize();
-            let offset = normal.dot(&Vector3::from(a.map(|component| component as f64 / LATTICE)));
+            let normal = (b - a).cross(&(c - a)).map(|component| component as f64).normalize();
+            let offset = normal.dot(&a.map(|component| component as f64 / LATTICE));
             self.facets.push(Facet { corners, normal, offset, outside: Vec::new(), reach: 0.0, is_alive: true });
         }
         let facets = &mut self.facets[first..];
@@ -326,27 +325,17 @@ impl<'a> Builder<'a> {
 
     fn is_in_front(&self, point: u32, [a, b, c]: [u32; 3]) -> bool {
         let origin = self.lattice(a);
-        let [b, c, point] = [b, c, point].map(|index| minus(self.lattice(index), origin));
-        let normal = cross(b, c);
+        let [b, c, point] = [b, c, point].map(|index| self.lattice(index) - origin);
         // 41 bits each and three products: within the 127 there are.
-        (0..3).map(|axis| normal[axis] * point[axis]).sum::<i128>() > 0
+        b.cross(&c).dot(&point) > 0
     }
 
-    fn lattice(&self, point: u32) -> [i128; 3] {
-        let point = self.points[point as usize];
-        [point.x, point.y, point.z].map(|component| (component * LATTICE).round() as i128)
+    fn lattice(&self, point: u32) -> Vector3<i128> {
+        self.points[point as usize].map(|component| (component * LATTICE).round() as i128)
     }
 }
 
 /// Directed, counter-clockwise.
 pub(super) fn edges([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
     [[a, b], [b, c], [c, a]]
-}
-
-fn minus(a: [i128; 3], b: [i128; 3]) -> [i128; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn cross(a: [i128; 3], b: [i128; 3]) -> [i128; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

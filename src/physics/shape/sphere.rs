@@ -4,11 +4,9 @@ use std::f64::consts::PI;
 
 use bevy::math::DVec3;
 
-pub(super) fn volume(radius: f64) -> f64 {
-    4.0 / 3.0 * PI * radius.powi(3)
-}
+use super::Measures;
 
-/// 2/5 r².
-pub(super) fn moments(radius: f64) -> DVec3 {
-    DVec3::splat(0.4 * radius * radius)
+/// Moments 2/5 r².
+pub(super) fn measures(radius: f64) -> Measures {
+    Measures { volume: 4.0 / 3.0 * PI * radius.powi(3), moments: DVec3::splat(0.4 * radius * radius), radius }
 }

@@ -4,7 +4,7 @@ use std::sync::Mutex;
 
 use bevy::tasks::ComputeTaskPool;
 
-use super::claims::Division;
+use super::Division;
 use super::workers::on_workers;
 
 /// Calls `work` once on every block; a panic of it goes on from here. Up to `threads` threads, the calling one

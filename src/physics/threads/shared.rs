@@ -3,7 +3,7 @@
 
 use std::marker::PhantomData;
 
-use super::claims::Claims;
+use super::Claims;
 
 /// A mutable slice, handed to several threads that agree among themselves who writes what. What the solver agrees on
 /// stands in `solver::impulse`; debug builds assert it ([`super::claims`]).

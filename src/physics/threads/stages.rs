@@ -15,6 +15,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use bevy::tasks::ComputeTaskPool;
 
 use super::workers::on_workers;
+use crate::physics::Refill;
 
 /// Spins before a worker lets others have its core: the operating system may have more threads
 /// than cores.
@@ -61,8 +62,7 @@ impl Stages {
             }
             return;
         };
-        self.chunks.clear();
-        self.chunks.extend(chunks);
+        self.chunks.refill(chunks);
         let workers = (threads as usize).min(self.chunks.iter().copied().max().unwrap_or(0)).max(1);
         self.done.clear();
         self.done.resize_with(self.chunks.len(), Counter::default);

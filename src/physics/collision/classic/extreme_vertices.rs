@@ -8,12 +8,10 @@
 use nalgebra::Vector3;
 
 use super::placed::Placed;
-use super::sat::{self, AxisBuffers, AxisSearch};
-use crate::physics::body::Body;
+use super::sat::{self, AxisBuffers};
 use crate::physics::collision::constants::EXTREME_SHARE;
-use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
-use crate::physics::settings::SolverSettings;
-use crate::physics::shape::Geometry;
+use crate::physics::collision::manifold::Overlap;
+use crate::physics::{Body, ContactPoint, FeatureId, Geometry, SolverSettings};
 
 /// Adds the contact points of two bodies in world axes, if they overlap.
 pub(crate) fn touch(
@@ -23,11 +21,9 @@ pub(crate) fn touch(
     buffers: &mut AxisBuffers,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
-    let search =
-        AxisSearch { epsilon: settings.sweeps.axis_epsilon, merge_opposites: settings.sweeps.merge_opposite_axes };
     let origin = a.position;
     let (shape_a, shape_b) = (Placed::new(a, &origin)?, Placed::new(b, &origin)?);
-    let overlap = sat::overlap(&shape_a, &shape_b, &search, buffers)?;
+    let overlap = sat::overlap(&shape_a, &shape_b, &settings.sweeps, buffers)?;
     let first = points.len();
     contact_points(&shape_a, &shape_b, &overlap, points);
     for point in &mut points[first..] {

@@ -5,9 +5,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::physics::body::Body;
 use crate::physics::collision::narrow::polyhedron::nearest_on_hull;
-use crate::physics::shape::Geometry;
+use crate::physics::{Body, Geometry};
 
 /// A body's shape, its centre relative to body A of the pair, in world axes.
 pub(crate) struct Placed<'a> {
@@ -75,40 +74,28 @@ impl<'a> Placed<'a> {
         matches!(self.geometry, Geometry::Cuboid { .. })
     }
 
-    /// The outward normals of the faces; of a symmetric shape one of each pair.
-    pub fn face_normals(&self, normals: &mut Vec<Vector3<f64>>) {
-        normals.clear();
-        match self.geometry {
-            Geometry::HalfSpace => normals.push(self.plane_normal()),
-            Geometry::Sphere { .. } => {}
-            Geometry::Cuboid { .. } => normals.extend((0..3).map(|axis| self.axis(axis))),
-            Geometry::Hull(hull) | Geometry::Cone { hull, .. } => {
-                normals.extend(hull.faces.iter().map(|face| self.rotation * face.normal))
-            }
-        }
-    }
-
-    /// The unit directions of the edges, each once up to sign.
-    pub fn edge_directions(&self, directions: &mut Vec<Vector3<f64>>) {
-        directions.clear();
+    /// The outward normals of the faces, of a symmetric shape one of each pair; or the unit directions of the edges, each
+    /// once up to sign. Not of a half-space.
+    pub fn axes(&self, of_edges: bool, axes: &mut Vec<Vector3<f64>>) {
+        axes.clear();
         match self.geometry {
             Geometry::HalfSpace | Geometry::Sphere { .. } => {}
-            Geometry::Cuboid { .. } => directions.extend((0..3).map(|axis| self.axis(axis))),
+            Geometry::Cuboid { .. } => axes.extend((0..3).map(|axis| self.axis(axis))),
+            Geometry::Hull(hull) | Geometry::Cone { hull, .. } if of_edges => {
+                axes.extend(hull.edge_directions.iter().map(|direction| self.rotation * direction));
+            }
             Geometry::Hull(hull) | Geometry::Cone { hull, .. } => {
-                directions.extend(hull.edge_directions.iter().map(|direction| self.rotation * direction));
+                axes.extend(hull.faces.iter().map(|face| self.rotation * face.normal));
             }
         }
     }
 
-    /// The point of the shape that is nearest to `point`, which is itself if it lies inside.
+    /// The point of the shape that is nearest to `point`, which is itself if it lies inside. Of a ball, any point on
+    /// the way to its centre shows the way; its centre always does.
     pub fn nearest(&self, point: &Vector3<f64>) -> Vector3<f64> {
         let local = self.to_body(&(point - self.center));
         match self.geometry {
-            Geometry::HalfSpace => point - self.plane_normal() * local.y.max(0.0),
-            Geometry::Sphere { radius } => {
-                let distance = local.norm();
-                if distance <= *radius { *point } else { self.to_world(&(local * (radius / distance))) }
-            }
+            Geometry::HalfSpace | Geometry::Sphere { .. } => self.center,
             Geometry::Cuboid { half } => self.to_world(&local.zip_map(half, |along, half| along.clamp(-half, half))),
             Geometry::Hull(hull) | Geometry::Cone { hull, .. } => self.to_world(&nearest_on_hull(hull, &local)),
         }
@@ -118,35 +105,24 @@ impl<'a> Placed<'a> {
     /// farthest along a unit direction. A ball's one extreme point counts as a vertex; a
     /// half-space has none.
     pub fn for_each_extreme(&self, direction: &Vector3<f64>, tolerance: f64, mut visit: impl FnMut(u32, Vector3<f64>)) {
+        let least = self.project(direction)[1] - tolerance;
+        let mut look_at = |index: u32, vertex: Vector3<f64>| {
+            if vertex.dot(direction) >= least {
+                visit(index, vertex);
+            }
+        };
         match self.geometry {
             Geometry::HalfSpace => {}
             Geometry::Sphere { radius } => visit(0, self.center + direction * *radius),
-            _ => {
-                let farthest = self.project(direction)[1];
-                self.for_each_vertex(|index, vertex| {
-                    if vertex.dot(direction) >= farthest - tolerance {
-                        visit(index, vertex);
-                    }
-                });
-            }
-        }
-    }
-
-    /// Calls `visit` with the index and place of every vertex. Round shapes have none.
-    fn for_each_vertex(&self, mut visit: impl FnMut(u32, Vector3<f64>)) {
-        match self.geometry {
-            Geometry::HalfSpace | Geometry::Sphere { .. } => {}
             Geometry::Cuboid { half } => {
                 let arms: [_; 3] = std::array::from_fn(|axis| self.axis(axis) * half[axis]);
                 for index in 0..8_u32 {
                     let sign = |bit: u32| if index & bit == 0 { 1.0 } else { -1.0 };
-                    visit(index, self.center + arms[0] * sign(1) + arms[1] * sign(2) + arms[2] * sign(4));
+                    look_at(index, self.center + arms[0] * sign(1) + arms[1] * sign(2) + arms[2] * sign(4));
                 }
             }
             Geometry::Hull(hull) | Geometry::Cone { hull, .. } => {
-                for (index, vertex) in hull.vertices.iter().enumerate() {
-                    visit(index as u32, self.to_world(vertex));
-                }
+                (0..).zip(&hull.vertices).for_each(|(index, vertex)| look_at(index, self.to_world(vertex)));
             }
         }
     }

@@ -17,19 +17,9 @@
 use nalgebra::Vector3;
 
 use super::placed::Placed;
-use super::vector_set::VectorSet;
 use crate::physics::collision::constants::{CONTACT_TOLERANCE, ON_SURFACE};
 use crate::physics::collision::manifold::Overlap;
-use crate::physics::shape::Geometry;
-
-/// How axes are chosen.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct AxisSearch {
-    /// L1 distance within which two axes count as one.
-    pub epsilon: f64,
-    /// Whether n and −n count as one.
-    pub merge_opposites: bool,
-}
+use crate::physics::{Geometry, SweepSettings, VectorSet};
 
 /// Buffers of the test, kept from pair to pair.
 #[derive(Default)]
@@ -42,11 +32,11 @@ pub(crate) struct AxisBuffers {
 }
 
 /// Tests two shapes; none if they are apart. Not for two half-spaces.
-pub(crate) fn overlap(a: &Placed, b: &Placed, search: &AxisSearch, buffers: &mut AxisBuffers) -> Option<Overlap> {
+pub(crate) fn overlap(a: &Placed, b: &Placed, settings: &SweepSettings, buffers: &mut AxisBuffers) -> Option<Overlap> {
     match (a.geometry, b.geometry) {
         (Geometry::HalfSpace, _) => plane_overlap(a, b),
         (_, Geometry::HalfSpace) => plane_overlap(b, a).map(|overlap| Overlap { normal: -overlap.normal, ..overlap }),
-        _ => convex_overlap(a, b, search, buffers),
+        _ => convex_overlap(a, b, settings, buffers),
     }
 }
 
@@ -56,8 +46,8 @@ fn plane_overlap(plane: &Placed, body: &Placed) -> Option<Overlap> {
     (depth >= -CONTACT_TOLERANCE * body.radius).then(|| Overlap { normal, depth: depth.max(0.0) })
 }
 
-fn convex_overlap(a: &Placed, b: &Placed, search: &AxisSearch, buffers: &mut AxisBuffers) -> Option<Overlap> {
-    buffers.set.reset(search.epsilon, search.merge_opposites, 1.0);
+fn convex_overlap(a: &Placed, b: &Placed, settings: &SweepSettings, buffers: &mut AxisBuffers) -> Option<Overlap> {
+    buffers.set.reset(settings.axis_epsilon, settings.merge_opposite_axes, 1.0);
     let mut test = AxisTest { a, b, tolerance: CONTACT_TOLERANCE * (a.radius + b.radius), least: None, axes: 0 };
     let touch = test.run(buffers);
     buffers.axes += test.axes;
@@ -87,8 +77,8 @@ impl AxisTest<'_> {
         }
         self.test_faces(set, one, a)?;
         self.test_faces(set, other, b)?;
-        one.edge_directions(a);
-        other.edge_directions(b);
+        one.axes(true, a);
+        other.axes(true, b);
         for along_a in &*a {
             for along_b in &*b {
                 if let Some(axis) = set.insert_direction(along_a.cross(along_b)) {
@@ -101,12 +91,7 @@ impl AxisTest<'_> {
 
     /// The axis from a ball to the nearest point of the other shape, unless its centre is inside.
     fn test_nearest(&mut self, set: &mut VectorSet, ball: &Placed, other: &Placed) -> Option<()> {
-        // Of a ball, any point on the way to its centre shows the way; its centre always does.
-        let nearest = match other.geometry {
-            Geometry::Sphere { .. } => other.center,
-            _ => other.nearest(&ball.center),
-        };
-        let away = ball.center - nearest;
+        let away = ball.center - other.nearest(&ball.center);
         let distance = away.norm();
         if distance <= ON_SURFACE * ball.radius {
             return Some(());
@@ -117,7 +102,7 @@ impl AxisTest<'_> {
     }
 
     fn test_faces(&mut self, set: &mut VectorSet, shape: &Placed, normals: &mut Vec<Vector3<f64>>) -> Option<()> {
-        shape.face_normals(normals);
+        shape.axes(false, normals);
         for &normal in &*normals {
             if set.insert(normal) {
                 self.test(normal)?;

@@ -20,20 +20,16 @@ use std::cmp::Ordering;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use crate::physics::body::{Bodies, Body, CollisionLayers};
 use crate::physics::collision::constants::{BUCKETS_A_BLOCK, CONTACT_TOLERANCE, MOVES_A_BODY};
 use crate::physics::collision::gap::{contact_gap, own_reach};
-use crate::physics::collision::manifold::{CandidatePairs, Pair};
-use crate::physics::joint::JoinedPairs;
-use crate::physics::settings::{Method, SolverSettings};
-use crate::physics::shape::Geometry;
-use crate::physics::stats::StepStats;
-use crate::physics::threads::for_each_of;
+use crate::physics::collision::manifold::CandidatePairs;
+use crate::physics::{
+    Bodies, Body, CollisionLayers, Geometry, JoinedPairs, Method, Pair, Refill, SolverSettings, StepStats, for_each_of,
+};
 
 /// What the sweep keeps from step to step: the order of the bodies, and buffers.
 #[derive(Default)]
 pub(crate) struct SweepAndSort {
-    half_spaces: Vec<u32>,
     order: Vec<Begin>,
     spheres: Vec<Projection>,
     /// Pairs of each run of buckets.
@@ -98,11 +94,11 @@ impl SweepAndSort {
         settings: &SolverSettings,
         pairs: &mut Vec<Pair>,
     ) {
-        let swept = self.survey(bodies);
+        let swept = bodies.iter().filter(|body| is_swept(body)).count();
         if swept == 0 {
             return;
         }
-        self.half_space_pairs(bodies, joined, settings, pairs);
+        half_space_pairs(bodies, joined, settings, pairs);
         self.sort(bodies, swept, settings);
         self.project(bodies, settings);
         let block_count = self.spheres.len().div_ceil(BUCKETS_A_BLOCK);
@@ -118,44 +114,6 @@ impl SweepAndSort {
         });
         for found in &self.found {
             pairs.extend_from_slice(found);
-        }
-    }
-
-    /// Finds the half-spaces, and the number of bodies to sweep.
-    fn survey(&mut self, bodies: &[Body]) -> usize {
-        self.half_spaces.clear();
-        let mut swept = 0;
-        for (index, body) in bodies.iter().enumerate() {
-            if is_swept(body) {
-                swept += 1;
-            } else if matches!(body.geometry, Some(Geometry::HalfSpace)) {
-                self.half_spaces.push(index as u32);
-            }
-        }
-        swept
-    }
-
-    fn half_space_pairs(
-        &self,
-        bodies: &[Body],
-        joined: &JoinedPairs,
-        settings: &SolverSettings,
-        pairs: &mut Vec<Pair>,
-    ) {
-        for &a in &self.half_spaces {
-            let plane = &bodies[a as usize];
-            let normal = plane.rotation * Vector3::y();
-            for (b, body) in bodies.iter().enumerate() {
-                if is_swept(body)
-                    && body.is_dynamic()
-                    && normal.dot(&(body.position - plane.position))
-                        <= touching_reach(body) + contact_gap(plane, body, settings)
-                    && plane.layers.interact(body.layers)
-                    && !joined.contains(a, b as u32)
-                {
-                    pairs.push(Pair { a, b: b as u32 });
-                }
-            }
         }
     }
 
@@ -177,8 +135,7 @@ impl SweepAndSort {
     }
 
     fn project(&mut self, bodies: &[Body], settings: &SolverSettings) {
-        self.spheres.clear();
-        self.spheres.extend(self.order.iter().map(|begin| {
+        self.spheres.refill(self.order.iter().map(|begin| {
             let body = &bodies[begin.body as usize];
             let reach = reach(body, settings);
             let interval = |middle: f64| [middle - reach, middle + reach];
@@ -191,6 +148,24 @@ impl SweepAndSort {
                 layers: body.layers,
             }
         }));
+    }
+}
+
+fn half_space_pairs(bodies: &[Body], joined: &JoinedPairs, settings: &SolverSettings, pairs: &mut Vec<Pair>) {
+    let is_half_space = |body: &Body| matches!(body.geometry, Some(Geometry::HalfSpace));
+    for (a, plane) in (0..).zip(bodies).filter(|(_, body)| is_half_space(body)) {
+        let normal = plane.rotation * Vector3::y();
+        for (b, body) in (0..).zip(bodies) {
+            if is_swept(body)
+                && body.is_dynamic()
+                && normal.dot(&(body.position - plane.position))
+                    <= touching_reach(body) + contact_gap(plane, body, settings)
+                && plane.layers.interact(body.layers)
+                && !joined.contains(a, b)
+            {
+                pairs.push(Pair { a, b });
+            }
+        }
     }
 }
 

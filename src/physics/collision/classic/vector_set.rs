@@ -8,8 +8,9 @@
 //! The first few are compared in one sweep of wide instructions; those after them are chained by
 //! their x, so that the thousand axes of two fine hulls cost no million comparisons.
 
-use crate::physics::collision::constants::LEAST_AXIS;
 use nalgebra::Vector3;
+
+use crate::physics::collision::constants::LEAST_AXIS;
 
 /// Vectors that are compared in one sweep: two boxes give 21.
 const SWEPT: usize = 24;

@@ -5,8 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::time_of_impact::{self, advanced};
-use crate::physics::body::Body;
-use crate::physics::collision::manifold::Pair;
+use crate::physics::{Body, Pair};
 
 /// State of a body at the start of the step.
 #[derive(Clone, Copy, Debug)]

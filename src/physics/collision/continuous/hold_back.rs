@@ -13,13 +13,9 @@ use bevy::prelude::*;
 
 use super::fast_pair::FastPair;
 use super::time_of_impact::{self, Course, Impact, advanced, inner_radius};
-use crate::physics::body::{Bodies, Body, world_inverse_inertia};
 use crate::physics::collision::constants::CORE_SHARE;
-use crate::physics::collision::manifold::{ContactPoint, Pair};
 use crate::physics::collision::narrow::contact_pair::PairSearch;
-use crate::physics::collision::slots::graph::ContactGraph;
-use crate::physics::settings::SolverSettings;
-use crate::physics::shape::Geometry;
+use crate::physics::{Bodies, Body, ContactGraph, ContactPoint, Geometry, Pair, SolverSettings, world_inverse_inertia};
 
 /// The body with its core for its shape.
 fn core(body: Body) -> Body {

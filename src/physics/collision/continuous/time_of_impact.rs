@@ -15,12 +15,11 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::physics::body::{Body, RigidBody, rotation_by};
 use crate::physics::collision::constants::{IMPACT_TOLERANCE, LONGEST_ARM, MOST_ADVANCES};
 use crate::physics::collision::gap::{fastest_approach, turning_speed};
-use crate::physics::collision::manifold::{ContactPoint, Overlap};
+use crate::physics::collision::manifold::Overlap;
 use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
-use crate::physics::shape::Geometry;
+use crate::physics::{Body, ContactPoint, Geometry, RigidBody, rotation_by};
 
 /// Where a pair is when it first touches.
 #[derive(Clone, Copy, Debug)]

@@ -19,22 +19,19 @@
 
 use nalgebra::Vector3;
 
-use super::clipping::{ClipBuffers, REFERENCE_SIDE};
-use super::edge_contact::{self, Segment, closest, middle};
-use super::polyhedron::{Convex, Frame};
-use super::scale::Scale;
+use super::clipping::REFERENCE_SIDE;
+use super::{
+    ClipBuffers, ContactPoint, Convex, FeatureId, Overlap, Polyhedron, Segment, ShapePair, closest, edge_contact,
+    middle,
+};
 use crate::physics::collision::constants::{CROSSING_PENALTY, SAME_DISTANCE, SIDE_MARGIN};
-use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
 
 /// The separation along two near points of the shapes if that is greater than the one found; none
 /// if it is beyond the gap. Overlaps stay as they are.
 fn along(
-    a: &impl Convex,
-    b: &impl Convex,
-    b_in_a: &Frame,
+    pair: &ShapePair<impl Convex, impl Convex>,
     [on_a, on_b]: [Vector3<f64>; 2],
     overlap: &Overlap,
-    scale: &Scale,
 ) -> Option<Overlap> {
     let between = on_b - on_a;
     let distance = between.norm();
@@ -42,25 +39,24 @@ fn along(
         return Some(*overlap);
     }
     let normal = between / distance;
-    let depth = a.reach(&normal) + b.reach(&-b_in_a.enter(&normal)) - normal.dot(&b_in_a.center);
+    let depth = pair.depth_along(&normal);
     if depth >= overlap.depth {
         return Some(*overlap);
     }
-    (!scale.separates(depth)).then_some(Overlap { normal, depth })
+    (!pair.scale.separates(depth)).then_some(Overlap { normal, depth })
 }
 
-/// Two edges that cross: leaves the point half-way between their closest points in the buffers.
+/// An edge of A and one of B that cross: leaves the point half-way between their closest points in the buffers.
 pub(crate) fn crossing(
-    a: &impl Convex,
-    b: &impl Convex,
-    b_in_a: &Frame,
-    ends: [Vector3<f64>; 2],
+    pair: &ShapePair<impl Polyhedron, impl Polyhedron>,
+    [edge_a, edge_b]: [usize; 2],
     overlap: &Overlap,
-    feature: FeatureId,
-    scale: &Scale,
     buffers: &mut ClipBuffers,
 ) -> Option<Overlap> {
-    let overlap = along(a, b, b_in_a, ends, overlap, scale)?;
+    let (on_a, on_b) = (pair.a.edge(edge_a), pair.b.edge(edge_b).placed(pair.b_in_a, false));
+    let ends = closest(&on_a.segment(), &on_b.segment());
+    let overlap = along(pair, ends, overlap)?;
+    let feature = FeatureId::of_edges(on_a.index, on_b.index);
     buffers.found.clear();
     buffers.found.push(ContactPoint { point: middle(ends), depth: overlap.depth, feature });
     Some(overlap)
@@ -70,31 +66,28 @@ pub(crate) fn crossing(
 /// axes of its own shape, the incident one's, and the corner that stands for that, in A's axes, come
 /// and what touches beside the faces goes in the buffers; all of it is A's axes then.
 pub(crate) fn beside(
-    a: &impl Convex,
-    b: &impl Convex,
-    b_in_a: &Frame,
+    pair: &ShapePair<impl Convex, impl Convex>,
     reference_is_b: bool,
     overlap: &Overlap,
-    scale: &Scale,
     buffers: &mut ClipBuffers,
 ) -> Option<Overlap> {
     let ClipBuffers { reference, incident, found, .. } = buffers;
     if reference_is_b {
         for corner in reference.iter_mut().chain(&mut *incident) {
-            *corner = b_in_a.place(corner);
+            *corner = pair.b_in_a.place(corner);
         }
     }
     let Some(([side, incident_side], [on_reference, on_incident])) = nearest_sides(reference, incident) else {
         return Some(*overlap);
     };
     let (on_a, on_b) = if reference_is_b { (on_incident, on_reference) } else { (on_reference, on_incident) };
-    let nearer = along(a, b, b_in_a, closest(&on_a, &on_b), overlap, scale)?;
+    let nearer = along(pair, closest(&on_a, &on_b), overlap)?;
     if nearer.depth < overlap.depth {
         let feature = found[0].feature;
         found.clear();
-        edge_contact::touch(&on_a, &on_b, &nearer.normal, nearer.depth, feature, scale, found);
+        edge_contact::touch(&on_a, &on_b, &nearer, feature, pair.scale, found);
         if let [first, second] = found[..]
-            && (first.point - second.point).norm() <= SIDE_MARGIN * scale.size
+            && (first.point - second.point).norm() <= SIDE_MARGIN * pair.scale.size
         {
             found.truncate(1); // corner to corner
         }

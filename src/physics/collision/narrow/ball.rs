@@ -5,12 +5,9 @@
 
 use nalgebra::Vector3;
 
-use super::cone::{Cone, unit_across};
-use super::polyhedron::{Frame, first_max, nearest_on_hull};
-use super::scale::Scale;
+use super::{Cone, Frame, Overlap, Scale, first_max, nearest_on_hull, unit_across};
 use crate::physics::collision::constants::ON_SURFACE;
-use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
-use crate::physics::shape::{Geometry, Hull};
+use crate::physics::{ContactPoint, FeatureId, Geometry, Hull};
 
 /// Where a point is with respect to a shape.
 pub(crate) struct Place {

@@ -7,13 +7,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::apart;
-use super::clipping::{Clip, ClipBuffers, Faced};
-use super::edge_contact::{Segment, closest};
-use super::polyhedron::{Cuboid, Frame, Polyhedron};
-use super::scale::Scale;
+use super::clipping::Clip;
+use super::{ClipBuffers, Cuboid, Overlap, PairSearch, Plane, Polyhedron, ShapePair, apart};
 use crate::physics::collision::constants::PARALLEL_SQUARED_SINE;
-use crate::physics::collision::manifold::{FeatureId, Overlap};
 
 /// What the axis of least depth is made of, by axes of the boxes.
 #[derive(Clone, Copy)]
@@ -25,55 +21,43 @@ enum Axis {
 
 /// Two boxes in A's axes.
 struct Boxes<'t> {
-    a: Cuboid,
-    b: Cuboid,
-    b_in_a: &'t Frame,
+    pair: &'t ShapePair<'t, Cuboid, Cuboid>,
     /// |R|.
     magnitudes: Matrix3<f64>,
     /// d in B's axes.
     center_in_b: Vector3<f64>,
 }
 
-/// Tests two boxes of those half extents and adds their contact points, in A's axes.
-pub(crate) fn touch(
-    half_a: &Vector3<f64>,
-    half_b: &Vector3<f64>,
-    b_in_a: &Frame,
-    scale: &Scale,
-    buffers: &mut ClipBuffers,
-    axes: &mut u32,
-) -> Option<Overlap> {
-    let boxes = Boxes {
-        a: Cuboid { half: *half_a },
-        b: Cuboid { half: *half_b },
-        b_in_a,
-        magnitudes: b_in_a.rotation.abs(),
-        center_in_b: b_in_a.enter(&b_in_a.center),
-    };
-    let (depth, axis) = boxes.least_overlap(scale, axes)?;
-    let depth = scale.rounded(depth);
+/// Tests two boxes and leaves their contact points in the clip buffers, in A's axes.
+pub(crate) fn touch(pair: &ShapePair<Cuboid, Cuboid>, search: &mut PairSearch) -> Option<Overlap> {
+    let PairSearch { clip: buffers, axes, .. } = search;
+    let b_in_a = pair.b_in_a;
+    let center_in_b = b_in_a.enter(&b_in_a.center);
+    let boxes = Boxes { pair, magnitudes: b_in_a.rotation.abs(), center_in_b };
+    let (depth, axis) = boxes.least_overlap(axes)?;
+    let depth = pair.scale.rounded(depth);
     let normal = boxes.normal(axis);
     let overlap = Overlap { normal, depth };
-    let (a, b) = (&boxes.a, &boxes.b);
     let (axis, reference_is_b) = match axis {
         Axis::OfA(axis) => (axis, false),
         Axis::OfB(axis) => (axis, true),
-        Axis::Edges(along_a, along_b) => return boxes.cross_edges(along_a, along_b, &overlap, scale, buffers),
+        Axis::Edges(along_a, along_b) => {
+            let foremost = [foremost_edge(along_a, &normal), foremost_edge(along_b, &-b_in_a.enter(&normal))];
+            return apart::crossing(pair, foremost, &overlap, buffers);
+        }
     };
     let out = if reference_is_b { -b_in_a.enter(&normal) } else { normal };
     let is_any = if reference_is_b {
-        let is_any = clip(b, a, &b_in_a.inverse(), true, axis, &out, depth, scale, buffers);
-        for found in &mut buffers.found {
-            found.point = b_in_a.place(&found.point);
-        }
+        let is_any = clip(&pair.swapped(&b_in_a.inverse()), true, axis, &out, depth, buffers);
+        buffers.place(b_in_a);
         is_any
     } else {
-        clip(a, b, b_in_a, false, axis, &out, depth, scale, buffers)
+        clip(pair, false, axis, &out, depth, buffers)
     };
     if !is_any && depth < 0.0 {
-        let base = if reference_is_b { b } else { a };
+        let base = if reference_is_b { pair.b } else { pair.a };
         base.corners(face_of(axis, &out), &mut buffers.reference);
-        return apart::beside(a, b, b_in_a, reference_is_b, &overlap, scale, buffers);
+        return apart::beside(pair, reference_is_b, &overlap, buffers);
     }
     Some(overlap)
 }
@@ -81,9 +65,10 @@ pub(crate) fn touch(
 impl Boxes<'_> {
     /// The least depth, faces of A before those of B before edges; none if an axis separates by
     /// more than the gap.
-    fn least_overlap(&self, scale: &Scale, axes: &mut u32) -> Option<(f64, Axis)> {
-        let (a, b) = (&self.a.half, &self.b.half);
-        let of_a = a + self.magnitudes * b - self.b_in_a.center.abs();
+    fn least_overlap(&self, axes: &mut u32) -> Option<(f64, Axis)> {
+        let &ShapePair { a, b, b_in_a, scale } = self.pair;
+        let (a, b) = (&a.half, &b.half);
+        let of_a = a + self.magnitudes * b - b_in_a.center.abs();
         let face_a = of_a.imin();
         *axes += 3;
         if scale.separates(of_a[face_a]) {
@@ -108,7 +93,7 @@ impl Boxes<'_> {
                 if depth >= limit.max(0.0) {
                     continue;
                 }
-                let [u, v] = others(along_a).map(|side| self.b_in_a.rotation[(side, along_b)]);
+                let [u, v] = others(along_a).map(|side| b_in_a.rotation[(side, along_b)]);
                 let squared_sine = u * u + v * v;
                 if squared_sine < PARALLEL_SQUARED_SINE {
                     continue;
@@ -128,8 +113,9 @@ impl Boxes<'_> {
 
     /// The depth across an edge of each, times the sine of the angle between them.
     fn edge_overlap(&self, along_a: usize, along_b: usize) -> f64 {
-        let (a, b) = (&self.a.half, &self.b.half);
-        let (r, m, d) = (&self.b_in_a.rotation, &self.magnitudes, &self.b_in_a.center);
+        let &ShapePair { a, b, b_in_a, .. } = self.pair;
+        let (a, b) = (&a.half, &b.half);
+        let (r, m, d) = (&b_in_a.rotation, &self.magnitudes, &b_in_a.center);
         let [u, v] = others(along_a);
         let [p, q] = others(along_b);
         let reach_a = a[u] * m[(v, along_b)] + a[v] * m[(u, along_b)];
@@ -140,32 +126,14 @@ impl Boxes<'_> {
 
     /// From A to B.
     fn normal(&self, axis: Axis) -> Vector3<f64> {
-        let toward = |axis: Vector3<f64>| if axis.dot(&self.b_in_a.center) < 0.0 { -axis } else { axis };
+        let b_in_a = self.pair.b_in_a;
+        let toward = |axis: Vector3<f64>| if axis.dot(&b_in_a.center) < 0.0 { -axis } else { axis };
         let unit = |axis: usize| Vector3::from_fn(|row, _| f64::from(u8::from(row == axis)));
         match axis {
             Axis::OfA(axis) => toward(unit(axis)),
-            Axis::OfB(axis) => toward(self.b_in_a.rotation.column(axis).into_owned()),
-            Axis::Edges(along_a, along_b) => {
-                toward(unit(along_a).cross(&self.b_in_a.rotation.column(along_b)).normalize())
-            }
+            Axis::OfB(axis) => toward(b_in_a.rotation.column(axis).into_owned()),
+            Axis::Edges(along_a, along_b) => toward(unit(along_a).cross(&b_in_a.rotation.column(along_b)).normalize()),
         }
-    }
-
-    /// Leaves the point half-way between the foremost edges along the normal.
-    fn cross_edges(
-        &self,
-        along_a: usize,
-        along_b: usize,
-        overlap: &Overlap,
-        scale: &Scale,
-        buffers: &mut ClipBuffers,
-    ) -> Option<Overlap> {
-        let normal = &overlap.normal;
-        let on_a = self.a.edge(foremost_edge(along_a, normal));
-        let on_b = self.b.edge(foremost_edge(along_b, &-self.b_in_a.enter(normal))).placed(self.b_in_a, false);
-        let ends = closest(&Segment([on_a.start, on_a.end()]), &Segment([on_b.start, on_b.end()]));
-        let feature = FeatureId::of_edges(on_a.index, on_b.index);
-        apart::crossing(&self.a, &self.b, self.b_in_a, ends, overlap, feature, scale, buffers)
     }
 }
 
@@ -184,31 +152,17 @@ fn face_of(axis: usize, normal: &Vector3<f64>) -> usize {
     2 * axis + usize::from(normal[axis] < 0.0)
 }
 
-/// Clips the face of `other` that is most against the face of `base` across `axis`, which looks
-/// along `normal`. All in the axes of `base`. False if nothing is over that.
+/// Clips the face of B that is most against the face of A across `axis`, which looks along `normal`, in a pair that may
+/// have been swapped. False if nothing is over that.
 fn clip(
-    base: &Cuboid,
-    other: &Cuboid,
-    other_in_base: &Frame,
-    base_is_b: bool,
+    pair: &ShapePair<Cuboid, Cuboid>,
+    reference_is_b: bool,
     axis: usize,
     normal: &Vector3<f64>,
     depth: f64,
-    scale: &Scale,
     buffers: &mut ClipBuffers,
 ) -> bool {
-    let incident_face = other.incident(&-other_in_base.enter(normal), &mut buffers.incident);
-    for corner in &mut buffers.incident {
-        *corner = other_in_base.place(corner);
-    }
-    let clip = Clip {
-        reference_is_b: base_is_b,
-        reference_face: face_of(axis, normal) as u32,
-        incident_face,
-        normal: *normal,
-        level: base.half[axis],
-        depth,
-        scale,
-    };
-    clip.clip_to_rectangle(axis, &base.half, buffers)
+    let plane = Plane { normal: *normal, offset: pair.a.half[axis] };
+    let clip = Clip::new(pair, reference_is_b, face_of(axis, normal) as u32, plane, depth, buffers);
+    clip.clip_to_rectangle(axis, &pair.a.half, buffers)
 }

@@ -12,10 +12,9 @@
 
 use nalgebra::Vector3;
 
-use super::polyhedron::{Frame, Plane, Polyhedron, first_max};
-use super::scale::Scale;
+use super::{Convex, Frame, Plane, Polyhedron, Scale, ShapePair, first_max};
 use crate::physics::collision::constants::{NEARLY_DEEPEST, NEARLY_WIDEST, SIDE_MARGIN, SOUND_MARGIN, SOUND_SHARE};
-use crate::physics::collision::manifold::{ContactPoint, FeatureId};
+use crate::physics::{ContactPoint, FeatureId, Refill};
 
 /// Most points of a clipped manifold.
 pub(crate) const MAX_POINTS: usize = 4;
@@ -47,20 +46,36 @@ pub(crate) const REFERENCE_SIDE: u16 = 0x8000;
 
 /// Which faces are clipped, and how deep they overlap.
 pub(crate) struct Clip<'t> {
-    pub reference_is_b: bool,
-    pub reference_face: u32,
-    pub incident_face: u32,
+    reference_is_b: bool,
+    reference_face: u32,
+    incident_face: u32,
     /// Unit, out of the reference face.
-    pub normal: Vector3<f64>,
+    normal: Vector3<f64>,
     /// Distance of the reference plane from the origin along the normal.
-    pub level: f64,
+    level: f64,
     /// Of the overlap.
-    pub depth: f64,
+    depth: f64,
     /// Tells which corners above the reference plane count as on it, or are within the gap.
-    pub scale: &'t Scale,
+    scale: &'t Scale,
 }
 
-impl Clip<'_> {
+impl<'t> Clip<'t> {
+    /// Clips to a face of A, in a plane given, what of B is most against it, whose corners it leaves in the buffers.
+    pub fn new(
+        pair: &ShapePair<'t, impl Faced, impl Faced>,
+        reference_is_b: bool,
+        reference_face: u32,
+        Plane { normal, offset: level }: Plane,
+        depth: f64,
+        buffers: &mut ClipBuffers,
+    ) -> Self {
+        let incident_face = pair.b.incident(&-pair.b_in_a.enter(&normal), &mut buffers.incident);
+        for corner in &mut buffers.incident {
+            *corner = pair.b_in_a.place(corner);
+        }
+        Self { reference_is_b, reference_face, incident_face, normal, level, depth, scale: pair.scale }
+    }
+
     /// Cuts the incident face by the sides of the reference face, all in the axes of the
     /// reference shape, and collects what is below the reference plane or within the gap above.
     /// Whether anything was that touches, or if the shapes are apart, anything at all.
@@ -122,7 +137,7 @@ impl Clip<'_> {
 }
 
 /// A shape of which faces can be clipped.
-pub(crate) trait Faced {
+pub(crate) trait Faced: Convex {
     /// The plane of a face, and its corners, counter-clockwise seen from outside.
     fn reference(&self, face: u32, corners: &mut Vec<Vector3<f64>>) -> Plane;
     /// What faces a direction most, by number, and its corners: a face, or the two ends of a line.
@@ -145,45 +160,38 @@ impl<P: Polyhedron> Faced for P {
 /// Clips what of the other shape is most against a face of A, or of B, and leaves what touches in the buffers, in A's
 /// axes. False if nothing is over that face.
 pub(crate) fn clip_to_face(
-    a: &impl Faced,
-    b: &impl Faced,
-    b_in_a: &Frame,
+    pair: &ShapePair<impl Faced, impl Faced>,
     reference_is_b: bool,
     face: u32,
     depth: f64,
-    scale: &Scale,
     buffers: &mut ClipBuffers,
 ) -> bool {
     if !reference_is_b {
-        return clip_in_base(a, b, b_in_a, reference_is_b, face, depth, scale, buffers);
+        return clip_to_face_of_a(pair, reference_is_b, face, depth, buffers);
     }
-    let is_any = clip_in_base(b, a, &b_in_a.inverse(), reference_is_b, face, depth, scale, buffers);
-    for found in &mut buffers.found {
-        found.point = b_in_a.place(&found.point);
-    }
+    let is_any = clip_to_face_of_a(&pair.swapped(&pair.b_in_a.inverse()), reference_is_b, face, depth, buffers);
+    buffers.place(pair.b_in_a);
     is_any
 }
 
-/// Likewise, all in the axes of the shape whose face it is.
-fn clip_in_base(
-    base: &impl Faced,
-    other: &impl Faced,
-    other_in_base: &Frame,
+/// Likewise, to a face of A in a pair that may have been swapped.
+fn clip_to_face_of_a(
+    pair: &ShapePair<impl Faced, impl Faced>,
     reference_is_b: bool,
     face: u32,
     depth: f64,
-    scale: &Scale,
     buffers: &mut ClipBuffers,
 ) -> bool {
-    let Plane { normal, offset: level } = base.reference(face, &mut buffers.reference);
-    let incident_face = other.incident(&-other_in_base.enter(&normal), &mut buffers.incident);
-    for corner in &mut buffers.incident {
-        *corner = other_in_base.place(corner);
-    }
-    Clip { reference_is_b, reference_face: face, incident_face, normal, level, depth, scale }.clip(buffers)
+    let plane = pair.a.reference(face, &mut buffers.reference);
+    Clip::new(pair, reference_is_b, face, plane, depth, buffers).clip(buffers)
 }
 
 impl ClipBuffers {
+    /// Takes what was found to the axes that a frame is given in.
+    pub fn place(&mut self, frame: &Frame) {
+        self.found.iter_mut().for_each(|found| found.point = frame.place(&found.point));
+    }
+
     /// Whether the deepest of the points found is about as deep as the overlap. If not, or if the
     /// reference face was left with nothing, it was preferred to what truly touches.
     pub fn stand_for(&self, depth: f64, size: f64) -> bool {
@@ -222,8 +230,7 @@ impl ClipBuffers {
 
 /// The incident face as the polygon to clip.
 fn fill(polygon: &mut Vec<Corner>, incident: &[Vector3<f64>]) {
-    polygon.clear();
-    polygon.extend(incident.iter().enumerate().map(|(index, &point)| incident_corner(point, index, incident.len())));
+    polygon.refill(incident.iter().enumerate().map(|(index, &point)| incident_corner(point, index, incident.len())));
 }
 
 fn incident_corner(point: Vector3<f64>, index: usize, corners: usize) -> Corner {

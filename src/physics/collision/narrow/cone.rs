@@ -15,8 +15,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use nalgebra::Vector3;
 
-use super::clipping::Faced;
-use super::polyhedron::{Convex, Plane};
+use super::{Convex, Faced, Plane};
 use crate::physics::collision::constants::{RIM_CORNERS, SQUARE_TILT};
 
 /// A solid circular cone.

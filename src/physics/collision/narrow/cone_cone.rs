@@ -25,15 +25,11 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-use super::clipping::ClipBuffers;
-use super::cone::{Cone, unit_across};
-use super::edge_contact::{self, Segment};
-use super::feature_sat::{Feature, Found, Least};
-use super::polyhedron::{Convex, Frame};
-use super::scale::Scale;
+use super::{
+    ClipBuffers, Cone, Feature, Found, Frame, Least, Overlap, PairSearch, Segment, ShapePair, edge_contact, unit_across,
+};
 use crate::physics::collision::constants::{CIRCLE_SAMPLES, GOLDEN_STEPS, LONGEST_TURN, NEWTON_STEPS, ON_FLANK};
-use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
-use crate::physics::contact;
+use crate::physics::{ContactPoint, FeatureId, contact};
 
 /// The twelve corners of an icosahedron and the twenty of a dodecahedron, not normalised: no
 /// direction is farther than 38° from all.
@@ -48,43 +44,14 @@ const CENTERS: u32 = 3;
 
 /// Tests two cones, B in A's axes; what was the last step's axis is tried first and replaced.
 /// Contact points are left in the clip buffers, in A's axes.
-pub(crate) fn touch(
-    a: &Cone,
-    b: &Cone,
-    b_in_a: &Frame,
-    scale: &Scale,
-    last: &mut Option<Feature>,
-    clip: &mut ClipBuffers,
-    axes: &mut u32,
-) -> Option<Overlap> {
-    let cones = Cones { a, b, b_in_a, a_in_b: b_in_a.inverse(), scale };
-    let first = last.and_then(|last| cones.least_of(last, axes)).filter(|least| cones.separates(least));
-    let least = match first {
-        Some(least) => Err(least.feature),
-        None => cones.search(axes),
-    };
-    match least {
-        Err(feature) => {
-            *last = Some(feature);
-            None
-        }
-        Ok(found) => found.take(a, b, b_in_a, scale, last, clip, |least, clip| cones.smooth_point(least, clip)),
-    }
+pub(crate) fn touch(pair: &ShapePair<Cone, Cone>, search: &mut PairSearch) -> Option<Overlap> {
+    let axes = &mut search.axes;
+    let first = search.last.and_then(|last| pair.least_of(last, axes)).filter(|least| pair.separates(least));
+    let found = first.map_or_else(|| pair.search(axes), |least| Err(least.feature));
+    search.near(found)?.take(pair, search, |least, clip| pair.smooth_point(least, clip))
 }
 
-struct Cones<'t> {
-    a: &'t Cone,
-    b: &'t Cone,
-    b_in_a: &'t Frame,
-    a_in_b: Frame,
-    scale: &'t Scale,
-}
-
-impl Cones<'_> {
-    fn depth(&self, normal: &Vector3<f64>) -> f64 {
-        self.a.reach(normal) + self.b.reach(&-self.b_in_a.enter(normal)) - normal.dot(&self.b_in_a.center)
-    }
-
+impl ShapePair<'_, Cone, Cone> {
     fn separates(&self, least: &Least) -> bool {
         self.scale.separates(least.depth)
     }
@@ -125,21 +92,21 @@ impl Cones<'_> {
         let mut best: Option<Least> = None;
         let mut take = |normal: Vector3<f64>| {
             *axes += 1;
-            let depth = self.depth(&normal);
+            let depth = self.depth_along(&normal);
             if best.is_none_or(|best| depth < best.depth) {
                 best = Some(Least { normal, depth, feature: kind });
             }
         };
         match kind {
             Feature::FaceOfA(_) => take(Cone::base_normal()),
-            Feature::FaceOfB(_) => take(-(self.b_in_a.rotation * Cone::base_normal())),
+            Feature::FaceOfB(_) => take(self.out_of_a(Cone::base_normal())),
             Feature::Smooth(FLANK_OF_A) => {
-                flank_normals(self.a, self.b, self.b_in_a, |normal| self.depth(&normal), &mut take);
+                flank_normals(self.a, self.b, self.b_in_a, |normal| self.depth_along(&normal), &mut take);
             }
             Feature::Smooth(FLANK_OF_B) => {
-                let out_of_a = |normal: Vector3<f64>| -(self.b_in_a.rotation * normal);
-                let depth = |normal| self.depth(&out_of_a(normal));
-                flank_normals(self.b, self.a, &self.a_in_b, depth, &mut |normal| take(out_of_a(normal)));
+                let depth = |normal| self.depth_along(&self.out_of_a(normal));
+                let a_in_b = self.b_in_a.inverse();
+                flank_normals(self.b, self.a, &a_in_b, depth, &mut |normal| take(self.out_of_a(normal)));
             }
             Feature::Smooth(CENTERS) => _ = self.b_in_a.center.try_normalize(0.0).map(take),
             Feature::Smooth(RIMS) => starts().for_each(|start| take(self.descend(start))),
@@ -204,7 +171,7 @@ impl Cones<'_> {
             let on_a = Segment([self.a.apex_point(), self.a.rim_point(unit_across(&normal))]);
             let on_b = [self.b.apex_point(), self.b.rim_point(unit_across(&toward_a))];
             let on_b = Segment(on_b.map(|end| self.b_in_a.place(&end)));
-            edge_contact::touch(&on_a, &on_b, &normal, depth, feature, self.scale, &mut buffers.found);
+            edge_contact::touch(&on_a, &on_b, &Overlap { normal, depth }, feature, self.scale, &mut buffers.found);
             return;
         }
         let point = if line_a {
@@ -289,11 +256,7 @@ fn starts() -> impl Iterator<Item = Vector3<f64>> {
     let golden = 0.5 * (1.0 + 5_f64.sqrt());
     (0..STARTS).map(move |index| {
         let sign = |bit: usize| if index >> bit & 1 == 0 { 1.0 } else { -1.0 };
-        let turned = |turns: usize, vector: Vector3<f64>| match turns {
-            0 => vector,
-            1 => vector.yzx(),
-            _ => vector.zxy(),
-        };
+        let turned = |turns: usize, vector: Vector3<f64>| (0..turns).fold(vector, |vector, _| vector.yzx());
         let start = match index {
             0..12 => turned(index / 4, Vector3::new(0.0, sign(0), sign(1) * golden)),
             12..24 => turned(index / 4 - 3, Vector3::new(0.0, sign(0) * golden, sign(1) / golden)),

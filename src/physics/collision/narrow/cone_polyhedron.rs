@@ -23,110 +23,81 @@
 
 use nalgebra::Vector3;
 
-use super::clipping::ClipBuffers;
-use super::cone::{Cone, unit_across};
-use super::edge_contact::{self, Segment};
-use super::ellipse;
-use super::feature_sat::{Best, Feature, Found, Least, face_depth, facing_edges, least_face};
-use super::polyhedron::{Convex, Edge, Frame, Polyhedron};
-use super::scale::Scale;
+use super::feature_sat::Best;
+use super::{
+    ClipBuffers, Cone, ContactPoint, Convex, Edge, Feature, FeatureId, Found, Least, Overlap, PairSearch, Polyhedron,
+    Segment, ShapePair, edge_contact, ellipse, unit_across,
+};
 use crate::physics::collision::constants::{ARC_ROUNDING, FLAT_ELLIPSE};
-use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
 
 /// Normals that each edge may have: two across the flank, two across the rim.
 const PER_EDGE: u32 = 4;
 
 /// Tests a cone and a polyhedron given in its axes; what was the last step's axis is tried first
 /// and replaced. Contact points are left in the clip buffers, in the cone's axes.
-pub(crate) fn touch(
-    cone: &Cone,
-    other: &impl Polyhedron,
-    other_in_cone: &Frame,
-    scale: &Scale,
-    last: &mut Option<Feature>,
-    edges: &mut Vec<Edge>,
-    clip: &mut ClipBuffers,
-    axes: &mut u32,
-) -> Option<Overlap> {
-    let mut test = Test { cone, other, other_in_cone, cone_in_other: &other_in_cone.inverse(), scale, axes };
-    match test.run(*last, edges) {
-        Err(feature) => {
-            *last = Some(feature);
-            None
-        }
-        Ok(found) => {
-            found.take(cone, other, other_in_cone, scale, last, clip, |least, clip| test.smooth_point(least, clip))
-        }
-    }
+pub(crate) fn touch(pair: &ShapePair<Cone, impl Polyhedron>, search: &mut PairSearch) -> Option<Overlap> {
+    let cone_in_other = pair.b_in_a.inverse();
+    let mut test = Test { pair, swapped: pair.swapped(&cone_in_other), axes: &mut search.axes };
+    let found = test.run(search.last, &mut search.edges[0]);
+    search.near(found)?.take(pair, search, |least, clip| pair.smooth_point(least, clip))
 }
 
 struct Test<'t, P> {
-    cone: &'t Cone,
-    other: &'t P,
-    other_in_cone: &'t Frame,
-    cone_in_other: &'t Frame,
-    scale: &'t Scale,
+    pair: &'t ShapePair<'t, Cone, P>,
+    swapped: ShapePair<'t, P, Cone>,
     axes: &'t mut u32,
 }
 
 impl<P: Polyhedron> Test<'_, P> {
     /// The overlap or separation, or the feature along which that is beyond the gap.
     fn run(&mut self, last: Option<Feature>, edges: &mut Vec<Edge>) -> Result<Found, Feature> {
+        let &ShapePair { b: other, scale, .. } = self.pair;
         self.try_last(last)?;
-        let of_face = least_face(self.other, self.cone, self.cone_in_other, self.scale, f64::INFINITY, None, self.axes);
-        let of_face = of_face.map_err(Feature::FaceOfB)?.expect("some face is the best");
-        let normal = -(self.other_in_cone.rotation * self.other.face(of_face.index as usize).normal);
-        let of_face =
-            Least { normal, depth: of_face.depth, feature: Feature::FaceOfB(of_face.index) }.rounded(self.scale);
-        let of_base = self.base_depth();
+        let of_face = self.swapped.least_face(f64::INFINITY, None, self.axes);
+        let Best { depth, index } = of_face.map_err(Feature::FaceOfB)?.expect("some face is the best");
+        let normal = self.pair.out_of_a(other.face(index as usize).normal);
+        let of_face = Least { normal, depth, feature: Feature::FaceOfB(index) }.rounded(scale);
+        let (normal, feature) = (Cone::base_normal(), Feature::FaceOfA(0));
+        let depth = self.pair.depth_along(&normal);
         *self.axes += 1;
-        if self.scale.separates(of_base) {
-            return Err(Feature::FaceOfA(0));
+        if scale.separates(depth) {
+            return Err(feature);
         }
-        let of_base =
-            Least { normal: Cone::base_normal(), depth: of_base, feature: Feature::FaceOfA(0) }.rounded(self.scale);
-        let mut preferred = if of_base.depth < self.scale.limit(of_face.depth) { of_base } else { of_face };
+        let of_base = Least { normal, depth, feature }.rounded(scale);
+        let mut preferred = if of_base.depth < scale.limit(of_face.depth) { of_base } else { of_face };
         let mut least = if of_base.depth < of_face.depth { of_base } else { of_face };
         if let Some(smooth) = self.least_smooth(least.depth, edges)? {
-            least = smooth.rounded(self.scale);
-            if least.depth < self.scale.limit(preferred.depth) {
+            least = smooth.rounded(scale);
+            if least.depth < scale.limit(preferred.depth) {
                 preferred = least;
             }
         }
         Ok(Found { least, preferred })
     }
 
-    fn base_depth(&self) -> f64 {
-        let normal = Cone::base_normal();
-        -self.cone.base + self.other.reach(&-self.other_in_cone.enter(&normal)) - normal.dot(&self.other_in_cone.center)
-    }
-
     /// An error if the axis of the last step separates now.
     fn try_last(&mut self, last: Option<Feature>) -> Result<(), Feature> {
         let depth = match last {
-            Some(Feature::FaceOfA(0)) => Some(self.base_depth()),
-            Some(Feature::FaceOfB(face)) if (face as usize) < self.other.face_count() => {
-                Some(face_depth(self.other, self.cone, self.cone_in_other, face as usize))
+            Some(Feature::FaceOfA(0)) => Some(self.pair.depth_along(&Cone::base_normal())),
+            Some(Feature::FaceOfB(face)) if (face as usize) < self.pair.b.face_count() => {
+                Some(self.swapped.face_depth(face as usize))
             }
-            Some(Feature::Smooth(number)) => self.smooth(number).map(|(depth, _)| depth),
+            Some(Feature::Smooth(number)) => self.pair.smooth(number).map(|(depth, _)| depth),
             _ => None,
         };
         *self.axes += u32::from(depth.is_some());
-        match last.zip(depth) {
-            Some((last, depth)) if self.scale.separates(depth) => Err(last),
-            _ => Ok(()),
-        }
+        last.filter(|_| depth.is_some_and(|depth| self.pair.scale.separates(depth))).map_or(Ok(()), Err)
     }
 
     /// The least depth along the smooth cone's own normals, if it is below `limit`; an error if
     /// one separates.
     fn least_smooth(&mut self, limit: f64, edges: &mut Vec<Edge>) -> Result<Option<Least>, Feature> {
-        let bound = self.scale.bound(limit);
+        let &ShapePair { a: cone, b: other, b_in_a, scale } = self.pair;
+        let bound = scale.bound(limit);
         let mut best = Best::under(limit);
         let mut normal = Vector3::zeros();
-        let (axes, scale) = (&mut *self.axes, self.scale);
         let mut take = |number: u32, (depth, along): (f64, Vector3<f64>)| {
-            *axes += 1;
+            *self.axes += 1;
             if scale.separates(depth) {
                 return Err(Feature::Smooth(number));
             }
@@ -135,58 +106,73 @@ impl<P: Polyhedron> Test<'_, P> {
             }
             Ok(())
         };
-        facing_edges(self.other, self.cone.inner_radius(), &self.cone_in_other.center, bound, edges);
+        self.swapped.facing_edges(bound, edges);
         for edge in &*edges {
-            let placed = edge.placed(self.other_in_cone, true);
+            let placed = edge.placed(b_in_a, true);
             for way in 0..PER_EDGE {
-                if let Some(found) = across_edge(self.cone, &placed, way) {
+                if let Some(found) = across_edge(cone, &placed, way) {
                     take(edge.index * PER_EDGE + way, found)?;
                 }
             }
         }
-        let first = self.other.edge_count() as u32 * PER_EDGE;
-        for vertex in 0..self.other.vertex_count() {
-            if let Some(found) = flank_at_vertex(self.cone, self.other, self.other_in_cone, vertex, bound) {
+        let first = other.edge_count() as u32 * PER_EDGE;
+        for vertex in 0..other.vertex_count() {
+            if let Some(found) = self.pair.flank_at_vertex(vertex, bound) {
                 take(first + vertex as u32, found)?;
             }
         }
         let index = best.index;
         Ok((index != u32::MAX).then_some(Least { normal, depth: best.depth, feature: Feature::Smooth(index) }))
     }
+}
 
-    /// The depth and normal of that number, as [`Self::least_smooth`] counts them, if they count.
+impl<P: Polyhedron> ShapePair<'_, Cone, P> {
+    /// The depth and normal of that number, as [`Test::least_smooth`] counts them, if they count.
     fn smooth(&self, number: u32) -> Option<(f64, Vector3<f64>)> {
-        let edges = self.other.edge_count() as u32;
+        let edges = self.b.edge_count() as u32;
         if number < edges * PER_EDGE {
-            let edge = self.other.edge((number / PER_EDGE) as usize).placed(self.other_in_cone, true);
-            return across_edge(self.cone, &edge, number % PER_EDGE);
+            let edge = self.b.edge((number / PER_EDGE) as usize).placed(self.b_in_a, true);
+            return across_edge(self.a, &edge, number % PER_EDGE);
         }
         let vertex = (number - edges * PER_EDGE) as usize;
-        let exists = vertex < self.other.vertex_count();
-        exists.then(|| flank_at_vertex(self.cone, self.other, self.other_in_cone, vertex, f64::INFINITY)).flatten()
+        (vertex < self.b.vertex_count()).then(|| self.flank_at_vertex(vertex, f64::INFINITY)).flatten()
+    }
+
+    /// The depth along the flank's normal that a vertex lies deepest behind, and that normal. None
+    /// where the vertex is not the foremost of its polyhedron there, or the depth is certain to be
+    /// above `bound`.
+    fn flank_at_vertex(&self, vertex: usize, bound: f64) -> Option<(f64, Vector3<f64>)> {
+        let &Self { a: cone, b: other, b_in_a, .. } = self;
+        let local = other.vertex(vertex);
+        let place = b_in_a.place(&local);
+        let normal = cone.flank_normal(unit_across(&place));
+        if cone.flank_offset() + other.inner_radius() - normal.dot(&b_in_a.center) > bound {
+            return None;
+        }
+        let toward = -b_in_a.enter(&normal);
+        let height = local.dot(&toward) + ARC_ROUNDING * cone.radius;
+        let is_foremost = (0..other.vertex_count()).all(|rival| other.vertex(rival).dot(&toward) <= height);
+        is_foremost.then(|| (cone.flank_offset() - normal.dot(&place), normal))
     }
 
     /// Leaves the point where the cone's surface touches an edge or vertex in the buffers.
     fn smooth_point(&self, least: &Least, buffers: &mut ClipBuffers) {
         let Least { normal, depth, feature: Feature::Smooth(number) } = *least else { return };
+        let &Self { a: cone, b: other, b_in_a, scale } = self;
         let feature = FeatureId::of_vertex(false, number);
-        let edges = self.other.edge_count() as u32;
+        let on_rim = || cone.rim_point(unit_across(&normal));
+        let edges = other.edge_count() as u32;
         buffers.found.clear();
-        if number >= edges * PER_EDGE {
-            let vertex = self.other.vertex((number - edges * PER_EDGE) as usize);
-            let point = self.other_in_cone.place(&vertex) + normal * (depth / 2.0);
-            buffers.found.push(ContactPoint { point, depth, feature });
-            return;
-        }
-        let edge = self.other.edge((number / PER_EDGE) as usize).placed(self.other_in_cone, false);
-        if number % PER_EDGE < 2 {
-            let line = Segment([self.cone.apex_point(), self.cone.rim_point(unit_across(&normal))]);
-            let edge = Segment([edge.start, edge.end()]);
-            edge_contact::touch(&line, &edge, &normal, depth, feature, self.scale, &mut buffers.found);
+        let point = if number >= edges * PER_EDGE {
+            b_in_a.place(&other.vertex((number - edges * PER_EDGE) as usize)) + normal * (depth / 2.0)
+        } else if number % PER_EDGE < 2 {
+            let line = Segment([cone.apex_point(), on_rim()]);
+            let edge = other.edge((number / PER_EDGE) as usize).placed(b_in_a, false).segment();
+            return edge_contact::touch(&line, &edge, &Overlap { normal, depth }, feature, scale, &mut buffers.found);
         } else {
-            let point = self.cone.rim_point(unit_across(&normal)) - normal * (depth / 2.0);
-            buffers.found.push(ContactPoint { point, depth, feature });
-        }
+            on_rim() - normal * (depth / 2.0)
+        };
+        buffers.found.push(ContactPoint { point, depth, feature });
     }
 }
 
@@ -227,26 +213,4 @@ fn rim_across(cone: &Cone, edge: &Edge, far: bool) -> Option<Vector3<f64>> {
     let normal = long * (half[1] * cos) + short * (half[0] * sin);
     let length = normal.norm();
     (length > FLAT_ELLIPSE * cone.radius).then(|| normal / length)
-}
-
-/// The depth along the flank's normal that a vertex lies deepest behind, and that normal. None
-/// where the vertex is not the foremost of its polyhedron there, or the depth is certain to be
-/// above `bound`.
-fn flank_at_vertex(
-    cone: &Cone,
-    other: &impl Polyhedron,
-    other_in_cone: &Frame,
-    vertex: usize,
-    bound: f64,
-) -> Option<(f64, Vector3<f64>)> {
-    let local = other.vertex(vertex);
-    let place = other_in_cone.place(&local);
-    let normal = cone.flank_normal(unit_across(&place));
-    if cone.flank_offset() + other.inner_radius() - normal.dot(&other_in_cone.center) > bound {
-        return None;
-    }
-    let toward = -other_in_cone.enter(&normal);
-    let height = local.dot(&toward) + ARC_ROUNDING * cone.radius;
-    let is_foremost = (0..other.vertex_count()).all(|rival| other.vertex(rival).dot(&toward) <= height);
-    is_foremost.then(|| (cone.flank_offset() - normal.dot(&place), normal))
 }

@@ -6,7 +6,7 @@
 //! | [`plane`] | a half-space and anything |
 //! | [`ball`] | a ball and anything |
 //! | [`boxes`] | two boxes |
-//! | [`polyhedra`] | boxes and hulls |
+//! | [`feature_sat`] | boxes and hulls |
 //! | [`cone_polyhedron`] | a cone and a box or hull |
 //! | [`cone_cone`] | two cones |
 //!
@@ -18,33 +18,12 @@
 
 use nalgebra::Vector3;
 
-use super::clipping::{ClipBuffers, keep_touching_spread};
-use super::cone::Cone;
-use super::feature_sat::{EdgeBuffers, Feature};
-use super::polyhedron::{Cuboid, Frame};
-use super::scale::Scale;
-use super::{ball, boxes, cone_cone, cone_polyhedron, plane, polyhedra};
-use crate::physics::body::Body;
-use crate::physics::collision::manifold::{ContactPoint, Overlap};
-use crate::physics::shape::Geometry;
-
-/// What one pair's test needs and leaves: buffers, and the axis that next step's test begins with.
-#[derive(Default)]
-pub(crate) struct PairSearch {
-    edges: EdgeBuffers,
-    clip: ClipBuffers,
-    /// The axis of the last step, then that of this one.
-    pub(crate) last: Option<Feature>,
-    /// Axes measured so far.
-    pub axes: u32,
-}
-
-impl PairSearch {
-    /// Forgets the axis of the last step: another pair is next.
-    pub fn forget(&mut self) {
-        self.last = None;
-    }
-}
+use super::clipping::keep_touching_spread;
+pub(crate) use super::feature_sat::PairSearch;
+use super::{
+    Cone, Cuboid, Frame, Overlap, Scale, ShapePair, ball, boxes, cone_cone, cone_polyhedron, feature_sat, plane,
+};
+use crate::physics::{Body, ContactPoint, Geometry};
 
 /// Adds the contact points of two bodies in world axes, if they touch or are apart by no more than
 /// the gap, m. With a gap of zero no depth is negative.
@@ -79,48 +58,45 @@ fn touch_ranked(
 ) -> Option<Overlap> {
     let (shape_a, shape_b) = (a.geometry.as_ref()?, b.geometry.as_ref()?);
     let [axes_a, axes_b] = [a, b].map(|body| body.rotation.to_rotation_matrix().into_inner());
-    let b_in_a = Frame { rotation: axes_a.tr_mul(&axes_b), center: axes_a.tr_mul(&(b.position - a.position)) };
+    let b_in_a = &Frame { rotation: axes_a.tr_mul(&axes_b), center: axes_a.tr_mul(&(b.position - a.position)) };
     let first = points.len();
-    let PairSearch { edges, clip, last, axes } = search;
     let overlap = match (shape_a, shape_b) {
-        (Geometry::HalfSpace, _) => plane::touch(shape_b, b.radius, &b_in_a, gap, clip, points)?,
-        (_, Geometry::Sphere { radius }) => ball::touch(shape_a, a.radius, *radius, &b_in_a, gap, points)?,
+        (Geometry::HalfSpace, _) => plane::touch(shape_b, b.radius, b_in_a, gap, &mut search.clip, points)?,
+        (_, Geometry::Sphere { radius }) => ball::touch(shape_a, a.radius, *radius, b_in_a, gap, points)?,
         _ => {
             let scale = &Scale::new(a.radius, b.radius, gap);
+            macro_rules! tested {
+                ($touch:path, $a:expr, $b:expr) => {
+                    $touch(&ShapePair { a: $a, b: $b, b_in_a, scale }, search)?
+                };
+            }
+            let cuboid = |half: &Vector3<f64>| Cuboid { half: *half };
             let overlap = match (shape_a, shape_b) {
-                (Geometry::Cone { radius, height, .. }, Geometry::Cone { radius: radius_b, height: height_b, .. }) => {
-                    let (cone, other) = (Cone::new(*radius, *height), Cone::new(*radius_b, *height_b));
-                    cone_cone::touch(&cone, &other, &b_in_a, scale, last, clip, axes)?
-                }
-                (Geometry::Cone { radius, height, .. }, Geometry::Cuboid { half }) => {
-                    let (cone, cuboid) = (Cone::new(*radius, *height), Cuboid { half: *half });
-                    cone_polyhedron::touch(&cone, &cuboid, &b_in_a, scale, last, &mut edges.a, clip, axes)?
-                }
-                (Geometry::Cone { radius, height, .. }, Geometry::Hull(hull)) => {
+                (Geometry::Cone { radius, height, .. }, _) => {
                     let cone = Cone::new(*radius, *height);
-                    cone_polyhedron::touch(&cone, &**hull, &b_in_a, scale, last, &mut edges.a, clip, axes)?
+                    match shape_b {
+                        Geometry::Cone { radius, height, .. } => {
+                            tested!(cone_cone::touch, &cone, &Cone::new(*radius, *height))
+                        }
+                        Geometry::Cuboid { half } => tested!(cone_polyhedron::touch, &cone, &cuboid(half)),
+                        Geometry::Hull(b) => tested!(cone_polyhedron::touch, &cone, &**b),
+                        _ => unreachable!("ranked"),
+                    }
                 }
-                (Geometry::Cuboid { half }, Geometry::Cuboid { half: half_b }) => {
-                    boxes::touch(half, half_b, &b_in_a, scale, clip, axes)?
+                (Geometry::Cuboid { half: a }, Geometry::Cuboid { half: b }) => {
+                    tested!(boxes::touch, &cuboid(a), &cuboid(b))
                 }
-                (Geometry::Cuboid { half }, Geometry::Hull(hull)) => {
-                    polyhedra::touch(&Cuboid { half: *half }, &**hull, &b_in_a, scale, last, edges, clip, axes)?
-                }
-                (Geometry::Hull(hull), Geometry::Cuboid { half }) => {
-                    polyhedra::touch(&**hull, &Cuboid { half: *half }, &b_in_a, scale, last, edges, clip, axes)?
-                }
-                (Geometry::Hull(hull), Geometry::Hull(other)) => {
-                    polyhedra::touch(&**hull, &**other, &b_in_a, scale, last, edges, clip, axes)?
-                }
+                (Geometry::Cuboid { half }, Geometry::Hull(b)) => tested!(feature_sat::touch, &cuboid(half), &**b),
+                (Geometry::Hull(a), Geometry::Cuboid { half }) => tested!(feature_sat::touch, &**a, &cuboid(half)),
+                (Geometry::Hull(a), Geometry::Hull(b)) => tested!(feature_sat::touch, &**a, &**b),
                 _ => unreachable!("ranked"),
             };
-            keep_touching_spread(&mut clip.found, &overlap.normal, scale.size, points);
+            keep_touching_spread(&mut search.clip.found, &overlap.normal, scale.size, points);
             overlap
         }
     };
-    let to_world = |point: &Vector3<f64>| axes_a * point + a.position;
     for found in &mut points[first..] {
-        found.point = to_world(&found.point);
+        found.point = axes_a * found.point + a.position;
     }
     Some(Overlap { normal: axes_a * overlap.normal, ..overlap })
 }

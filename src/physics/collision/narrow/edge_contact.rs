@@ -2,9 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::scale::Scale;
+use super::{ContactPoint, FeatureId, Overlap, Scale};
 use crate::physics::collision::constants::STRETCH_SQUARED_SINE;
-use crate::physics::collision::manifold::{ContactPoint, FeatureId};
 
 /// The ends of an edge.
 #[derive(Clone, Copy)]
@@ -49,14 +48,12 @@ pub(crate) fn middle([one, other]: [Vector3<f64>; 2]) -> Vector3<f64> {
     (one + other) / 2.0
 }
 
-/// Adds the point where an edge of A crosses one of B, whose overlap along `normal` is `depth`; or
-/// the ends of the stretch that they share, if they are nearly parallel, each with its own depth,
+/// Adds the point where an edge of A crosses one of B, with the overlap across both; or the ends of the stretch that they share, if they are nearly parallel, each with its own depth,
 /// and of these what is within the gap.
 pub(crate) fn touch(
     one: &Segment,
     other: &Segment,
-    normal: &Vector3<f64>,
-    depth: f64,
+    &Overlap { normal, depth }: &Overlap,
     feature: FeatureId,
     scale: &Scale,
     found: &mut Vec<ContactPoint>,

@@ -1,8 +1,9 @@
 //! The feet of a point on an ellipse: where the distance to it is least, seen from either side of
 //! the long axis.
 
-use crate::physics::collision::constants::FOOT_STEPS;
 use std::f64::consts::FRAC_PI_2;
+
+use crate::physics::collision::constants::FOOT_STEPS;
 
 /// For the ellipse (a cos t, b sin t), a ≥ b ≥ 0, and a point, the sine and cosine of t where the
 /// distance from the point has a minimum: the nearest foot, and the one beyond the long axis if

@@ -31,12 +31,10 @@
 
 use nalgebra::Vector3;
 
-use super::apart;
-use super::clipping::{ClipBuffers, Faced, clip_to_face};
-use super::polyhedron::{Convex, Edge, Frame, Polyhedron, first_max};
-use super::scale::Scale;
+use super::clipping::clip_to_face;
+use super::{ClipBuffers, Convex, Edge, Faced, Overlap, Polyhedron, Scale, ShapePair, apart, first_max};
+use crate::physics::Refill;
 use crate::physics::collision::constants::PARALLEL_SINE;
-use crate::physics::collision::manifold::Overlap;
 
 /// What an axis was made of, by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,24 +88,20 @@ impl Found {
     /// where it is no face's those that `smooth_points` does, and the axis in `last`.
     pub fn take(
         self,
-        a: &(impl Convex + Faced),
-        b: &(impl Convex + Faced),
-        b_in_a: &Frame,
-        scale: &Scale,
-        last: &mut Option<Feature>,
-        clip: &mut ClipBuffers,
+        pair: &ShapePair<impl Faced, impl Faced>,
+        PairSearch { clip, last, .. }: &mut PairSearch,
         smooth_points: impl Fn(&Least, &mut ClipBuffers),
     ) -> Option<Overlap> {
         let Self { least, preferred } = self;
         let find_points = |least: &Least, clip: &mut ClipBuffers| match least.feature.face() {
-            Some((of_b, face)) => clip_to_face(a, b, b_in_a, of_b, face, least.depth, scale, clip),
+            Some((of_b, face)) => clip_to_face(pair, of_b, face, least.depth, clip),
             None => {
                 smooth_points(least, clip);
                 true
             }
         };
         let mut is_any = find_points(&preferred, clip);
-        let taken = if is_any && clip.stand_for(preferred.depth, scale.size) { preferred } else { least };
+        let taken = if is_any && clip.stand_for(preferred.depth, pair.scale.size) { preferred } else { least };
         if taken.feature != preferred.feature {
             is_any = find_points(&taken, clip);
         }
@@ -115,26 +109,34 @@ impl Found {
         let overlap = Overlap { normal: taken.normal, depth: taken.depth };
         if !is_any && overlap.depth < 0.0 {
             let reference_is_b = matches!(taken.feature, Feature::FaceOfB(_));
-            return apart::beside(a, b, b_in_a, reference_is_b, &overlap, scale, clip);
+            return apart::beside(pair, reference_is_b, &overlap, clip);
         }
         Some(overlap)
     }
 }
 
-/// How a test went.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Verdict {
-    /// Apart by more than the gap along that feature's axis.
-    Apart(Feature),
-    /// Overlapping, or within the gap.
-    Near(Least),
+/// What one pair's test needs and leaves: buffers, and the axis that next step's test begins with.
+#[derive(Default)]
+pub(crate) struct PairSearch {
+    /// The edges that may count, of A and of B.
+    pub edges: [Vec<Edge>; 2],
+    pub clip: ClipBuffers,
+    /// The axis of the last step, then that of this one.
+    pub last: Option<Feature>,
+    /// Axes measured so far.
+    pub axes: u32,
 }
 
-/// Buffers of the edges that may count, kept from pair to pair.
-#[derive(Default)]
-pub(crate) struct EdgeBuffers {
-    pub a: Vec<Edge>,
-    b: Vec<Edge>,
+impl PairSearch {
+    /// Forgets the axis of the last step: another pair is next.
+    pub fn forget(&mut self) {
+        self.last = None;
+    }
+
+    /// What a test has found; of shapes that are apart, keeps the feature along whose axis they are.
+    pub fn near<T>(&mut self, found: Result<T, Feature>) -> Option<T> {
+        found.map_err(|feature| self.last = Some(feature)).ok()
+    }
 }
 
 /// The feature of least depth so far, by number.
@@ -163,119 +165,111 @@ impl<I: PartialOrd + Copy> Best<I> {
     }
 }
 
-/// Tests two polyhedra, B's frame in A's. Adds the number of axes measured to `axes`.
-pub(crate) fn test(
-    a: &impl Polyhedron,
-    b: &impl Polyhedron,
-    b_in_a: &Frame,
-    scale: &Scale,
-    last: Option<Feature>,
-    buffers: &mut EdgeBuffers,
-    axes: &mut u32,
-) -> Verdict {
-    let mut test = Test { a, b, b_in_a, a_in_b: &b_in_a.inverse(), scale, axes };
-    match test.run(last, buffers) {
-        Ok(least) => Verdict::Near(least.rounded(scale)),
-        Err(feature) => Verdict::Apart(feature),
+/// Tests two polyhedra; what was the last step's axis is tried first and replaced. Contact points
+/// are left in the clip buffers, in A's axes.
+pub(crate) fn touch<A: Polyhedron, B: Polyhedron>(pair: &ShapePair<A, B>, search: &mut PairSearch) -> Option<Overlap> {
+    let a_in_b = pair.b_in_a.inverse();
+    let found =
+        Test { pair, swapped: pair.swapped(&a_in_b), axes: &mut search.axes }.run(search.last, &mut search.edges);
+    let Least { normal, depth, feature } = search.near(found)?.rounded(pair.scale);
+    search.last = Some(feature);
+    let overlap = Overlap { normal, depth };
+    if let Feature::Edges(edge_a, edge_b) = feature {
+        return apart::crossing(pair, [edge_a, edge_b].map(|edge| edge as usize), &overlap, &mut search.clip);
     }
+    let (reference_is_b, face) = feature.face().expect("a polyhedron has faces and edges alone");
+    let is_any = clip_to_face(pair, reference_is_b, face, depth, &mut search.clip);
+    if !is_any && depth < 0.0 {
+        return apart::beside(pair, reference_is_b, &overlap, &mut search.clip);
+    }
+    Some(overlap)
 }
 
 struct Test<'t, A, B> {
-    a: &'t A,
-    b: &'t B,
-    b_in_a: &'t Frame,
-    a_in_b: &'t Frame,
-    scale: &'t Scale,
+    pair: &'t ShapePair<'t, A, B>,
+    swapped: ShapePair<'t, B, A>,
     axes: &'t mut u32,
 }
 
 impl<A: Polyhedron, B: Polyhedron> Test<'_, A, B> {
     /// The least overlap or greatest separation, or the feature along which that is beyond the gap.
-    fn run(&mut self, last: Option<Feature>, buffers: &mut EdgeBuffers) -> Result<Least, Feature> {
+    fn run(&mut self, last: Option<Feature>, edges: &mut [Vec<Edge>; 2]) -> Result<Least, Feature> {
+        let &ShapePair { a, b, scale, .. } = self.pair;
         let last = last.filter(|last| self.exists(*last));
-        let (mut face_a, mut face_b, mut edges) = (None, None, None);
-        match last {
-            Some(Feature::FaceOfA(index)) => face_a = Some(index as usize),
-            Some(Feature::FaceOfB(index)) => face_b = Some(index as usize),
-            Some(Feature::Edges(a, b)) => edges = Some((a, b)),
-            Some(Feature::Smooth(_)) | None => {}
-        }
-        self.try_last(face_b, edges)?;
-        let (a_in_b, b_in_a) = (self.a_in_b, self.b_in_a);
-        let of_a = least_face(self.a, self.b, b_in_a, self.scale, f64::INFINITY, face_a, self.axes);
+        self.try_last(last)?;
+        let last_face = |of_b: bool| last.and_then(Feature::face).filter(|face| face.0 == of_b).map(|(_, face)| face);
+        let of_a = self.pair.least_face(f64::INFINITY, last_face(false), self.axes);
         let of_a = of_a.map_err(Feature::FaceOfA)?.expect("some face is the best");
-        let limit = self.scale.limit(of_a.depth);
-        let of_b =
-            least_face(self.b, self.a, a_in_b, self.scale, limit, face_b, self.axes).map_err(Feature::FaceOfB)?;
-        let least = match of_b {
+        let of_b = self.swapped.least_face(scale.limit(of_a.depth), last_face(true), self.axes);
+        let least = match of_b.map_err(Feature::FaceOfB)? {
             None => {
-                let normal = self.a.face(of_a.index as usize).normal;
+                let normal = a.face(of_a.index as usize).normal;
                 Least { normal, depth: of_a.depth, feature: Feature::FaceOfA(of_a.index) }
             }
             Some(best) => {
-                let normal = -(b_in_a.rotation * self.b.face(best.index as usize).normal);
+                let normal = self.pair.out_of_a(b.face(best.index as usize).normal);
                 Least { normal, depth: best.depth, feature: Feature::FaceOfB(best.index) }
             }
         };
-        let of_edges = self.least_edges(self.scale.limit(least.depth), edges, buffers)?;
+        let of_edges = self.least_edges(scale.limit(least.depth), last, edges)?;
         Ok(of_edges.unwrap_or(least))
     }
 
     fn exists(&self, feature: Feature) -> bool {
+        let &ShapePair { a, b, .. } = self.pair;
         let within = |index: u32, count: usize| (index as usize) < count;
         match feature {
-            Feature::FaceOfA(face) => within(face, self.a.face_count()),
-            Feature::FaceOfB(face) => within(face, self.b.face_count()),
-            Feature::Edges(a, b) => within(a, self.a.edge_count()) && within(b, self.b.edge_count()),
+            Feature::FaceOfA(face) => within(face, a.face_count()),
+            Feature::FaceOfB(face) => within(face, b.face_count()),
+            Feature::Edges(on_a, on_b) => within(on_a, a.edge_count()) && within(on_b, b.edge_count()),
             Feature::Smooth(_) => false,
         }
     }
 
     /// An error if the axis of the last step separates now. A face of A comes first anyway.
-    fn try_last(&mut self, face_b: Option<usize>, edges: Option<(u32, u32)>) -> Result<(), Feature> {
-        let (last, depth) = if let Some(index) = face_b {
-            (Feature::FaceOfB(index as u32), face_depth(self.b, self.a, self.a_in_b, index))
-        } else if let Some((a, b)) = edges {
-            (Feature::Edges(a, b), self.edge_depth(a, b).map_or(0.0, |(depth, _)| depth))
-        } else {
-            return Ok(());
+    fn try_last(&mut self, last: Option<Feature>) -> Result<(), Feature> {
+        let depth = match last {
+            Some(Feature::FaceOfB(face)) => self.swapped.face_depth(face as usize),
+            Some(Feature::Edges(a, b)) => self.edge_depth(a, b).map_or(0.0, |(depth, _)| depth),
+            _ => return Ok(()),
         };
         *self.axes += 1;
-        if self.scale.separates(depth) { Err(last) } else { Ok(()) }
+        last.filter(|_| self.pair.scale.separates(depth)).map_or(Ok(()), Err)
     }
 
     fn edge_depth(&self, a: u32, b: u32) -> Option<(f64, Vector3<f64>)> {
-        edge_depth(&self.a.edge(a as usize), &self.b.edge(b as usize).placed(self.b_in_a, true))
+        edge_depth(&self.pair.a.edge(a as usize), &self.pair.b.edge(b as usize).placed(self.pair.b_in_a, true))
     }
 
     /// The pair of edges of least depth, if it is below `limit`; an error if one separates.
     fn least_edges(
         &mut self,
         limit: f64,
-        last: Option<(u32, u32)>,
-        buffers: &mut EdgeBuffers,
+        last: Option<Feature>,
+        [of_a, of_b]: &mut [Vec<Edge>; 2],
     ) -> Result<Option<Least>, Feature> {
+        let &ShapePair { b_in_a, scale, .. } = self.pair;
         let mut best = Best { depth: limit, index: (u32::MAX, u32::MAX) };
-        if let Some((a, b)) = last
+        if let Some(Feature::Edges(a, b)) = last
             && let Some((depth, _)) = self.edge_depth(a, b)
             && depth < limit
         {
             best.take(depth, (a, b));
         }
-        let bound = self.scale.bound(best.depth);
-        facing_edges(self.a, self.b.inner_radius(), &self.b_in_a.center, bound, &mut buffers.a);
-        buffers.b.clear();
-        if !buffers.a.is_empty() {
-            facing_edges(self.b, self.a.inner_radius(), &self.a_in_b.center, bound, &mut buffers.b);
+        let bound = scale.bound(best.depth);
+        self.pair.facing_edges(bound, of_a);
+        of_b.clear();
+        if !of_a.is_empty() {
+            self.swapped.facing_edges(bound, of_b);
         }
-        for edge in &mut buffers.b {
-            *edge = edge.placed(self.b_in_a, true);
+        for edge in &mut *of_b {
+            *edge = edge.placed(b_in_a, true);
         }
-        for a in &buffers.a {
-            for b in &buffers.b {
+        for a in &*of_a {
+            for b in &*of_b {
                 let Some((depth, _)) = edge_depth(a, b) else { continue };
                 *self.axes += 1;
-                if self.scale.separates(depth) {
+                if scale.separates(depth) {
                     return Err(Feature::Edges(a.index, b.index));
                 }
                 if depth < limit {
@@ -292,52 +286,53 @@ impl<A: Polyhedron, B: Polyhedron> Test<'_, A, B> {
     }
 }
 
-/// The overlap along a face's normal.
-pub(crate) fn face_depth(one: &impl Polyhedron, other: &impl Convex, other_in_one: &Frame, face: usize) -> f64 {
-    let plane = one.face(face);
-    plane.offset - plane.normal.dot(&other_in_one.center) + other.reach(&-other_in_one.enter(&plane.normal))
-}
+impl<A: Polyhedron, B: Convex> ShapePair<'_, A, B> {
+    /// The overlap along the normal of a face of A.
+    pub fn face_depth(&self, face: usize) -> f64 {
+        let plane = self.a.face(face);
+        plane.offset - plane.normal.dot(&self.b_in_a.center) + self.b.reach(&-self.b_in_a.enter(&plane.normal))
+    }
 
-/// The face of `one` with the least depth, if it is below `limit`; the error is one that
-/// separates. Begins with the face given, or else the one that the other's centre is highest
-/// above.
-pub(crate) fn least_face(
-    one: &impl Polyhedron,
-    other: &impl Convex,
-    other_in_one: &Frame,
-    scale: &Scale,
-    limit: f64,
-    last: Option<usize>,
-    axes: &mut u32,
-) -> Result<Option<Best<u32>>, u32> {
-    let height = |face: usize| {
-        let plane = one.face(face);
-        plane.normal.dot(&other_in_one.center) - plane.offset
-    };
-    let inner = other.inner_radius();
-    let count = one.face_count();
-    let mut best = Best::under(limit);
-    let mut measure = |face: usize, best: &mut Best<u32>| {
-        *axes += 1;
-        let depth = face_depth(one, other, other_in_one, face);
-        if scale.separates(depth) {
-            return Err(face as u32);
+    /// The face of A with the least depth, if it is below `limit`; the error is one that separates.
+    /// Begins with the face given, or else the one that B's centre is highest above.
+    pub fn least_face(&self, limit: f64, last: Option<u32>, axes: &mut u32) -> Result<Option<Best<u32>>, u32> {
+        let scale = self.scale;
+        let height = |face: usize| {
+            let plane = self.a.face(face);
+            plane.normal.dot(&self.b_in_a.center) - plane.offset
+        };
+        let inner = self.b.inner_radius();
+        let count = self.a.face_count();
+        let mut best = Best::under(limit);
+        let mut measure = |face: usize, best: &mut Best<u32>| {
+            *axes += 1;
+            let depth = self.face_depth(face);
+            if scale.separates(depth) {
+                return Err(face as u32);
+            }
+            if depth < limit {
+                best.take(depth, face as u32);
+            }
+            Ok(())
+        };
+        let first = last.map_or_else(|| first_max((0..count).map(height)), |last| last as usize);
+        if inner - height(first) <= scale.bound(limit) {
+            measure(first, &mut best)?;
         }
-        if depth < limit {
-            best.take(depth, face as u32);
+        for face in (0..count).filter(|&face| face != first) {
+            if inner - height(face) <= scale.bound(best.depth) {
+                measure(face, &mut best)?;
+            }
         }
-        Ok(())
-    };
-    let first = last.unwrap_or_else(|| first_max((0..count).map(height)));
-    if inner - height(first) <= scale.bound(limit) {
-        measure(first, &mut best)?;
+        Ok((best.index != u32::MAX).then_some(best))
     }
-    for face in (0..count).filter(|&face| face != first) {
-        if inner - height(face) <= scale.bound(best.depth) {
-            measure(face, &mut best)?;
-        }
+
+    /// The edges of A whose arcs hold a direction along which the depth may be within `bound`.
+    pub fn facing_edges(&self, bound: f64, edges: &mut Vec<Edge>) {
+        let inner = self.b.inner_radius();
+        let faces = |edge: &Edge| inner - edge.height_of(&self.b_in_a.center) <= bound;
+        edges.refill((0..self.a.edge_count()).map(|index| self.a.edge(index)).filter(faces));
     }
-    Ok((best.index != u32::MAX).then_some(best))
 }
 
 /// The depth across two edges and the unit normal, out of the first shape; none if they do not
@@ -354,21 +349,4 @@ fn edge_depth(a: &Edge, b: &Edge) -> Option<(f64, Vector3<f64>)> {
     let out = across.dot(&(a.normals[0] + a.normals[1]));
     let normal = across / sine.copysign(out);
     Some((normal.dot(&(a.start - b.start)), normal))
-}
-
-/// The edges of `one` whose arcs hold a direction along which the depth may be within `bound`,
-/// given the centre and inner radius of the other.
-pub(crate) fn facing_edges(
-    one: &impl Polyhedron,
-    other_inner: f64,
-    other_center: &Vector3<f64>,
-    bound: f64,
-    edges: &mut Vec<Edge>,
-) {
-    edges.clear();
-    edges.extend(
-        (0..one.edge_count())
-            .map(|index| one.edge(index))
-            .filter(|edge| other_inner - edge.height_of(other_center) <= bound),
-    );
 }

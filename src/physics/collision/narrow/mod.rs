@@ -12,6 +12,15 @@ mod edge_contact;
 mod ellipse;
 pub(super) mod feature_sat;
 mod plane;
-mod polyhedra;
 pub(super) mod polyhedron;
-mod scale;
+mod shape_pair;
+
+use clipping::{ClipBuffers, Faced};
+use cone::{Cone, unit_across};
+use edge_contact::{Segment, closest, middle};
+use feature_sat::{Feature, Found, Least, PairSearch};
+use polyhedron::{Convex, Cuboid, Edge, Frame, Plane, Polyhedron, first_max, nearest_on_hull};
+use shape_pair::{Scale, ShapePair};
+
+use super::manifold::Overlap;
+use crate::physics::{ContactPoint, FeatureId};

@@ -3,12 +3,10 @@
 
 use nalgebra::Vector3;
 
-use super::clipping::{ClipBuffers, keep_spread};
-use super::cone::Cone;
-use super::polyhedron::{Cuboid, Frame, Polyhedron};
+use super::clipping::keep_spread;
+use super::{ClipBuffers, Cone, Cuboid, Frame, Overlap, Polyhedron};
 use crate::physics::collision::constants::{CONTACT_TOLERANCE, RIM_POINTS};
-use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
-use crate::physics::shape::Geometry;
+use crate::physics::{ContactPoint, FeatureId, Geometry};
 
 /// Tests the half-space y ≤ 0 and a shape in its axes, and adds the points up to a gap above the
 /// plane, half-way to it: of a polyhedron its vertices, of a cone its apex and four points of the rim,

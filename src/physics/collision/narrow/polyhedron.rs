@@ -3,7 +3,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::physics::shape::Hull;
+use super::Segment;
+use crate::physics::{Hull, Refill};
 
 /// A body's axes and centre in those of another.
 #[derive(Clone, Copy, Debug)]
@@ -65,8 +66,8 @@ impl Edge {
         }
     }
 
-    pub fn end(&self) -> Vector3<f64> {
-        self.start + self.direction * self.length
+    pub fn segment(&self) -> Segment {
+        Segment([self.start, self.start + self.direction * self.length])
     }
 
     /// Whether the arcs of an edge and of a mirrored one cross: then both edges are foremost in
@@ -228,8 +229,7 @@ impl Polyhedron for Hull {
     }
 
     fn corners(&self, face: usize, corners: &mut Vec<Vector3<f64>>) {
-        corners.clear();
-        corners.extend(self.faces[face].vertices.iter().map(|&vertex| self.vertices[vertex as usize]));
+        corners.refill(self.faces[face].vertices.iter().map(|&vertex| self.vertices[vertex as usize]));
     }
 
     fn edge_count(&self) -> usize {

@@ -171,7 +171,7 @@ fn random_points_of_any_number_and_proportion() {
         let on_sphere = round % 2 == 0;
         let points: Vec<DVec3> = (0..count)
             .map(|_| if on_sphere { random.direction() } else { random.vector() })
-            .map(|point| dvec(turn * vector(dvec(point) * flatness)))
+            .map(|point| dvec(turn * Vector3::from(dvec(point) * flatness)))
             .collect();
         let tolerance = if count > ConvexHull::MAX_VERTICES { ROUND } else { TOLERANCE };
         hull_within(&points, tolerance);
@@ -359,15 +359,15 @@ fn assert_measures(hull: &ConvexHull, volume: f64, center: DVec3, axes: DQuat, m
     assert!(hull.center().distance(center) < tolerance * size, "center {} for {center}", hull.center());
     let turned = hull.axes().angle_between(axes);
     assert!(turned < tolerance.sqrt().max(1e-6), "axes turned by {turned} rad");
-    let off = (hull.moments() / moments - 1.0).abs().max_element();
-    assert!(off < tolerance, "moments {} for {moments}", hull.moments());
+    let off = (hull.measures().moments / moments - 1.0).abs().max_element();
+    assert!(off < tolerance, "moments {} for {moments}", hull.measures().moments);
 }
 
 #[test]
 fn a_box_askew_is_the_box() {
     let mut random = Random::new(11);
     let size = DVec3::new(0.5, 1.3, 2.1);
-    let moments = crate::physics::shape::cuboid::moments(size);
+    let moments = crate::physics::shape::cuboid::measures(size).moments;
     for angle in [1e-7, 1e-3, 0.1, 0.3, 0.7] {
         for _ in 0..20 {
             // Below a turn of 45° no other order of the axes is nearer.
@@ -424,16 +424,15 @@ fn a_tetrahedron_has_its_closed_form() {
         legs.y * legs.z / 80.0,
         across.z,
     );
-    let turn = Matrix3::from_columns(&DVec3::AXES.map(|axis| vector(hull.axes() * axis)));
-    let inertia = turn * Matrix3::from_diagonal(&vector(hull.moments())) * turn.transpose();
+    let turn = Matrix3::from_columns(&DVec3::AXES.map(|axis| Vector3::from(hull.axes() * axis)));
+    let inertia = turn * Matrix3::from_diagonal(&Vector3::from(hull.measures().moments)) * turn.transpose();
     assert!((inertia - expected).abs().max() < 1e-14, "{inertia} for {expected}");
 }
 
 #[test]
 fn a_polygonal_cone_nears_the_cone() {
     let (radius, height) = (0.6, 1.1);
-    let (volume, moments) =
-        (crate::physics::shape::cone::volume(radius, height), crate::physics::shape::cone::moments(radius, height));
+    let Measures { volume, moments, .. } = crate::physics::shape::cone::measures(radius, height);
     for sides in [12, 24, 48] {
         let rim = (0..sides).map(|i| {
             let (sin, cos) = (TAU * f64::from(i) / f64::from(sides)).sin_cos();

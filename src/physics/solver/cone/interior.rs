@@ -15,11 +15,9 @@ use super::constants::{
     FAR_CENTRING, FAR_GAP, INTERIOR_STEPS, LEAST_CENTRING, NEWTON_AGAIN, NEWTON_PRODUCT, SHORT_STEP, SHORT_STEPS,
     SOFTNESS, TO_BOUNDARY,
 };
-use super::iterate::Iterate;
-use super::law::Law;
-use super::point::ConePoint;
-use super::problem::ConeOutcome;
 use super::second_order_cone::{Scaling, product, quotient, reach};
+use super::{ConeOutcome, ConePoint, Iterate, Law};
+use crate::physics::Refill;
 
 /// Kept from solve to solve.
 #[derive(Clone, Debug, Default)]
@@ -36,15 +34,6 @@ pub(super) struct InteriorBuffers {
     kept: Vec<Vector3<f64>>,
 }
 
-/// What a step aims at.
-#[derive(Clone, Copy)]
-struct Aim {
-    /// σ.
-    product: f64,
-    /// The products of the prediction's changes are taken off.
-    is_corrector: bool,
-}
-
 impl Iterate {
     /// From inside the cones towards a solution, with Newton steps on the way. True once within the tolerance.
     pub(super) fn interior_point(
@@ -53,7 +42,7 @@ impl Iterate {
         tolerance: f64,
         outcome: &mut ConeOutcome,
     ) -> bool {
-        let cones = self.points.iter().filter(|point| is_cone(point)).count();
+        let cones = self.cones().count();
         if cones == 0 {
             return false;
         }
@@ -92,6 +81,11 @@ impl Iterate {
         is_done
     }
 
+    /// The contacts of bodies that move, with their places among the points.
+    fn cones(&self) -> impl Iterator<Item = (usize, &ConePoint)> {
+        self.points.iter().enumerate().filter(|(_, point)| is_cone(point))
+    }
+
     /// x and y in the middle of their cones, as large as the free velocities. The sum of log ρ.
     fn begin(&mut self, buffers: &mut InteriorBuffers) -> f64 {
         let movable = self.points.iter().zip(&self.free).filter(|(point, _)| point.is_movable());
@@ -114,36 +108,29 @@ impl Iterate {
     /// The largest |y − T⁻¹û| and the mean of x·y.
     fn progress(&self, buffers: &InteriorBuffers, cones: usize) -> (f64, f64) {
         let (mut gap, mut sum) = (0.0, 0.0);
-        for (((point, impulse), velocity), slack) in
-            self.points.iter().zip(&self.impulses).zip(&self.velocities).zip(&buffers.slack)
-        {
-            if is_cone(point) {
-                gap = f64::max(gap, (slack - to_dual(point.law, velocity)).norm());
-                sum += to_cone(point.law, impulse).dot(slack);
-            }
+        for (index, point) in self.cones() {
+            let slack = &buffers.slack[index];
+            gap = f64::max(gap, (slack - to_dual(point.law, &self.velocities[index])).norm());
+            sum += to_cone(point.law, &self.impulses[index]).dot(slack);
         }
         (gap, sum / cones as f64)
     }
 
     /// Prediction, correction, and as much of it as stays inside: the share taken.
     fn inner_step(&mut self, buffers: &mut InteriorBuffers, mean: f64, cones: usize, is_far: bool) -> f64 {
-        let prediction = Aim { product: 0.0, is_corrector: false };
-        if !self.direction(buffers, prediction) {
+        if !self.direction(buffers, None) {
             return f64::NAN;
         }
         let share = self.share(buffers);
         let mut after = 0.0;
-        for ((point, impulse), (slack, [x, y])) in
-            self.points.iter().zip(&self.impulses).zip(buffers.slack.iter().zip(&buffers.change))
-        {
-            if is_cone(point) {
-                after += (to_cone(point.law, impulse) + share * x).dot(&(slack + share * y));
-            }
+        for (index, point) in self.cones() {
+            let [x, y] = &buffers.change[index];
+            after += (to_cone(point.law, &self.impulses[index]) + share * x).dot(&(buffers.slack[index] + share * y));
         }
         let ratio = after / (cones as f64 * mean);
         let least = if is_far { FAR_CENTRING } else { LEAST_CENTRING };
         let target = ratio.max(0.0).powi(3).clamp(least, 1.0) * mean;
-        self.direction(buffers, Aim { product: target, is_corrector: true });
+        self.direction(buffers, Some(target));
         let share = self.share(buffers);
         for ((impulse, step), (slack, [_, y])) in
             self.impulses.iter_mut().zip(&buffers.step).zip(buffers.slack.iter_mut().zip(&buffers.change))
@@ -156,27 +143,21 @@ impl Iterate {
 
     /// How much of the changes stays inside, at most all.
     fn share(&self, buffers: &InteriorBuffers) -> f64 {
-        let mut share = 1.0;
-        for ((point, impulse), (slack, [x, y])) in
-            self.points.iter().zip(&self.impulses).zip(buffers.slack.iter().zip(&buffers.change))
-        {
-            if is_cone(point) {
-                let most = reach(&to_cone(point.law, impulse), x).min(reach(slack, y));
-                share = f64::min(share, TO_BOUNDARY * most);
-            }
-        }
-        share
+        self.cones().fold(1.0, |share, (index, point)| {
+            let [x, y] = &buffers.change[index];
+            let most = reach(&to_cone(point.law, &self.impulses[index]), x).min(reach(&buffers.slack[index], y));
+            f64::min(share, TO_BOUNDARY * most)
+        })
     }
 
-    /// Changes of λ, x and y for an aim. False where the linear system is singular. The correction takes the
-    /// prediction's factor.
-    fn direction(&mut self, buffers: &mut InteriorBuffers, aim: Aim) -> bool {
+    /// Changes of λ, x and y: the prediction's, or those of the correction to a product σ, which takes the prediction's
+    /// factor and the products of its changes off. False where the linear system is singular.
+    fn direction(&mut self, buffers: &mut InteriorBuffers, aim: Option<f64>) -> bool {
         let Self { points, linear, elimination, impulses, velocities, .. } = self;
-        if !aim.is_corrector {
+        if aim.is_none() {
             linear.stiffness.clear();
             buffers.softening.clear();
-            buffers.change.clear();
-            buffers.change.resize(points.len(), [Vector3::zeros(); 2]);
+            buffers.change.reset(points.len(), [Vector3::zeros(); 2]);
         }
         linear.offset.clear();
         for (index, ((point, impulse), velocity)) in points.iter().zip(&*impulses).zip(&*velocities).enumerate() {
@@ -188,7 +169,7 @@ impl Iterate {
                 }
                 _ => cone_terms(point.law, impulse, velocity, &buffers.slack[index], &buffers.change[index], aim),
             };
-            if !aim.is_corrector {
+            if aim.is_none() {
                 let compliance = if is_cone(point) { SOFTNESS / point.mass } else { 0.0 };
                 let softening = (Matrix3::identity() + compliance * stiffness).try_inverse();
                 buffers.softening.push(softening.unwrap_or_else(Matrix3::identity));
@@ -196,7 +177,7 @@ impl Iterate {
             }
             linear.offset.push(buffers.softening[index] * offset);
         }
-        if !aim.is_corrector && !linear.factor(points, elimination, true) {
+        if aim.is_none() && !linear.factor(points, elimination, true) {
             return false;
         }
         linear.apply_offsets(points, elimination);
@@ -209,7 +190,7 @@ impl Iterate {
             if is_cone(point) {
                 let softened = motion + SOFTNESS / point.mass * step;
                 let gap = buffers.slack[index] - to_dual(point.law, &velocities[index]);
-                buffers.change[index] = [to_cone(point.law, &step), unshifted_dual(point.law, &softened) - gap];
+                buffers.change[index] = [to_cone(point.law, &step), from_cone(point.law, &softened) - gap];
             }
         }
         true
@@ -223,13 +204,13 @@ fn cone_terms(
     velocity: &Vector3<f64>,
     slack: &Vector3<f64>,
     [dx, dy]: &[Vector3<f64>; 2],
-    aim: Aim,
+    aim: Option<f64>,
 ) -> (Matrix3<f64>, Vector3<f64>) {
     let gap = slack - to_dual(law, velocity);
     if law == Law::Frictionless {
-        let cross = if aim.is_corrector { dx.x * dy.x } else { 0.0 };
+        let cross = if aim.is_some() { dx.x * dy.x } else { 0.0 };
         let stiffness = impulse.x / slack.x;
-        let push = (aim.product - impulse.x * slack.x - cross) / slack.x + stiffness * gap.x;
+        let push = (aim.unwrap_or(0.0) - impulse.x * slack.x - cross) / slack.x + stiffness * gap.x;
         let mut block = Matrix3::zeros();
         block.m11 = stiffness;
         return (block, Vector3::new(push, 0.0, 0.0));
@@ -237,8 +218,8 @@ fn cone_terms(
     let scaling = Scaling::new(&to_cone(law, impulse), slack);
     let scaled = scaling.times(slack);
     let mut wanted = -product(&scaled, &scaled);
-    wanted.x += aim.product;
-    if aim.is_corrector {
+    wanted.x += aim.unwrap_or(0.0);
+    if aim.is_some() {
         wanted -= product(&scaling.under(dx), &scaling.times(dy));
     }
     let push = scaling.times(&quotient(&scaled, &wanted));
@@ -260,13 +241,8 @@ fn to_cone(law: Law, impulse: &Vector3<f64>) -> Vector3<f64> {
     }
 }
 
-/// T⁻¹ x.
-fn from_cone(law: Law, x: &Vector3<f64>) -> Vector3<f64> {
-    unshifted_dual(law, x)
-}
-
-/// T⁻¹ u.
-fn unshifted_dual(law: Law, velocity: &Vector3<f64>) -> Vector3<f64> {
+/// T⁻¹ x, and T⁻¹ u.
+fn from_cone(law: Law, velocity: &Vector3<f64>) -> Vector3<f64> {
     match law {
         Law::Friction(friction) => Vector3::new(velocity.x / friction, velocity.y, velocity.z),
         Law::Frictionless | Law::Joint => *velocity,
@@ -275,5 +251,5 @@ fn unshifted_dual(law: Law, velocity: &Vector3<f64>) -> Vector3<f64> {
 
 /// T⁻¹ û.
 fn to_dual(law: Law, velocity: &Vector3<f64>) -> Vector3<f64> {
-    unshifted_dual(law, &law.shifted(velocity))
+    from_cone(law, &law.shifted(velocity))
 }

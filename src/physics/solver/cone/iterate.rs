@@ -2,11 +2,10 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::super::linear::{BodyVector, Elimination};
 use super::constants::ROUNDINGS;
 use super::linear::LinearSystem;
-use super::point::ConePoint;
-use super::problem::ConeOutcome;
+use super::{BodyVector, ConeOutcome, ConePoint, Elimination};
+use crate::physics::Refill;
 
 /// The iterate of all methods.
 #[derive(Clone, Debug, Default)]
@@ -41,14 +40,12 @@ pub(super) struct Residual {
 impl Iterate {
     /// z = Ĵᵀλ, then u = Ĵ z + c.
     pub fn refresh(&mut self) {
-        self.scaled.clear();
-        self.scaled.resize(self.elimination.count(), BodyVector::zeros());
+        self.scaled.reset(self.elimination.count(), BodyVector::zeros());
         for (point, impulse) in self.points.iter().zip(&self.impulses) {
             point.apply(&mut self.scaled, impulse);
         }
-        self.velocities.clear();
         self.velocities
-            .extend(self.points.iter().zip(&self.free).map(|(point, free)| free + point.relative(&self.scaled)));
+            .refill(self.points.iter().zip(&self.free).map(|(point, free)| free + point.relative(&self.scaled)));
     }
 
     /// How far λ and u are from the laws.

@@ -33,8 +33,8 @@ pub(super) enum Mode {
     Open,
     /// Inside: the points stick.
     Stick,
-    /// On the cone's side, along (1, μ t); `across` is the derivative along the cone's girth.
-    Slip { slant: Vector3<f64>, across: f64 },
+    /// On the cone's side, so high, along (1, μ t); `across` is the derivative along the cone's girth.
+    Slip { height: f64, slant: Vector3<f64>, across: f64 },
 }
 
 impl Law {
@@ -48,10 +48,7 @@ impl Law {
 
     /// μ|u_t|: how much De Saxcé's velocity is more along the normal.
     pub fn shift(self, velocity: &Vector3<f64>) -> f64 {
-        match self {
-            Self::Friction(friction) => friction * velocity.y.hypot(velocity.z),
-            Self::Joint | Self::Frictionless => 0.0,
-        }
+        self.friction() * velocity.y.hypot(velocity.z)
     }
 
     /// The part of a velocity that the law says something of.
@@ -79,21 +76,11 @@ impl Law {
 
     /// P_K.
     pub fn project(self, vector: &Vector3<f64>) -> Vector3<f64> {
-        match self {
-            Self::Joint => *vector,
-            Self::Frictionless => Vector3::new(vector.x.max(0.0), 0.0, 0.0),
-            Self::Friction(friction) => {
-                let width = vector.y.hypot(vector.z);
-                if width <= friction * vector.x {
-                    *vector
-                } else if friction * width <= -vector.x {
-                    Vector3::zeros()
-                } else {
-                    let height = (vector.x + friction * width) / (1.0 + friction * friction);
-                    let share = friction * height / width;
-                    Vector3::new(height, share * vector.y, share * vector.z)
-                }
-            }
+        match (self, self.mode(vector)) {
+            (_, Mode::Open) => Vector3::zeros(),
+            (Self::Frictionless, _) => Vector3::new(vector.x, 0.0, 0.0),
+            (_, Mode::Stick) => *vector,
+            (_, Mode::Slip { height, across, .. }) => Vector3::new(height, across * vector.y, across * vector.z),
         }
     }
 
@@ -112,7 +99,7 @@ impl Law {
                 } else {
                     let height = (vector.x + friction * width) / (1.0 + friction * friction);
                     let slant = Vector3::new(1.0, friction * vector.y / width, friction * vector.z / width);
-                    Mode::Slip { slant: slant / friction.hypot(1.0), across: friction * height / width }
+                    Mode::Slip { height, slant: slant / friction.hypot(1.0), across: friction * height / width }
                 }
             }
         }
@@ -143,7 +130,7 @@ impl Mode {
             (Self::Open, _) => Matrix3::from_diagonal_element(zero),
             (Self::Stick, Law::Frictionless) => Matrix3::from_diagonal(&Vector3::new(of(1.0), zero, zero)),
             (Self::Stick, _) => Matrix3::from_diagonal_element(of(1.0)),
-            (Self::Slip { slant, across }, _) => {
+            (Self::Slip { slant, across, .. }, _) => {
                 let girth = Vector3::new(0.0, -slant.z, slant.y) / slant.y.hypot(slant.z);
                 Matrix3::from_diagonal_element(zero)
                     + (of(1.0) - zero) * slant * slant.transpose()

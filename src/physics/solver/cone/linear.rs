@@ -7,8 +7,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::super::linear::{BlockLdl, BlockLu, BodyVector, Elimination, Inverse};
-use super::point::ConePoint;
+use super::{BlockLdl, BlockLu, BodyVector, ConePoint, Elimination, Inverse};
+use crate::physics::Refill;
 
 /// D and h of the points, the factor, and the two sides.
 #[derive(Clone, Debug, Default)]
@@ -67,8 +67,7 @@ impl LinearSystem {
 
     /// The right-hand side Ĵᵀh of the present offsets.
     pub fn apply_offsets(&mut self, points: &[ConePoint], elimination: &Elimination) {
-        self.solution.clear();
-        self.solution.resize(elimination.count(), BodyVector::zeros());
+        self.solution.reset(elimination.count(), BodyVector::zeros());
         for (point, offset) in points.iter().zip(&self.offset) {
             point.apply(&mut self.solution, offset);
         }
@@ -78,8 +77,7 @@ impl LinearSystem {
     pub fn solve(&mut self, points: &[ConePoint], elimination: &Elimination) {
         self.wanted.clone_from(&self.solution);
         self.back_substitute(elimination, false);
-        self.defect.clear();
-        self.defect.extend(self.wanted.iter().zip(&self.solution).map(|(wanted, x)| wanted - x));
+        self.defect.refill(self.wanted.iter().zip(&self.solution).map(|(wanted, x)| wanted - x));
         for (point, stiffness) in points.iter().zip(&self.stiffness) {
             point.apply(&mut self.defect, &-(stiffness * point.relative(&self.solution)));
         }

@@ -41,5 +41,11 @@ pub(crate) mod problems;
 #[cfg(test)]
 mod tests;
 
+use iterate::Iterate;
+use law::{Law, Mode};
+use point::{ConePoint, root};
+use problem::{ConeOutcome, PointJacobian, Velocity, relative_velocity};
+
+use super::linear::{BlockLdl, BlockLu, BodyBlock, BodyVector, Elimination, Inverse};
 pub(crate) use problem::{ConeBody, ConeContact, ConeEnd, ConeJoint, PerPoint};
 pub(crate) use solver::ConeSolver;

@@ -12,10 +12,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{NEWTON_FIRST_LOSS, NEWTON_GAIN, NEWTON_ITERATIONS, SOFTNESS};
-use super::iterate::Iterate;
-use super::law::Mode;
-use super::point::ConePoint;
-use super::problem::ConeOutcome;
+use super::{ConeOutcome, ConePoint, Iterate, Mode};
 
 impl Iterate {
     /// Iterates as long as that helps. True once within the tolerance; else λ is again what it was unless the last is

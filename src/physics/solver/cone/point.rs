@@ -2,9 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::super::linear::{BodyBlock, BodyVector, Elimination};
-use super::law::Law;
-use super::problem::{ConeContact, ConeJoint, PointJacobian, Velocity, relative_velocity};
+use super::{
+    BodyBlock, BodyVector, ConeContact, ConeJoint, Elimination, Law, PointJacobian, Velocity, relative_velocity,
+};
 
 /// A contact or a joint.
 #[derive(Clone, Debug)]
@@ -74,11 +74,6 @@ impl ConePoint {
     /// Something can move along it.
     pub fn is_movable(&self) -> bool {
         self.mass.is_finite()
-    }
-
-    /// The guessed impulse, projected on what the law allows.
-    pub fn allowed(&self, impulse: &Vector3<f64>) -> Vector3<f64> {
-        if self.is_movable() { self.law.project(impulse) } else { Vector3::zeros() }
     }
 
     /// Its two bodies, if both move.

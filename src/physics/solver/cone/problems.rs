@@ -2,8 +2,7 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::problem::{ConeOutcome, Velocity};
-use super::{ConeBody, ConeContact, ConeJoint, ConeSolver, PerPoint};
+use super::{ConeBody, ConeContact, ConeJoint, ConeOutcome, ConeSolver, PerPoint, Velocity};
 use crate::physics::testing::Random;
 
 type V = Vector3<f64>;

@@ -13,15 +13,13 @@
 
 use nalgebra::Vector3;
 
-use super::super::linear::BodyVector;
 use super::constants::{
     ENOUGH_RESIDUAL, ENOUGH_STEPS, FIRST_SOFTNESS, FLOOR_DECAY, HALVINGS, JOINT_SOFTNESS, LEAST_SOFTNESS,
     MOST_SOFTNESS, MOST_STEPS, NEARLY_RIGID, PATIENCE, PROXIMAL_ACCURACY, PROXIMAL_ITERATIONS, PROXIMAL_LOSS,
     SOFTNESS_FALL, SOFTNESS_RISE,
 };
-use super::iterate::Iterate;
-use super::law::{Law, Mode};
-use super::problem::{ConeEnd, ConeOutcome};
+use super::{BodyVector, ConeEnd, ConeOutcome, Iterate, Law, Mode};
+use crate::physics::Refill;
 
 /// Kept from solve to solve.
 #[derive(Clone, Debug, Default)]
@@ -97,8 +95,7 @@ impl Iterate {
         wanted: f64,
         outcome: &mut ConeOutcome,
     ) -> bool {
-        buffers.change.clear();
-        buffers.change.resize(self.elimination.count(), BodyVector::zeros());
+        buffers.change.reset(self.elimination.count(), BodyVector::zeros());
         let mut is_reached = false;
         for step in 0..=PROXIMAL_ITERATIONS {
             let is_symmetric = self.evaluate(buffers, softness, true);
@@ -111,8 +108,7 @@ impl Iterate {
                 break;
             }
             outcome.steps += 1;
-            self.linear.solution.clear();
-            self.linear.solution.extend(buffers.defect.iter().map(|defect| -defect));
+            self.linear.solution.refill(buffers.defect.iter().map(|defect| -defect));
             self.linear.solve(&self.points, &self.elimination);
             buffers.direction.clone_from(&self.linear.solution);
             self.line_search(buffers, softness);

@@ -2,13 +2,13 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::super::linear::Elimination;
 use super::constants::PROXIMAL_POINTS;
 use super::interior::InteriorBuffers;
-use super::iterate::Iterate;
-use super::point::{ConePoint, root};
-use super::problem::{ConeBody, ConeContact, ConeEnd, ConeJoint, ConeOutcome, PerPoint, Velocity};
 use super::proximal::ProximalBuffers;
+use super::{
+    ConeBody, ConeContact, ConeEnd, ConeJoint, ConeOutcome, ConePoint, Elimination, Iterate, PerPoint, Velocity, root,
+};
+use crate::physics::Refill;
 
 /// Solves one island's points. Keeps its buffers and, as long as the same bodies touch, its structure.
 #[derive(Clone, Debug, Default)]
@@ -25,19 +25,16 @@ impl ConeSolver {
     /// are others than before.
     pub fn set(&mut self, bodies: &[ConeBody], contacts: &[ConeContact], joints: &[ConeJoint]) {
         let Self { edges, iterate: Iterate { points, elimination, roots, .. }, .. } = self;
-        roots.clear();
-        roots.extend(
+        roots.refill(
             bodies
                 .iter()
                 .map(|body| [Matrix3::from_diagonal(&body.inverse_mass.map(f64::sqrt)), root(&body.inverse_inertia)]),
         );
         self.contacts = contacts.len();
-        points.clear();
-        points.extend(contacts.iter().map(|contact| ConePoint::of_contact(contact, roots)));
+        points.refill(contacts.iter().map(|contact| ConePoint::of_contact(contact, roots)));
         points.extend(joints.iter().map(|joint| ConePoint::of_joint(joint, roots)));
         if elimination.count() != bodies.len() || !points.iter().filter_map(ConePoint::edge).eq(edges.iter().copied()) {
-            edges.clear();
-            edges.extend(points.iter().filter_map(ConePoint::edge));
+            edges.refill(points.iter().filter_map(ConePoint::edge));
             let found = Elimination::new(&vec![6; bodies.len()], edges.iter().copied(), usize::MAX);
             *elimination = found.expect("no bound on the work");
         }
@@ -67,7 +64,8 @@ impl ConeSolver {
         let guesses = impulses.contacts.iter().chain(&impulses.joints);
         for ((point, bias), guess) in iterate.points.iter().zip(biases).zip(guesses) {
             iterate.free.push(point.law.relevant(&point.frame.tr_mul(&(bias + point.velocity(velocities)))));
-            iterate.impulses.push(point.allowed(&point.frame.tr_mul(guess)));
+            let guess = point.law.project(&point.frame.tr_mul(guess));
+            iterate.impulses.push(if point.is_movable() { guess } else { Vector3::zeros() });
         }
         let fastest = iterate.free.iter().map(Vector3::norm_squared).fold(1.0, f64::max).sqrt();
         let outcome = self.run(tolerance * fastest);

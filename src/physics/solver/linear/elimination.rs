@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use super::layout::{MOST_ROWS, Mixed};
+use super::layout::{Layout, MOST_ROWS, Mixed, Uniform};
 
 /// Order of elimination and the blocks of each column of the factor.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -43,17 +43,30 @@ pub(super) enum Target {
     Below(u32),
 }
 
+/// What an expression is with the layout of an elimination's blocks: compiled once for each of the sizes.
+macro_rules! with_layout {
+    ($elimination:expr, $layout:ident => $what:expr) => {
+        match $elimination.sizes() {
+            Sizes::Three => {
+                let $layout = Uniform::<3>;
+                $what
+            }
+            Sizes::Six => {
+                let $layout = Uniform::<6>;
+                $what
+            }
+            Sizes::Mixed($layout) => $what,
+        }
+    };
+}
+pub(super) use with_layout;
+
 impl Elimination {
     /// Of a graph whose nodes have so many rows each; none if its factorisation takes more than `most` products of
     /// blocks.
     pub fn new(rows: &[u8], edges: impl Iterator<Item = [u32; 2]>, most: usize) -> Option<Self> {
         assert!(rows.iter().all(|&rows| (1..=MOST_ROWS).contains(&usize::from(rows))), "blocks have 1 to 6 rows");
-        let mut elimination = Self::of_graph(rows.len(), edges, most)?;
-        elimination.set_sizes(rows);
-        Some(elimination)
-    }
-
-    fn of_graph(count: usize, edges: impl Iterator<Item = [u32; 2]>, most: usize) -> Option<Self> {
+        let count = rows.len();
         let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); count];
         for [a, b] in edges {
             link(&mut neighbours, a, b);
@@ -80,7 +93,13 @@ impl Elimination {
             }
             columns.push(column);
         }
-        Some(Self::of_columns(place, columns))
+        let mut elimination = Self::of_columns(place, columns);
+        elimination.sizes = match rows.first() {
+            Some(3) if rows.iter().all(|&rows| rows == 3) => Sizes::Three,
+            Some(6) | None if rows.iter().all(|&rows| rows == 6) => Sizes::Six,
+            _ => Sizes::Mixed(elimination.lay_out(rows)),
+        };
+        Some(elimination)
     }
 
     fn of_columns(place: Vec<u32>, mut columns: Vec<Vec<u32>>) -> Self {
@@ -100,14 +119,6 @@ impl Elimination {
             }
         }
         elimination
-    }
-
-    fn set_sizes(&mut self, rows: &[u8]) {
-        self.sizes = match rows.first() {
-            Some(3) if rows.iter().all(|&rows| rows == 3) => Sizes::Three,
-            Some(6) | None if rows.iter().all(|&rows| rows == 6) => Sizes::Six,
-            _ => Sizes::Mixed(self.lay_out(rows)),
-        };
     }
 
     fn lay_out(&self, of_nodes: &[u8]) -> Mixed {
@@ -161,20 +172,15 @@ impl Elimination {
 
     /// Rows of the block row at a place.
     pub(super) fn rows_at(&self, place: usize) -> usize {
-        match &self.sizes {
-            Sizes::Three => 3,
-            Sizes::Six => 6,
-            Sizes::Mixed(mixed) => usize::from(mixed.rows[place]),
-        }
+        with_layout!(self, layout => layout.rows(place))
     }
 
     /// Numbers in all blocks on the diagonal, and in those below it.
     pub(super) fn values(&self) -> (usize, usize) {
-        match &self.sizes {
-            Sizes::Three => (9 * self.count(), 9 * self.below()),
-            Sizes::Six => (36 * self.count(), 36 * self.below()),
-            Sizes::Mixed(mixed) => (mixed.diagonal[self.count()] as usize, mixed.below[self.below()] as usize),
-        }
+        with_layout!(self, layout => {
+            let diagonal = self.count().checked_sub(1).map_or(0, |last| layout.diagonal(last).end);
+            (diagonal, layout.below(self.below()))
+        })
     }
 
     pub(super) fn sizes(&self) -> &Sizes {

@@ -2,7 +2,12 @@
 
 use std::ops::Range;
 
-use nalgebra::{SVector, SimdRealField};
+use nalgebra::{SMatrix, SVector, SimdRealField};
+
+/// A block of two bodies' velocities, linear and angular.
+pub(crate) type BodyBlock = SMatrix<f64, 6, 6>;
+/// A velocity, a momentum or a wrench of one body: linear, angular.
+pub(crate) type BodyVector = SVector<f64, 6>;
 
 /// Most rows of a block.
 pub(crate) const MOST_ROWS: usize = 6;

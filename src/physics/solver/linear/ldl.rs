@@ -8,17 +8,19 @@ use std::marker::PhantomData;
 
 use nalgebra::{SMatrix, SMatrixViewMut};
 
-use super::elimination::{Elimination, Sizes, Target};
-use super::layout::{BlockVector, Layout, Number, Uniform};
+use super::elimination::{Sizes, Target, with_layout};
+use super::layout::{BlockVector, Layout, Uniform};
 use super::pivot::Pivot;
+use super::{Elimination, Number};
+use crate::physics::Refill;
 
 /// The matrix, and then its factor.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BlockLdl<N, P> {
     /// By place: A_jj, then what [`Pivot`] makes of D_j.
-    diagonal: Vec<N>,
+    pub(super) diagonal: Vec<N>,
     /// A_ij, then L_ij.
-    below: Vec<N>,
+    pub(super) below: Vec<N>,
     /// A_ij of the column at hand.
     column: Vec<N>,
     pivots: PhantomData<P>,
@@ -28,10 +30,8 @@ impl<N: Number, P: Pivot<N>> BlockLdl<N, P> {
     /// Sets all blocks to zero.
     pub fn clear(&mut self, elimination: &Elimination) {
         let (diagonal, below) = elimination.values();
-        self.diagonal.clear();
-        self.diagonal.resize(diagonal, N::zero());
-        self.below.clear();
-        self.below.resize(below, N::zero());
+        self.diagonal.reset(diagonal, N::zero());
+        self.below.reset(below, N::zero());
     }
 
     /// The block on the diagonal at a place in the order, where all blocks have R rows.
@@ -45,26 +45,6 @@ impl<N: Number, P: Pivot<N>> BlockLdl<N, P> {
     pub fn below_mut<const R: usize>(&mut self, block: usize) -> SMatrixViewMut<'_, N, R, R> {
         let layout = Uniform::<R>;
         SMatrixViewMut::from_slice(&mut self.below[layout.below(block)..layout.below(block + 1)])
-    }
-
-    #[cfg(test)]
-    /// The columns of the block on the diagonal at a place in the order.
-    pub fn diagonal_at(&mut self, elimination: &Elimination, place: usize) -> &mut [N] {
-        match elimination.sizes() {
-            Sizes::Three => &mut self.diagonal[Uniform::<3>.diagonal(place)],
-            Sizes::Six => &mut self.diagonal[Uniform::<6>.diagonal(place)],
-            Sizes::Mixed(mixed) => &mut self.diagonal[mixed.diagonal(place)],
-        }
-    }
-
-    #[cfg(test)]
-    /// The columns of the block below the diagonal of that index.
-    pub fn below_at(&mut self, elimination: &Elimination, block: usize) -> &mut [N] {
-        match elimination.sizes() {
-            Sizes::Three => &mut self.below[Uniform::<3>.below(block)..Uniform::<3>.below(block + 1)],
-            Sizes::Six => &mut self.below[Uniform::<6>.below(block)..Uniform::<6>.below(block + 1)],
-            Sizes::Mixed(mixed) => &mut self.below[mixed.below(block)..mixed.below(block + 1)],
-        }
     }
 
     /// Adds a block and its transpose below and above the diagonal, where [`Elimination::block`] of its two nodes said.
@@ -92,21 +72,13 @@ impl<N: Number, P: Pivot<N>> BlockLdl<N, P> {
 
     /// Factors it where it stands. False if a block on the diagonal is refused.
     pub fn factor(&mut self, elimination: &Elimination) -> bool {
-        match elimination.sizes() {
-            Sizes::Three => self.factor_as(elimination, Uniform::<3>),
-            Sizes::Six => self.factor_as(elimination, Uniform::<6>),
-            Sizes::Mixed(mixed) => self.factor_as(elimination, mixed),
-        }
+        with_layout!(elimination, layout => self.factor_as(elimination, layout))
     }
 
     /// Solves A x = b by the factor, b and x in the order of elimination.
     #[inline]
     pub fn solve<X: BlockVector<N> + ?Sized>(&self, elimination: &Elimination, x: &mut X) {
-        match elimination.sizes() {
-            Sizes::Three => self.solve_as(elimination, Uniform::<3>, x),
-            Sizes::Six => self.solve_as(elimination, Uniform::<6>, x),
-            Sizes::Mixed(mixed) => self.solve_as(elimination, mixed, x),
-        }
+        with_layout!(elimination, layout => self.solve_as(elimination, layout, x))
     }
 
     #[inline]

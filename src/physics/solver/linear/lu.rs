@@ -4,8 +4,10 @@
 //! and A_ik −= L_ij A_jk for all of its i and k. Within a block on the diagonal pivots are chosen, between blocks they
 //! are not.
 
-use super::body_blocks::{BodyBlock as Block, BodyVector};
-use super::elimination::{Elimination, Target};
+use super::BodyBlock as Block;
+use super::elimination::Target;
+use super::{BodyVector, Elimination};
+use crate::physics::Refill;
 
 /// The matrix, and then its factor.
 #[derive(Clone, Debug, Default)]
@@ -21,11 +23,9 @@ pub(crate) struct BlockLu {
 impl BlockLu {
     /// One.
     pub fn clear(&mut self, elimination: &Elimination) {
-        self.diagonal.clear();
-        self.diagonal.resize(elimination.count(), Block::identity());
+        self.diagonal.reset(elimination.count(), Block::identity());
         for blocks in [&mut self.below, &mut self.above] {
-            blocks.clear();
-            blocks.resize(elimination.below(), Block::zeros());
+            blocks.reset(elimination.below(), Block::zeros());
         }
     }
 

@@ -19,7 +19,6 @@
 //!
 //! `joint_tree` keeps a recursion of its own: it factors without forming the couplings of all joints of one body.
 
-mod body_blocks;
 mod elimination;
 mod layout;
 mod ldl;
@@ -28,9 +27,8 @@ mod pivot;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use body_blocks::{BodyBlock, BodyVector};
 pub(crate) use elimination::Elimination;
-pub(crate) use layout::Number;
+pub(crate) use layout::{BodyBlock, BodyVector, Number};
 pub(crate) use ldl::BlockLdl;
 pub(crate) use lu::BlockLu;
 pub(crate) use pivot::{Inverse, Triangular};

@@ -3,7 +3,8 @@
 use nalgebra::{DMatrix, DVector, SMatrix};
 use simba::simd::{SimdValue, WideF64x4};
 
-use super::layout::Number;
+use super::elimination::{Sizes, with_layout};
+use super::layout::{Layout, Number, Uniform};
 use super::pivot::Pivot;
 use super::{BlockLdl, BlockLu, BodyBlock, BodyVector, Elimination, Inverse, Triangular};
 use crate::physics::testing::Random;
@@ -73,12 +74,15 @@ impl Sample {
         };
         for node in 0..self.rows.len() as u32 {
             let place = elimination.place(node) as usize;
-            copy(ldl.diagonal_at(elimination, place), self.block(node, node));
+            let values = with_layout!(elimination, layout => layout.diagonal(place));
+            copy(&mut ldl.diagonal[values], self.block(node, node));
         }
         for &[a, b] in &self.edges {
             let (block, row_is_b) = elimination.block(a, b);
             let (row, column) = if row_is_b { (b, a) } else { (a, b) };
-            copy(ldl.below_at(elimination, block as usize), self.block(row, column));
+            let block = block as usize;
+            let values = with_layout!(elimination, layout => layout.below(block)..layout.below(block + 1));
+            copy(&mut ldl.below[values], self.block(row, column));
         }
     }
 
