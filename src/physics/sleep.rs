@@ -60,7 +60,8 @@ pub(crate) struct Sleep {
     disturbed: Vec<u32>,
     /// Bodies that woke in this step, and then those that fell asleep.
     marks: Vec<(Entity, bool)>,
-    has_woken: bool,
+    /// Whether somebody woke in this step.
+    pub has_woken: bool,
     /// Kinematic bodies, and the bodies that joints hold to them: as of these versions of bodies and joints.
     kinematic: Vec<u32>,
     held: Vec<(u32, u32)>,
@@ -118,11 +119,6 @@ impl Sleep {
     /// To be called for one that is marked as asleep by somebody else.
     pub fn is_no_sleeper(&mut self, entity: Entity) {
         self.marks.push((entity, false));
-    }
-
-    /// Whether somebody woke in this step.
-    pub fn has_woken(&self) -> bool {
-        self.has_woken
     }
 
     /// Wakes the islands that were disturbed.

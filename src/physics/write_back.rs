@@ -64,7 +64,7 @@ pub(super) fn write_bodies(
     let list = &mut bodies.list;
     for mut table in query.contiguous_iter_mut().expect("gathered from tables") {
         // Who woke in this step is still among those that sleep.
-        if table.sleeping && !sleep.has_woken() {
+        if table.sleeping && !sleep.has_woken {
             continue;
         }
         for row in 0..table.entity.len() {

@@ -81,24 +81,12 @@ pub enum HullError {
 #[reflect(opaque, Clone, Debug, PartialEq)]
 pub struct ConvexHull(Arc<Measured>);
 
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 struct Measured {
     hull: Arc<Hull>,
     center: DVec3,
     axes: DQuat,
     measures: Measures,
-}
-
-impl PartialEq for Measured {
-    /// All else follows from these.
-    fn eq(&self, other: &Self) -> bool {
-        let same_faces =
-            || self.hull.faces.iter().map(|face| &face.vertices).eq(other.hull.faces.iter().map(|face| &face.vertices));
-        self.center == other.center
-            && self.axes == other.axes
-            && self.hull.vertices == other.hull.vertices
-            && same_faces()
-    }
 }
 
 impl ConvexHull {

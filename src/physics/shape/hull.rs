@@ -19,7 +19,7 @@ const PARALLEL_EPSILON: f64 = 1e-9;
 const LANES: usize = 4;
 
 /// A convex polyhedron in body axes, about the centre of mass.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Hull {
     pub vertices: Vec<Vector3<f64>>,
     pub faces: Vec<Face>,
@@ -33,7 +33,7 @@ pub(crate) struct Hull {
 }
 
 /// Where two faces meet.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Edge {
     /// Its vertices.
     pub ends: [u32; 2],
@@ -44,7 +44,7 @@ pub(crate) struct Edge {
 }
 
 /// A plane polygon.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Face {
     /// Unit, outward.
     pub normal: Vector3<f64>,

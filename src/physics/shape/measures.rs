@@ -3,7 +3,7 @@
 use bevy::math::DVec3;
 
 /// Of a shape, by closed forms or integrals.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Measures {
     /// m³.
     pub volume: f64,

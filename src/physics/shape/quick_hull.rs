@@ -163,15 +163,10 @@ fn ends(points: &[Vector3<f64>], candidates: &[u32], axis: usize) -> (f64, [u32;
         let point = points[index as usize];
         [point[axis], point[(axis + 1) % 3], point[(axis + 2) % 3]]
     };
-    let (mut low, mut high) = (candidates[0], candidates[0]);
-    for &index in candidates {
-        if turned(index) < turned(low) {
-            low = index;
-        }
-        if turned(index) > turned(high) {
-            high = index;
-        }
-    }
+    let first = (candidates[0], candidates[0]);
+    let (low, high) = candidates.iter().fold(first, |(low, high), &index| {
+        (if turned(index) < turned(low) { index } else { low }, if turned(index) > turned(high) { index } else { high })
+    });
     (points[high as usize][axis] - points[low as usize][axis], [low, high])
 }
 

@@ -26,77 +26,67 @@ use super::{
 };
 use crate::physics::collision::constants::{CROSSING_PENALTY, SAME_DISTANCE, SIDE_MARGIN};
 
-/// The separation along two near points of the shapes if that is greater than the one found; none
-/// if it is beyond the gap. Overlaps stay as they are.
-fn along(
-    pair: &ShapePair<impl Convex, impl Convex>,
-    [on_a, on_b]: [Vector3<f64>; 2],
-    overlap: &Overlap,
-) -> Option<Overlap> {
-    let between = on_b - on_a;
-    let distance = between.norm();
-    if overlap.depth >= 0.0 || distance <= -overlap.depth * (1.0 + SAME_DISTANCE) {
-        return Some(*overlap);
+impl<A: Convex, B: Convex> ShapePair<'_, A, B> {
+    /// The separation along two near points of the shapes if that is greater than the one found; none
+    /// if it is beyond the gap. Overlaps stay as they are.
+    fn along(&self, [on_a, on_b]: [Vector3<f64>; 2], overlap: &Overlap) -> Option<Overlap> {
+        let between = on_b - on_a;
+        let distance = between.norm();
+        if overlap.depth >= 0.0 || distance <= -overlap.depth * (1.0 + SAME_DISTANCE) {
+            return Some(*overlap);
+        }
+        let normal = between / distance;
+        let depth = self.depth_along(&normal);
+        if depth >= overlap.depth {
+            return Some(*overlap);
+        }
+        (!self.scale.separates(depth)).then_some(Overlap { normal, depth })
     }
-    let normal = between / distance;
-    let depth = pair.depth_along(&normal);
-    if depth >= overlap.depth {
-        return Some(*overlap);
+
+    /// Shapes apart, of which nothing is over the reference face within the gap. Its outline, in the
+    /// axes of its own shape, the incident one's, and the corner that stands for that, in A's axes, come
+    /// and what touches beside the faces goes in the buffers; all of it is A's axes then.
+    pub fn beside(&self, reference_is_b: bool, overlap: &Overlap, buffers: &mut ClipBuffers) -> Option<Overlap> {
+        let ClipBuffers { reference, incident, found, .. } = buffers;
+        if reference_is_b {
+            for corner in reference.iter_mut().chain(&mut *incident) {
+                *corner = self.b_in_a.place(corner);
+            }
+        }
+        let Some(([side, incident_side], [on_reference, on_incident])) = nearest_sides(reference, incident) else {
+            return Some(*overlap);
+        };
+        let (on_a, on_b) = if reference_is_b { (on_incident, on_reference) } else { (on_reference, on_incident) };
+        let nearer = self.along(closest(&on_a, &on_b), overlap)?;
+        if nearer.depth < overlap.depth {
+            let feature = found[0].feature;
+            found.clear();
+            edge_contact::touch(&on_a, &on_b, &nearer, feature, self.scale, found);
+            if let [first, second] = found[..]
+                && (first.point - second.point).norm() <= SIDE_MARGIN * self.scale.size
+            {
+                found.truncate(1); // corner to corner
+            }
+            let names = [side as u16 | REFERENCE_SIDE, incident_side as u16];
+            for (end, found) in found.iter_mut().enumerate() {
+                found.feature = feature.with_sides(names[end], names[1 - end]);
+            }
+        }
+        Some(nearer)
     }
-    (!pair.scale.separates(depth)).then_some(Overlap { normal, depth })
 }
 
-/// An edge of A and one of B that cross: leaves the point half-way between their closest points in the buffers.
-pub(crate) fn crossing(
-    pair: &ShapePair<impl Polyhedron, impl Polyhedron>,
-    [edge_a, edge_b]: [usize; 2],
-    overlap: &Overlap,
-    buffers: &mut ClipBuffers,
-) -> Option<Overlap> {
-    let (on_a, on_b) = (pair.a.edge(edge_a), pair.b.edge(edge_b).placed(pair.b_in_a, false));
-    let ends = closest(&on_a.segment(), &on_b.segment());
-    let overlap = along(pair, ends, overlap)?;
-    let feature = FeatureId::of_edges(on_a.index, on_b.index);
-    buffers.found.clear();
-    buffers.found.push(ContactPoint { point: middle(ends), depth: overlap.depth, feature });
-    Some(overlap)
-}
-
-/// Shapes apart, of which nothing is over the reference face within the gap. Its outline, in the
-/// axes of its own shape, the incident one's, and the corner that stands for that, in A's axes, come
-/// and what touches beside the faces goes in the buffers; all of it is A's axes then.
-pub(crate) fn beside(
-    pair: &ShapePair<impl Convex, impl Convex>,
-    reference_is_b: bool,
-    overlap: &Overlap,
-    buffers: &mut ClipBuffers,
-) -> Option<Overlap> {
-    let ClipBuffers { reference, incident, found, .. } = buffers;
-    if reference_is_b {
-        for corner in reference.iter_mut().chain(&mut *incident) {
-            *corner = pair.b_in_a.place(corner);
-        }
+impl<A: Polyhedron, B: Polyhedron> ShapePair<'_, A, B> {
+    /// An edge of A and one of B that cross: leaves the point half-way between their closest points in the buffers.
+    pub fn crossing(&self, edges: [usize; 2], overlap: &Overlap, buffers: &mut ClipBuffers) -> Option<Overlap> {
+        let (on_a, on_b) = (self.a.edge(edges[0]), self.b.edge(edges[1]).placed(self.b_in_a, false));
+        let ends = closest(&on_a.segment(), &on_b.segment());
+        let overlap = self.along(ends, overlap)?;
+        let feature = FeatureId::of_edges(on_a.index, on_b.index);
+        buffers.found.clear();
+        buffers.found.push(ContactPoint { point: middle(ends), depth: overlap.depth, feature });
+        Some(overlap)
     }
-    let Some(([side, incident_side], [on_reference, on_incident])) = nearest_sides(reference, incident) else {
-        return Some(*overlap);
-    };
-    let (on_a, on_b) = if reference_is_b { (on_incident, on_reference) } else { (on_reference, on_incident) };
-    let nearer = along(pair, closest(&on_a, &on_b), overlap)?;
-    if nearer.depth < overlap.depth {
-        let feature = found[0].feature;
-        found.clear();
-        edge_contact::touch(&on_a, &on_b, &nearer, feature, pair.scale, found);
-        if let [first, second] = found[..]
-            && (first.point - second.point).norm() <= SIDE_MARGIN * pair.scale.size
-        {
-            found.truncate(1); // corner to corner
-        }
-        let names = [side as u16 | REFERENCE_SIDE, incident_side as u16];
-        for (end, found) in found.iter_mut().enumerate() {
-            found.feature = feature.with_sides(names[end], names[1 - end]);
-        }
-    }
-    Some(nearer)
 }
 
 /// The sides of two outlines that are nearest to each other, by number and place.

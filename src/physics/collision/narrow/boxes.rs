@@ -7,8 +7,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::clipping::Clip;
-use super::{ClipBuffers, Cuboid, Overlap, PairSearch, Plane, Polyhedron, ShapePair, apart};
+use super::{ClipBuffers, Cuboid, Overlap, PairSearch, Plane, Polyhedron, ShapePair};
 use crate::physics::collision::constants::PARALLEL_SQUARED_SINE;
 
 /// What the axis of least depth is made of, by axes of the boxes.
@@ -43,21 +42,21 @@ pub(crate) fn touch(pair: &ShapePair<Cuboid, Cuboid>, search: &mut PairSearch) -
         Axis::OfB(axis) => (axis, true),
         Axis::Edges(along_a, along_b) => {
             let foremost = [foremost_edge(along_a, &normal), foremost_edge(along_b, &-b_in_a.enter(&normal))];
-            return apart::crossing(pair, foremost, &overlap, buffers);
+            return pair.crossing(foremost, &overlap, buffers);
         }
     };
     let out = if reference_is_b { -b_in_a.enter(&normal) } else { normal };
     let is_any = if reference_is_b {
-        let is_any = clip(&pair.swapped(&b_in_a.inverse()), true, axis, &out, depth, buffers);
+        let is_any = pair.swapped(&b_in_a.inverse()).clip(true, axis, out, depth, buffers);
         buffers.place(b_in_a);
         is_any
     } else {
-        clip(pair, false, axis, &out, depth, buffers)
+        pair.clip(false, axis, out, depth, buffers)
     };
     if !is_any && depth < 0.0 {
         let base = if reference_is_b { pair.b } else { pair.a };
         base.corners(face_of(axis, &out), &mut buffers.reference);
-        return apart::beside(pair, reference_is_b, &overlap, buffers);
+        return pair.beside(reference_is_b, &overlap, buffers);
     }
     Some(overlap)
 }
@@ -152,17 +151,12 @@ fn face_of(axis: usize, normal: &Vector3<f64>) -> usize {
     2 * axis + usize::from(normal[axis] < 0.0)
 }
 
-/// Clips the face of B that is most against the face of A across `axis`, which looks along `normal`, in a pair that may
-/// have been swapped. False if nothing is over that.
-fn clip(
-    pair: &ShapePair<Cuboid, Cuboid>,
-    reference_is_b: bool,
-    axis: usize,
-    normal: &Vector3<f64>,
-    depth: f64,
-    buffers: &mut ClipBuffers,
-) -> bool {
-    let plane = Plane { normal: *normal, offset: pair.a.half[axis] };
-    let clip = Clip::new(pair, reference_is_b, face_of(axis, normal) as u32, plane, depth, buffers);
-    clip.clip_to_rectangle(axis, &pair.a.half, buffers)
+impl ShapePair<'_, Cuboid, Cuboid> {
+    /// Clips the face of B that is most against the face of A across `axis`, which looks along `normal`, in a pair that
+    /// may have been swapped. False if nothing is over that.
+    fn clip(&self, of_b: bool, axis: usize, normal: Vector3<f64>, depth: f64, buffers: &mut ClipBuffers) -> bool {
+        let (half, face) = (&self.a.half, face_of(axis, &normal) as u32);
+        let clip = self.clip_of(of_b, face, Plane { normal, offset: half[axis] }, depth, buffers);
+        clip.clip_to_rectangle(axis, half, buffers)
+    }
 }

@@ -59,23 +59,7 @@ pub(crate) struct Clip<'t> {
     scale: &'t Scale,
 }
 
-impl<'t> Clip<'t> {
-    /// Clips to a face of A, in a plane given, what of B is most against it, whose corners it leaves in the buffers.
-    pub fn new(
-        pair: &ShapePair<'t, impl Faced, impl Faced>,
-        reference_is_b: bool,
-        reference_face: u32,
-        Plane { normal, offset: level }: Plane,
-        depth: f64,
-        buffers: &mut ClipBuffers,
-    ) -> Self {
-        let incident_face = pair.b.incident(&-pair.b_in_a.enter(&normal), &mut buffers.incident);
-        for corner in &mut buffers.incident {
-            *corner = pair.b_in_a.place(corner);
-        }
-        Self { reference_is_b, reference_face, incident_face, normal, level, depth, scale: pair.scale }
-    }
-
+impl Clip<'_> {
     /// Cuts the incident face by the sides of the reference face, all in the axes of the
     /// reference shape, and collects what is below the reference plane or within the gap above.
     /// Whether anything was that touches, or if the shapes are apart, anything at all.
@@ -157,33 +141,32 @@ impl<P: Polyhedron> Faced for P {
     }
 }
 
-/// Clips what of the other shape is most against a face of A, or of B, and leaves what touches in the buffers, in A's
-/// axes. False if nothing is over that face.
-pub(crate) fn clip_to_face(
-    pair: &ShapePair<impl Faced, impl Faced>,
-    reference_is_b: bool,
-    face: u32,
-    depth: f64,
-    buffers: &mut ClipBuffers,
-) -> bool {
-    if !reference_is_b {
-        return clip_to_face_of_a(pair, reference_is_b, face, depth, buffers);
+impl<'t, A: Faced, B: Faced> ShapePair<'t, A, B> {
+    /// Clips what of the other shape is most against a face of A, or of B, and leaves what touches in the buffers, in
+    /// A's axes. False if nothing is over that face.
+    pub fn clip_to_face(&self, of_b: bool, face: u32, depth: f64, buffers: &mut ClipBuffers) -> bool {
+        if !of_b {
+            let plane = self.a.reference(face, &mut buffers.reference);
+            return self.clip_of(of_b, face, plane, depth, buffers).clip(buffers);
+        }
+        let plane = self.b.reference(face, &mut buffers.reference);
+        let a_in_b = self.b_in_a.inverse();
+        let is_any = self.swapped(&a_in_b).clip_of(of_b, face, plane, depth, buffers).clip(buffers);
+        buffers.place(self.b_in_a);
+        is_any
     }
-    let is_any = clip_to_face_of_a(&pair.swapped(&pair.b_in_a.inverse()), reference_is_b, face, depth, buffers);
-    buffers.place(pair.b_in_a);
-    is_any
-}
 
-/// Likewise, to a face of A in a pair that may have been swapped.
-fn clip_to_face_of_a(
-    pair: &ShapePair<impl Faced, impl Faced>,
-    reference_is_b: bool,
-    face: u32,
-    depth: f64,
-    buffers: &mut ClipBuffers,
-) -> bool {
-    let plane = pair.a.reference(face, &mut buffers.reference);
-    Clip::new(pair, reference_is_b, face, plane, depth, buffers).clip(buffers)
+    /// How to clip to a face of A, in a pair that may have been swapped, what of B is most against it, whose corners
+    /// are left in the buffers.
+    pub fn clip_of(&self, of_b: bool, face: u32, plane: Plane, depth: f64, buffers: &mut ClipBuffers) -> Clip<'t> {
+        let Plane { normal, offset: level } = plane;
+        let incident_face = self.b.incident(&-self.b_in_a.enter(&normal), &mut buffers.incident);
+        for corner in &mut buffers.incident {
+            *corner = self.b_in_a.place(corner);
+        }
+        let scale = self.scale;
+        Clip { reference_is_b: of_b, reference_face: face, incident_face, normal, level, depth, scale }
+    }
 }
 
 impl ClipBuffers {

@@ -26,7 +26,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::{
-    ClipBuffers, Cone, Feature, Found, Frame, Least, Overlap, PairSearch, Segment, ShapePair, edge_contact, unit_across,
+    ClipBuffers, Cone, Feature, Found, Least, Overlap, PairSearch, Segment, ShapePair, edge_contact, unit_across,
 };
 use crate::physics::collision::constants::{CIRCLE_SAMPLES, GOLDEN_STEPS, LONGEST_TURN, NEWTON_STEPS, ON_FLANK};
 use crate::physics::{ContactPoint, FeatureId, contact};
@@ -101,18 +101,52 @@ impl ShapePair<'_, Cone, Cone> {
             Feature::FaceOfA(_) => take(Cone::base_normal()),
             Feature::FaceOfB(_) => take(self.out_of_a(Cone::base_normal())),
             Feature::Smooth(FLANK_OF_A) => {
-                flank_normals(self.a, self.b, self.b_in_a, |normal| self.depth_along(&normal), &mut take);
+                self.flank_normals(|normal| self.depth_along(&normal), &mut take);
             }
             Feature::Smooth(FLANK_OF_B) => {
                 let depth = |normal| self.depth_along(&self.out_of_a(normal));
                 let a_in_b = self.b_in_a.inverse();
-                flank_normals(self.b, self.a, &a_in_b, depth, &mut |normal| take(self.out_of_a(normal)));
+                self.swapped(&a_in_b).flank_normals(depth, &mut |normal| take(self.out_of_a(normal)));
             }
             Feature::Smooth(CENTERS) => _ = self.b_in_a.center.try_normalize(0.0).map(take),
             Feature::Smooth(RIMS) => starts().for_each(|start| take(self.descend(start))),
             Feature::Smooth(_) | Feature::Edges(..) => {}
         }
         best
+    }
+
+    /// Gives the normals of A's flank along which its overlap with B may be least. `depth` is that along a normal.
+    fn flank_normals(&self, depth: impl Fn(Vector3<f64>) -> f64, take: &mut impl FnMut(Vector3<f64>)) {
+        let &Self { a: cone, b: other, b_in_a: other_in_cone, .. } = self;
+        // Nearest to the other's apex.
+        take(cone.flank_normal(unit_across(&other_in_cone.place(&other.apex_point()))));
+        // Where both flanks share a normal: n_y = sin γ and −n·b = sin γ'.
+        let axis = other_in_cone.rotation.column(1);
+        let across = axis.x.hypot(axis.z);
+        if across > 0.0 {
+            let along = -(other.sine + cone.sine * axis.y) / (cone.cosine * across);
+            let beside = 1.0 - along * along;
+            if beside >= 0.0 {
+                let [x, z] = [axis.x / across, axis.z / across];
+                for beside in [beside.sqrt(), -beside.sqrt()] {
+                    take(cone.flank_normal([along * x - beside * z, along * z + beside * x]));
+                }
+            }
+        }
+        // Against the other's rim.
+        let normal = |angle: f64| {
+            let (sin, cos) = angle.sin_cos();
+            cone.flank_normal([cos, sin])
+        };
+        let step = TAU / CIRCLE_SAMPLES as f64;
+        let samples: [f64; CIRCLE_SAMPLES] = std::array::from_fn(|sample| depth(normal(step * sample as f64)));
+        for sample in 0..CIRCLE_SAMPLES {
+            let (before, after) = ((sample + CIRCLE_SAMPLES - 1) % CIRCLE_SAMPLES, (sample + 1) % CIRCLE_SAMPLES);
+            if samples[sample] <= samples[before] && samples[sample] < samples[after] {
+                let middle = step * sample as f64;
+                take(normal(golden_section([middle - step, middle + step], |angle| depth(normal(angle)))));
+            }
+        }
     }
 
     /// Down to a minimum of the depth between the rims, alone, from a direction.
@@ -180,46 +214,6 @@ impl ShapePair<'_, Cone, Cone> {
             self.a.foremost(&normal) - normal * (depth / 2.0)
         };
         buffers.found.push(ContactPoint { point, depth, feature });
-    }
-}
-
-/// Gives the normals of a cone's flank along which its overlap with another, given in its axes,
-/// may be least. `depth` is that along a normal.
-fn flank_normals(
-    cone: &Cone,
-    other: &Cone,
-    other_in_cone: &Frame,
-    depth: impl Fn(Vector3<f64>) -> f64,
-    take: &mut impl FnMut(Vector3<f64>),
-) {
-    // Nearest to the other's apex.
-    take(cone.flank_normal(unit_across(&other_in_cone.place(&other.apex_point()))));
-    // Where both flanks share a normal: n_y = sin γ and −n·b = sin γ'.
-    let axis = other_in_cone.rotation.column(1);
-    let across = axis.x.hypot(axis.z);
-    if across > 0.0 {
-        let along = -(other.sine + cone.sine * axis.y) / (cone.cosine * across);
-        let beside = 1.0 - along * along;
-        if beside >= 0.0 {
-            let [x, z] = [axis.x / across, axis.z / across];
-            for beside in [beside.sqrt(), -beside.sqrt()] {
-                take(cone.flank_normal([along * x - beside * z, along * z + beside * x]));
-            }
-        }
-    }
-    // Against the other's rim.
-    let normal = |angle: f64| {
-        let (sin, cos) = angle.sin_cos();
-        cone.flank_normal([cos, sin])
-    };
-    let step = TAU / CIRCLE_SAMPLES as f64;
-    let samples: [f64; CIRCLE_SAMPLES] = std::array::from_fn(|sample| depth(normal(step * sample as f64)));
-    for sample in 0..CIRCLE_SAMPLES {
-        let (before, after) = ((sample + CIRCLE_SAMPLES - 1) % CIRCLE_SAMPLES, (sample + 1) % CIRCLE_SAMPLES);
-        if samples[sample] <= samples[before] && samples[sample] < samples[after] {
-            let middle = step * sample as f64;
-            take(normal(golden_section([middle - step, middle + step], |angle| depth(normal(angle)))));
-        }
     }
 }
 

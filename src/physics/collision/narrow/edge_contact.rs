@@ -2,34 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::{ContactPoint, FeatureId, Overlap, Scale};
+use super::{Overlap, Scale, Segment};
 use crate::physics::collision::constants::STRETCH_SQUARED_SINE;
-
-/// The ends of an edge.
-#[derive(Clone, Copy)]
-pub(crate) struct Segment(pub [Vector3<f64>; 2]);
-
-impl Segment {
-    fn along(&self) -> Vector3<f64> {
-        self.0[1] - self.0[0]
-    }
-
-    fn at(&self, share: f64) -> Vector3<f64> {
-        self.0[0] + self.along() * share
-    }
-
-    /// Of the angle between two.
-    pub fn squared_sine(&self, other: &Self) -> f64 {
-        let (u, v) = (self.along(), other.along());
-        u.cross(&v).norm_squared() / (u.norm_squared() * v.norm_squared())
-    }
-
-    /// Share of the way at which a point is nearest, beyond the ends too.
-    fn share_of(&self, point: &Vector3<f64>) -> f64 {
-        let along = self.along();
-        (point - self.0[0]).dot(&along) / along.norm_squared()
-    }
-}
+use crate::physics::{ContactPoint, FeatureId};
 
 /// The closest points of two edges (Ericson 2005, 5.1.9); of parallel ones any two of them.
 pub(crate) fn closest(one: &Segment, other: &Segment) -> [Vector3<f64>; 2] {

@@ -31,8 +31,7 @@
 
 use nalgebra::Vector3;
 
-use super::clipping::clip_to_face;
-use super::{ClipBuffers, Convex, Edge, Faced, Overlap, Polyhedron, Scale, ShapePair, apart, first_max};
+use super::{ClipBuffers, Convex, Edge, Faced, Overlap, Polyhedron, Scale, ShapePair, first_max};
 use crate::physics::Refill;
 use crate::physics::collision::constants::PARALLEL_SINE;
 
@@ -94,7 +93,7 @@ impl Found {
     ) -> Option<Overlap> {
         let Self { least, preferred } = self;
         let find_points = |least: &Least, clip: &mut ClipBuffers| match least.feature.face() {
-            Some((of_b, face)) => clip_to_face(pair, of_b, face, least.depth, clip),
+            Some((of_b, face)) => pair.clip_to_face(of_b, face, least.depth, clip),
             None => {
                 smooth_points(least, clip);
                 true
@@ -109,7 +108,7 @@ impl Found {
         let overlap = Overlap { normal: taken.normal, depth: taken.depth };
         if !is_any && overlap.depth < 0.0 {
             let reference_is_b = matches!(taken.feature, Feature::FaceOfB(_));
-            return apart::beside(pair, reference_is_b, &overlap, clip);
+            return pair.beside(reference_is_b, &overlap, clip);
         }
         Some(overlap)
     }
@@ -175,12 +174,12 @@ pub(crate) fn touch<A: Polyhedron, B: Polyhedron>(pair: &ShapePair<A, B>, search
     search.last = Some(feature);
     let overlap = Overlap { normal, depth };
     if let Feature::Edges(edge_a, edge_b) = feature {
-        return apart::crossing(pair, [edge_a, edge_b].map(|edge| edge as usize), &overlap, &mut search.clip);
+        return pair.crossing([edge_a, edge_b].map(|edge| edge as usize), &overlap, &mut search.clip);
     }
     let (reference_is_b, face) = feature.face().expect("a polyhedron has faces and edges alone");
-    let is_any = clip_to_face(pair, reference_is_b, face, depth, &mut search.clip);
+    let is_any = pair.clip_to_face(reference_is_b, face, depth, &mut search.clip);
     if !is_any && depth < 0.0 {
-        return apart::beside(pair, reference_is_b, &overlap, &mut search.clip);
+        return pair.beside(reference_is_b, &overlap, &mut search.clip);
     }
     Some(overlap)
 }

@@ -17,9 +17,9 @@ mod shape_pair;
 
 use clipping::{ClipBuffers, Faced};
 use cone::{Cone, unit_across};
-use edge_contact::{Segment, closest, middle};
+use edge_contact::{closest, middle};
 use feature_sat::{Feature, Found, Least, PairSearch};
-use polyhedron::{Convex, Cuboid, Edge, Frame, Plane, Polyhedron, first_max, nearest_on_hull};
+use polyhedron::{Convex, Cuboid, Edge, Frame, Plane, Polyhedron, Segment, first_max, nearest_on_hull};
 use shape_pair::{Scale, ShapePair};
 
 use super::manifold::Overlap;

@@ -3,7 +3,6 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::Segment;
 use crate::physics::{Hull, Refill};
 
 /// A body's axes and centre in those of another.
@@ -109,6 +108,32 @@ impl Edge {
         } else {
             one.max(other)
         }
+    }
+}
+
+/// The ends of an edge.
+#[derive(Clone, Copy)]
+pub(crate) struct Segment(pub [Vector3<f64>; 2]);
+
+impl Segment {
+    pub fn along(&self) -> Vector3<f64> {
+        self.0[1] - self.0[0]
+    }
+
+    pub fn at(&self, share: f64) -> Vector3<f64> {
+        self.0[0] + self.along() * share
+    }
+
+    /// Of the angle between two.
+    pub fn squared_sine(&self, other: &Self) -> f64 {
+        let (u, v) = (self.along(), other.along());
+        u.cross(&v).norm_squared() / (u.norm_squared() * v.norm_squared())
+    }
+
+    /// Share of the way at which a point is nearest, beyond the ends too.
+    pub fn share_of(&self, point: &Vector3<f64>) -> f64 {
+        let along = self.along();
+        (point - self.0[0]).dot(&along) / along.norm_squared()
     }
 }
 

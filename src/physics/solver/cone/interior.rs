@@ -16,7 +16,7 @@ use super::constants::{
     SOFTNESS, TO_BOUNDARY,
 };
 use super::second_order_cone::{Scaling, product, quotient, reach};
-use super::{ConeOutcome, ConePoint, Iterate, Law};
+use super::{ConePoint, Iterate, Law};
 use crate::physics::Refill;
 
 /// Kept from solve to solve.
@@ -36,12 +36,7 @@ pub(super) struct InteriorBuffers {
 
 impl Iterate {
     /// From inside the cones towards a solution, with Newton steps on the way. True once within the tolerance.
-    pub(super) fn interior_point(
-        &mut self,
-        buffers: &mut InteriorBuffers,
-        tolerance: f64,
-        outcome: &mut ConeOutcome,
-    ) -> bool {
+    pub(super) fn interior_point(&mut self, buffers: &mut InteriorBuffers) -> bool {
         let cones = self.cones().count();
         if cones == 0 {
             return false;
@@ -57,15 +52,15 @@ impl Iterate {
             if residual.largest < next && mean < NEWTON_PRODUCT * first {
                 next = NEWTON_AGAIN * residual.largest;
                 buffers.kept.clone_from(&self.impulses);
-                is_done = self.newton(tolerance, outcome);
+                is_done = self.newton();
                 if is_done {
                     break;
                 }
                 self.impulses.clone_from(&buffers.kept);
                 self.refresh();
             }
-            outcome.steps += 1;
-            outcome.interior += 1;
+            self.outcome.steps += 1;
+            self.outcome.interior += 1;
             let is_far = gap * gap * typical.exp() > FAR_GAP * mean;
             let share = self.inner_step(buffers, mean, cones, is_far);
             short = if share < SHORT_STEP { short + 1 } else { 0 };
@@ -75,8 +70,7 @@ impl Iterate {
         }
         if !is_done {
             self.refresh();
-            let residual = self.residual();
-            self.note(residual, outcome);
+            self.note();
         }
         is_done
     }

@@ -28,6 +28,9 @@ pub(super) struct Iterate {
     pub best: Vec<Vector3<f64>>,
     /// z, by place in the order of elimination.
     pub scaled: Vec<BodyVector>,
+    /// The residual that is asked for, m/s.
+    pub tolerance: f64,
+    pub outcome: ConeOutcome,
 }
 
 /// Largest and root of the sum of squares of |r|, m/s; infinite where a number is not.
@@ -65,12 +68,14 @@ impl Iterate {
         }
     }
 
-    /// Notes λ if it is the best so far.
-    pub fn note(&mut self, residual: Residual, outcome: &mut ConeOutcome) {
-        if residual.largest < outcome.residual {
-            outcome.residual = residual.largest;
+    /// The residual; notes λ if it is the best so far.
+    pub fn note(&mut self) -> Residual {
+        let residual = self.residual();
+        if residual.largest < self.outcome.residual {
+            self.outcome.residual = residual.largest;
             self.best.clone_from(&self.impulses);
         }
+        residual
     }
 
     /// What rounding makes of a residual, m/s.

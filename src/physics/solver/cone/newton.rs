@@ -12,27 +12,25 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{NEWTON_FIRST_LOSS, NEWTON_GAIN, NEWTON_ITERATIONS, SOFTNESS};
-use super::{ConeOutcome, ConePoint, Iterate, Mode};
+use super::{ConePoint, Iterate, Mode};
 
 impl Iterate {
     /// Iterates as long as that helps. True once within the tolerance; else λ is again what it was unless the last is
     /// better.
-    pub(super) fn newton(&mut self, tolerance: f64, outcome: &mut ConeOutcome) -> bool {
-        let start = self.residual();
-        self.note(start, outcome);
-        if start.largest <= tolerance {
+    pub(super) fn newton(&mut self) -> bool {
+        let start = self.note();
+        if start.largest <= self.tolerance {
             return true;
         }
         self.kept.clone_from(&self.impulses);
         let mut before = start.norm;
         for step in 0..NEWTON_ITERATIONS {
-            outcome.steps += 1;
+            self.outcome.steps += 1;
             if !self.newton_iteration() {
                 break;
             }
-            let residual = self.residual();
-            self.note(residual, outcome);
-            if residual.largest <= tolerance {
+            let residual = self.note();
+            if residual.largest <= self.tolerance {
                 return true;
             }
             let most = if step == 0 { NEWTON_FIRST_LOSS } else { NEWTON_GAIN };

@@ -65,20 +65,21 @@ pub(crate) struct PerPoint {
 }
 
 /// How a solve ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum ConeEnd {
     /// The residual is within the tolerance.
     Converged,
     /// The residual is what rounding of impulses as large as these makes of it: |λ|/ρ is some 10⁵ m/s or more.
     Rounding,
     /// The bounds are met; the residual is what was reached.
+    #[default]
     Bounded,
     /// The impulses grow without an effect on the motion: most likely no motion obeys all points.
     NoRigidSolution,
 }
 
 /// What a solve reached.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ConeOutcome {
     pub end: ConeEnd,
     /// Largest |r| of a point, the natural map's at contacts and |u| at joints, m/s.

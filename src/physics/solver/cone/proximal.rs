@@ -18,7 +18,7 @@ use super::constants::{
     MOST_SOFTNESS, MOST_STEPS, NEARLY_RIGID, PATIENCE, PROXIMAL_ACCURACY, PROXIMAL_ITERATIONS, PROXIMAL_LOSS,
     SOFTNESS_FALL, SOFTNESS_RISE,
 };
-use super::{BodyVector, ConeEnd, ConeOutcome, Iterate, Law, Mode};
+use super::{BodyVector, ConeEnd, Iterate, Law, Mode};
 use crate::physics::Refill;
 
 /// Kept from solve to solve.
@@ -35,38 +35,31 @@ pub(super) struct ProximalBuffers {
 
 impl Iterate {
     /// Proximal points from the best λ so far, with Newton steps between. True once within the tolerance.
-    pub(super) fn proximal_points(
-        &mut self,
-        buffers: &mut ProximalBuffers,
-        most: u32,
-        tolerance: f64,
-        outcome: &mut ConeOutcome,
-    ) -> bool {
-        if outcome.end == ConeEnd::NoRigidSolution {
+    pub(super) fn proximal_points(&mut self, buffers: &mut ProximalBuffers, most: u32) -> bool {
+        if self.outcome.end == ConeEnd::NoRigidSolution {
             return false;
         }
         self.impulses.clone_from(&self.best);
         self.refresh();
         let (mut softness, mut floor) = (FIRST_SOFTNESS, LEAST_SOFTNESS);
-        let (mut goal, mut waited) = (0.9 * outcome.residual, 0);
+        let (mut goal, mut waited) = (0.9 * self.outcome.residual, 0);
         for _ in 0..most {
-            outcome.stages += 1;
+            self.outcome.stages += 1;
             let before = self.residual();
-            let is_reached = self.proximal_point(buffers, softness, PROXIMAL_ACCURACY * before.largest, outcome);
+            let is_reached = self.proximal_point(buffers, softness, PROXIMAL_ACCURACY * before.largest);
             std::mem::swap(&mut self.impulses, &mut buffers.impulses);
             self.refresh();
-            let residual = self.residual();
-            self.note(residual, outcome);
-            if residual.largest <= tolerance {
+            let residual = self.note();
+            if residual.largest <= self.tolerance {
                 return true;
             }
             let is_kept = (is_reached && residual.norm <= PROXIMAL_LOSS * before.norm) || softness >= MOST_SOFTNESS;
             if is_kept {
                 if self.is_jammed() {
-                    outcome.end = ConeEnd::NoRigidSolution;
+                    self.outcome.end = ConeEnd::NoRigidSolution;
                     return false;
                 }
-                if softness < NEARLY_RIGID && residual.norm < before.norm && self.newton(tolerance, outcome) {
+                if softness < NEARLY_RIGID && residual.norm < before.norm && self.newton() {
                     return true;
                 }
                 softness = (SOFTNESS_FALL * softness).max(floor);
@@ -77,10 +70,14 @@ impl Iterate {
                 softness *= SOFTNESS_RISE;
                 floor = softness;
             }
-            waited = if outcome.residual < goal { 0 } else { waited + 1 };
-            goal = goal.min(0.9 * outcome.residual);
-            let is_enough = outcome.steps > ENOUGH_STEPS && outcome.residual <= ENOUGH_RESIDUAL;
-            if waited > PATIENCE || outcome.steps > MOST_STEPS || is_enough || outcome.residual <= self.rounding() {
+            waited = if self.outcome.residual < goal { 0 } else { waited + 1 };
+            goal = goal.min(0.9 * self.outcome.residual);
+            let is_enough = self.outcome.steps > ENOUGH_STEPS && self.outcome.residual <= ENOUGH_RESIDUAL;
+            if waited > PATIENCE
+                || self.outcome.steps > MOST_STEPS
+                || is_enough
+                || self.outcome.residual <= self.rounding()
+            {
                 break;
             }
         }
@@ -88,13 +85,7 @@ impl Iterate {
     }
 
     /// One: λ⁺ is left in the buffers. True if it is reached.
-    fn proximal_point(
-        &mut self,
-        buffers: &mut ProximalBuffers,
-        softness: f64,
-        wanted: f64,
-        outcome: &mut ConeOutcome,
-    ) -> bool {
+    fn proximal_point(&mut self, buffers: &mut ProximalBuffers, softness: f64, wanted: f64) -> bool {
         buffers.change.reset(self.elimination.count(), BodyVector::zeros());
         let mut is_reached = false;
         for step in 0..=PROXIMAL_ITERATIONS {
@@ -107,7 +98,7 @@ impl Iterate {
             {
                 break;
             }
-            outcome.steps += 1;
+            self.outcome.steps += 1;
             self.linear.solution.refill(buffers.defect.iter().map(|defect| -defect));
             self.linear.solve(&self.points, &self.elimination);
             buffers.direction.clone_from(&self.linear.solution);

@@ -68,7 +68,8 @@ impl ConeSolver {
             iterate.impulses.push(if point.is_movable() { guess } else { Vector3::zeros() });
         }
         let fastest = iterate.free.iter().map(Vector3::norm_squared).fold(1.0, f64::max).sqrt();
-        let outcome = self.run(tolerance * fastest);
+        iterate.tolerance = tolerance * fastest;
+        self.run();
         let iterate = &self.iterate;
         let results = impulses.contacts.iter_mut().chain(&mut impulses.joints);
         for ((point, impulse), result) in iterate.points.iter().zip(&iterate.impulses).zip(results) {
@@ -79,38 +80,35 @@ impl ConeSolver {
             velocity[0] += linear * scaled.fixed_rows::<3>(0);
             velocity[1] += angular * scaled.fixed_rows::<3>(3);
         }
-        outcome
+        iterate.outcome
     }
 
     /// The methods of the module's docs, in their order, until one does it.
-    fn run(&mut self, tolerance: f64) -> ConeOutcome {
-        let mut outcome =
-            ConeOutcome { end: ConeEnd::Bounded, residual: f64::INFINITY, steps: 0, interior: 0, stages: 0 };
+    fn run(&mut self) {
         let Self { iterate, contacts, proximal, interior, .. } = self;
+        iterate.outcome = ConeOutcome::default();
         let is_guessed = iterate.impulses.iter().any(|impulse| *impulse != Vector3::zeros());
         iterate.refresh();
         iterate.best.clone_from(&iterate.impulses);
-        outcome.residual = iterate.residual().largest;
+        iterate.outcome.residual = iterate.residual().largest;
         let has_contacts = *contacts > 0;
-        let done = iterate.newton(tolerance, &mut outcome)
-            || (is_guessed && iterate.proximal_points(proximal, PROXIMAL_POINTS[0], tolerance, &mut outcome))
-            || (has_contacts && iterate.interior_point(interior, tolerance, &mut outcome))
-            || iterate.proximal_points(proximal, PROXIMAL_POINTS[1], tolerance, &mut outcome);
+        let done = iterate.newton()
+            || (is_guessed && iterate.proximal_points(proximal, PROXIMAL_POINTS[0]))
+            || (has_contacts && iterate.interior_point(interior))
+            || iterate.proximal_points(proximal, PROXIMAL_POINTS[1]);
         if !done {
             // A guess may be worse than none.
             iterate.impulses.fill(Vector3::zeros());
             iterate.refresh();
-            let none = iterate.residual();
-            iterate.note(none, &mut outcome);
+            iterate.note();
             iterate.impulses.clone_from(&iterate.best);
             iterate.refresh();
-            outcome.residual = iterate.residual().largest;
+            iterate.outcome.residual = iterate.residual().largest;
         }
-        if outcome.residual <= tolerance {
-            outcome.end = ConeEnd::Converged;
-        } else if outcome.residual <= iterate.rounding() {
-            outcome.end = ConeEnd::Rounding;
+        if iterate.outcome.residual <= iterate.tolerance {
+            iterate.outcome.end = ConeEnd::Converged;
+        } else if iterate.outcome.residual <= iterate.rounding() {
+            iterate.outcome.end = ConeEnd::Rounding;
         }
-        outcome
     }
 }

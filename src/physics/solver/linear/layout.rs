@@ -17,13 +17,14 @@ pub(crate) trait Number: SimdRealField + Copy {}
 
 impl<N: SimdRealField + Copy> Number for N {}
 
+/// The row, by its place, and the values of a block of a column.
+pub(super) type Placed<'v, N> = (usize, &'v [N]);
+
 /// Sizes and places of blocks.
 pub(super) trait Layout: Copy {
-    /// Room for a block of a vector, and for a block.
-    type Rows<N: Number>: AsMut<[N]>;
+    /// Room for a block.
     type Block<N: Number>;
 
-    fn zeros<N: Number>() -> Self::Rows<N>;
     /// A copy: kernels on local arrays of a known size stay in registers.
     fn copy<N: Number>(values: &[N]) -> Self::Block<N>;
     fn values<N: Number>(block: &mut Self::Block<N>) -> &mut [N];
@@ -36,12 +37,7 @@ pub(super) trait Layout: Copy {
     /// Rows of a vector.
     fn vector(self, place: usize) -> Range<usize>;
     /// The blocks of a column of `n` columns, with the places of their rows.
-    fn blocks<'v, N: Number>(
-        self,
-        values: &'v [N],
-        rows: &'v [u32],
-        n: usize,
-    ) -> impl Iterator<Item = (usize, &'v [N])>;
+    fn blocks<'v, N: Number>(self, values: &'v [N], rows: &'v [u32], n: usize) -> impl Iterator<Item = Placed<'v, N>>;
 }
 
 /// All blocks have that many rows.
@@ -49,13 +45,7 @@ pub(super) trait Layout: Copy {
 pub(super) struct Uniform<const R: usize>;
 
 impl<const R: usize> Layout for Uniform<R> {
-    type Rows<N: Number> = [N; R];
     type Block<N: Number> = [[N; R]; R];
-
-    #[inline(always)]
-    fn zeros<N: Number>() -> [N; R] {
-        [N::zero(); R]
-    }
 
     #[inline(always)]
     fn copy<N: Number>(values: &[N]) -> [[N; R]; R] {
@@ -88,12 +78,7 @@ impl<const R: usize> Layout for Uniform<R> {
     }
 
     #[inline(always)]
-    fn blocks<'v, N: Number>(
-        self,
-        values: &'v [N],
-        rows: &'v [u32],
-        _: usize,
-    ) -> impl Iterator<Item = (usize, &'v [N])> {
+    fn blocks<'v, N: Number>(self, values: &'v [N], rows: &'v [u32], _: usize) -> impl Iterator<Item = Placed<'v, N>> {
         let blocks = values.as_chunks::<R>().0.as_chunks::<R>().0;
         rows.iter().zip(blocks).map(|(&row, block)| (row as usize, block.as_flattened()))
     }
@@ -109,12 +94,7 @@ pub(super) struct Mixed {
 }
 
 impl Layout for &Mixed {
-    type Rows<N: Number> = [N; MOST_ROWS];
     type Block<N: Number> = ([N; MOST_ROWS * MOST_ROWS], usize);
-
-    fn zeros<N: Number>() -> [N; MOST_ROWS] {
-        [N::zero(); MOST_ROWS]
-    }
 
     fn copy<N: Number>(values: &[N]) -> ([N; MOST_ROWS * MOST_ROWS], usize) {
         let mut block = [N::zero(); MOST_ROWS * MOST_ROWS];
@@ -142,12 +122,8 @@ impl Layout for &Mixed {
         self.vector[place] as usize..self.vector[place + 1] as usize
     }
 
-    fn blocks<'v, N: Number>(
-        self,
-        mut values: &'v [N],
-        rows: &'v [u32],
-        n: usize,
-    ) -> impl Iterator<Item = (usize, &'v [N])> {
+    fn blocks<'v, N: Number>(self, values: &'v [N], rows: &'v [u32], n: usize) -> impl Iterator<Item = Placed<'v, N>> {
+        let mut values = values;
         rows.iter().map(move |&row| {
             let block;
             (block, values) = values.split_at(self.rows(row as usize) * n);

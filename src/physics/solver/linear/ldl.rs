@@ -9,7 +9,7 @@ use std::marker::PhantomData;
 use nalgebra::{SMatrix, SMatrixViewMut};
 
 use super::elimination::{Sizes, Target, with_layout};
-use super::layout::{BlockVector, Layout, Uniform};
+use super::layout::{BlockVector, Layout, MOST_ROWS, Uniform};
 use super::pivot::Pivot;
 use super::{Elimination, Number};
 use crate::physics::Refill;
@@ -134,8 +134,8 @@ impl<N: Number, P: Pivot<N>> BlockLdl<N, P> {
         };
         for column in 0..elimination.count() {
             let n = layout.rows(column);
-            let mut known = L::zeros();
-            let known = &mut known.as_mut()[..n];
+            let mut known = [N::zero(); MOST_ROWS];
+            let known = &mut known[..n];
             known.copy_from_slice(x.block(column, layout.vector(column)));
             let (rows, values) = column_of(column);
             for (row, block) in layout.blocks(values, rows, n) {
@@ -144,8 +144,8 @@ impl<N: Number, P: Pivot<N>> BlockLdl<N, P> {
         }
         for column in (0..elimination.count()).rev() {
             let n = layout.rows(column);
-            let mut sums = L::zeros();
-            let sums = &mut sums.as_mut()[..n];
+            let mut sums = [N::zero(); MOST_ROWS];
+            let sums = &mut sums[..n];
             sums.copy_from_slice(x.block(column, layout.vector(column)));
             P::solve(&self.diagonal[layout.diagonal(column)], sums, n);
             let (rows, values) = column_of(column);
