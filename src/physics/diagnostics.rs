@@ -10,9 +10,9 @@ use bevy::prelude::*;
 use nalgebra::Vector3;
 
 use super::{
-    Bodies, BodyState, ContactForce, ContactForces, ContactGraph, Contacts, Diagnostics, ExactGroups, Gravity,
-    GravityScale, IslandSolvers, JointForce, JointForces, Joints, LaggedContacts, Method, PhysicsSchedule,
-    PhysicsSystems, Refill, SolverSettings, StepStats,
+    Bodies, ContactForce, ContactForces, ContactGraph, Contacts, Diagnostics, ExactGroups, Gravity, GravityScale,
+    IslandSolvers, JointForce, JointForces, Joints, LaggedContacts, Method, PhysicsSchedule, PhysicsSystems, Refill,
+    SolverSettings, StepStats,
 };
 
 /// How long the last step's measuring took.
@@ -80,7 +80,7 @@ fn measure(
     sum.angular_momentum = angular.into();
     for joint in &joints.list {
         let ends = [&bodies.list[joint.a as usize], &bodies.list[joint.b as usize]];
-        sum.joint_error = sum.joint_error.max(joint.definition.separation(&ends.map(BodyState::of), stats.time));
+        sum.joint_error = sum.joint_error.max(joint.definition.separation(ends, stats.time));
     }
     sum.penetration = contacts.points.iter().fold(0.0, |deepest, point| point.depth.max(deepest));
     *diagnostics = sum;

@@ -41,6 +41,7 @@ use nalgebra::{Matrix3, Quaternion, SimdRealField, UnitQuaternion, Vector3};
 use super::constraint::{BodyState, ConstraintRow, RowFunction};
 use super::definition::{Frame, Hold, JointDefinition, Laws};
 use super::softness::Softness;
+use crate::physics::body::Body;
 use crate::physics::constraint::row::{RowPair, Twist, Wrench};
 
 /// Two joined bodies as their joint sees them, world axes, SI.
@@ -229,13 +230,17 @@ impl JointDefinition {
     }
 
     /// How far what it holds rigidly is apart, m: where it holds no point at a point, the largest row, m or rad.
-    pub fn separation(&self, bodies: &[BodyState; 2], time: f64) -> f64 {
+    pub fn separation(&self, bodies: [&Body; 2], time: f64) -> f64 {
         if self.is_ball() {
-            let state = JointState::of(&self.frames, bodies);
-            return if self.is_soft() { 0.0 } else { state.separation.norm() };
+            if self.is_soft() {
+                return 0.0;
+            }
+            let [a, b] = bodies;
+            let [on_a, on_b] = &self.frames;
+            return (b.position - a.position + b.rotation * on_b.anchor - a.rotation * on_a.anchor).norm();
         }
         let mut rows = Vec::new();
-        self.rows_at(bodies, time, &mut rows);
+        self.rows_at(&bodies.map(BodyState::of), time, &mut rows);
         let rigid = rows.iter().filter(|row| row.spring.is_none());
         rigid.fold(0.0, |most, row| most.max((row.error - row.bound.open(row.error)).abs()))
     }

@@ -244,6 +244,7 @@ impl<L: Lanes> Walk<'_, L> {
 
     /// # Safety
     /// As of [`Self::work`].
+    #[inline(always)]
     unsafe fn sweep_joints<P: LinearParts<L>>(&self, stage: Stage, block: &mut JointBlock<L, P>) {
         // SAFETY: as the caller promises.
         unsafe {
