@@ -15,6 +15,8 @@ mod softness;
 pub use ball::BallJoint;
 pub use constraint::{BodyState, Constraint, ConstraintRow, ConstraintRows};
 pub(crate) use definition::JointDefinition;
+#[cfg(test)]
+pub(crate) use definition::{Frame, Hold, Laws};
 pub(crate) use kind::{JointKind, any_changed, define_joints};
 pub use load::JointLoad;
 pub(crate) use packed::{Joint, Joints};

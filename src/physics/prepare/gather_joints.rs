@@ -4,8 +4,8 @@ use bevy::ecs::system::SystemChangeTick;
 use bevy::prelude::*;
 
 use crate::physics::bit_set::BitSet;
-use crate::physics::body::{Bodies, BodySlot, QuarantineReason, Quarantined, RigidBody};
-use crate::physics::joint::{JoinedPairs, Joint, JointDefinition, JointSlot, Joints, any_changed};
+use crate::physics::body::{Bodies, Body, BodySlot, QuarantineReason, Quarantined, RigidBody};
+use crate::physics::joint::{BodyState, Bound, JoinedPairs, Joint, JointDefinition, JointSlot, Joints, any_changed};
 use crate::physics::messages::{BodyQuarantined, set_aside};
 use crate::physics::settings::{Method, SolverSettings};
 use crate::physics::sleep::Sleep;
@@ -19,6 +19,7 @@ pub(super) struct PackedFor {
     joints: usize,
     quarantined: usize,
     any_rows: bool,
+    bounded_rows: bool,
 }
 
 /// Whether the joints must be packed anew. A condition of its own: it needs little of the world.
@@ -35,13 +36,30 @@ pub(super) fn joints_changed(
         joints: joints.iter().len(),
         quarantined: quarantined.iter().len(),
         any_rows: takes_any_rows(&settings),
+        bounded_rows: takes_bounded_rows(&settings),
     };
     now != *packed_for || any_changed(&joints, &ticks)
 }
 
 /// Whether the method takes rows of any kind and number of a joint, not those of ball joints alone.
 fn takes_any_rows(settings: &SolverSettings) -> bool {
-    !settings.method.keeps_contacts() && settings.method != Method::Exact
+    !settings.method.keeps_contacts()
+}
+
+/// Whether the method takes rows of a user's own whose λ is bounded.
+fn takes_bounded_rows(settings: &SolverSettings) -> bool {
+    settings.method != Method::Exact
+}
+
+/// Whether λ of some row is bounded as the bodies are now, but by what springs may give.
+fn has_bounded_rows(joint: &JointDefinition, ends: [u32; 2], bodies: &Bodies, time: f64) -> bool {
+    let states = ends.map(|body| {
+        let Body { position, rotation, linear, angular, .. } = &bodies.list[body as usize];
+        BodyState::new(position, rotation, [linear, angular])
+    });
+    let mut rows = Vec::new();
+    joint.rows_at(&states, time, &mut rows);
+    rows.iter().any(|row| matches!(row.bound, Bound::Within(..)))
 }
 
 /// Packs the joints.
@@ -58,8 +76,8 @@ pub(super) fn gather_joints(
     mut quarantine: MessageWriter<BodyQuarantined>,
     mut commands: Commands,
 ) {
-    let any_rows = takes_any_rows(&settings);
-    *packed_for = PackedFor { bodies: bodies.version, any_rows, ..default() };
+    let (any_rows, bounded_rows) = (takes_any_rows(&settings), takes_bounded_rows(&settings));
+    *packed_for = PackedFor { bodies: bodies.version, any_rows, bounded_rows, ..default() };
     let member = |entity| {
         members.get(entity).ok().filter(|(slot, _)| slot.index != u32::MAX).map(|(slot, &kind)| (slot.index, kind))
     };
@@ -76,7 +94,10 @@ pub(super) fn gather_joints(
             packed_for.quarantined += 1;
             continue;
         }
-        if let Err(reason) = check_joint(&definition, [kind_a, kind_b], any_rows) {
+        let is_refused = || !bounded_rows && has_bounded_rows(&definition, [a, b], &bodies, stats.time);
+        let checked = check_joint(&definition, [kind_a, kind_b], any_rows);
+        let checked = checked.and_then(|()| if is_refused() { Err(QuarantineReason::NotOfMethod) } else { Ok(()) });
+        if let Err(reason) = checked {
             set_aside(entity, reason, &mut commands, &mut quarantine);
             packed_for.quarantined += 1;
             continue;

@@ -41,5 +41,5 @@ pub(crate) mod problems;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use problem::{ConeBody, ConeContact, ConeEnd, ConeJoint, PerPoint};
+pub(crate) use problem::{ConeBody, ConeContact, ConeEnd, ConeJoint, PerPoint, PointJacobian};
 pub(crate) use solver::ConeSolver;

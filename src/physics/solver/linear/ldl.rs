@@ -47,7 +47,6 @@ impl<N: Number, P: Pivot<N>> BlockLdl<N, P> {
         SMatrixViewMut::from_slice(&mut self.below[layout.below(block)..layout.below(block + 1)])
     }
 
-    #[cfg(test)]
     /// The columns of the block on the diagonal at a place in the order.
     pub fn diagonal_at(&mut self, elimination: &Elimination, place: usize) -> &mut [N] {
         match elimination.sizes() {
@@ -57,7 +56,6 @@ impl<N: Number, P: Pivot<N>> BlockLdl<N, P> {
         }
     }
 
-    #[cfg(test)]
     /// The columns of the block below the diagonal of that index.
     pub fn below_at(&mut self, elimination: &Elimination, block: usize) -> &mut [N] {
         match elimination.sizes() {
