@@ -115,6 +115,19 @@ impl<N: SimdRealField + Copy> RowPair<N> {
         RowPair { linear_a, angular_a, linear_b, angular_b }
     }
 
+    /// Of the rows of A and of B.
+    pub fn new(a: Twist<N>, b: Twist<N>) -> Self {
+        Self { linear_a: a.linear, angular_a: a.angular, linear_b: b.linear, angular_b: b.angular }
+    }
+
+    pub fn of_a(&self) -> Twist<N> {
+        Twist { linear: self.linear_a, angular: self.angular_a }
+    }
+
+    pub fn of_b(&self) -> Twist<N> {
+        Twist { linear: self.linear_b, angular: self.angular_b }
+    }
+
     /// J V.
     pub fn dot(&self, a: &Twist<N>, b: &Twist<N>) -> N {
         self.linear_a.dot(&a.linear)

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use bevy::ecs::component::Mutable;
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::physics::body::{Body, RigidBody};
 
@@ -50,10 +51,11 @@ pub struct ConstraintRows {
 
 /// A component that is a constraint of one's own, on an entity of its own. [`AddConstraint::add_constraint`] makes
 /// Plumb hold it; with a [`JointLoad`](super::JointLoad) its force and torque are told, about B's centre of mass.
-/// Derive `Component` with
-/// `map_entities` where scenes are copied.
+/// Every method holds it, the exact one (`accurate`) with the order of its integrator; where λ of some row is bounded that
+/// one does not, and its entity is quarantined. Derive `Component` with `map_entities` where scenes are copied.
 ///
-/// A bead on a hoop that turns about the vertical axis:
+/// A bead on a hoop that turns about the vertical axis. On one of 0.8 m that turns with 6 rad/s it is 1e-3 m off after
+/// half a second of `classic` at 240 Hz, and 4e-11 m of `accurate` at 60 Hz:
 ///
 /// ```
 /// use bevy::math::DVec3;
@@ -120,12 +122,22 @@ pub trait Constraint: Component<Mutability = Mutable> + Clone {
 pub(crate) struct RowFunction(Arc<dyn Fn(&[BodyState; 2], f64) -> ConstraintRows + Send + Sync>);
 
 impl BodyState {
+    pub(crate) fn new(
+        position: &Vector3<f64>,
+        rotation: &UnitQuaternion<f64>,
+        [linear, angular]: [&Vector3<f64>; 2],
+    ) -> Self {
+        let [position, linear, angular] = [position, linear, angular].map(|vector| (*vector).into());
+        Self { position, rotation: (*rotation).into(), linear, angular }
+    }
+
     pub(crate) fn of(body: &Body) -> Self {
-        let (linear, angular) = match body.kind {
-            RigidBody::Static => (DVec3::ZERO, DVec3::ZERO),
-            RigidBody::Dynamic | RigidBody::Kinematic => (body.linear.into(), body.angular.into()),
+        let zero = Vector3::zeros();
+        let velocities = match body.kind {
+            RigidBody::Static => [&zero; 2],
+            RigidBody::Dynamic | RigidBody::Kinematic => [&body.linear, &body.angular],
         };
-        Self { position: body.position.into(), rotation: body.rotation.into(), linear, angular }
+        Self::new(&body.position, &body.rotation, velocities)
     }
 
     /// After so long with its present velocities.

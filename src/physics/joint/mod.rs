@@ -17,6 +17,8 @@ mod tests;
 pub use ball::BallJoint;
 pub use constraint::{BodyState, Constraint, ConstraintRow, ConstraintRows};
 pub(crate) use definition::JointDefinition;
+#[cfg(test)]
+pub(crate) use definition::{Frame, Hold, Laws};
 pub(crate) use kind::{JointKind, any_changed, define_joints};
 pub use load::JointLoad;
 pub(crate) use packed::{Joint, Joints};

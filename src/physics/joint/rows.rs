@@ -63,10 +63,8 @@ pub(crate) struct JointRow<N> {
     /// C, m or rad.
     pub error: N,
     /// Ċ = J v + ∂C/∂t.
-    #[allow(dead_code, reason = "for engines that solve accelerations, as is the next")]
     pub rate: N,
     /// C̈ where nothing accelerates: J̇v and the change of ∂C/∂t.
-    #[allow(dead_code)]
     pub velocity_term: N,
     /// ∂C/∂t.
     pub time_rate: N,
@@ -208,6 +206,21 @@ where
         let change = a.angular.cross(&ax) + b.angular.cross(&bx) - u * omega.dot(&bx.cross(&ax));
         let error = sine.simd_atan2(cosine).select(is_defined, N::zero());
         self.rotation(u, error, omega.dot(&change) * scale)
+    }
+}
+
+impl JointRow<f64> {
+    /// Holds nothing.
+    pub const EMPTY: Self = {
+        let none = Vector3::new(0.0, 0.0, 0.0);
+        let jacobian = RowPair { linear_a: none, angular_a: none, linear_b: none, angular_b: none };
+        let (error, rate, velocity_term, time_rate) = (0.0, 0.0, 0.0, 0.0);
+        Self { jacobian, error, rate, velocity_term, time_rate, spring: None, bound: Bound::None }
+    };
+
+    /// Whether it is of rotations alone: its C is in rad.
+    pub fn only_turns(&self) -> bool {
+        self.jacobian.linear_a == Vector3::zeros() && self.jacobian.linear_b == Vector3::zeros()
     }
 }
 

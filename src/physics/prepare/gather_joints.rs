@@ -3,10 +3,10 @@
 use bevy::ecs::system::SystemChangeTick;
 use bevy::prelude::*;
 
-use crate::physics::joint::any_changed;
+use crate::physics::joint::{Bound, any_changed};
 use crate::physics::{
-    BitSet, Bodies, BodyQuarantined, BodySlot, JoinedPairs, Joint, JointDefinition, JointSlot, Joints, Method,
-    QuarantineReason, Quarantined, Refill, RigidBody, Sleep, SolverSettings, StepStats, set_aside,
+    BitSet, Bodies, BodyQuarantined, BodySlot, BodyState, JoinedPairs, Joint, JointDefinition, JointSlot, Joints,
+    Method, QuarantineReason, Quarantined, Refill, RigidBody, Sleep, SolverSettings, StepStats, set_aside,
 };
 
 /// What the joints were packed for. Counts tell that one is gone or was let go; events would be lost
@@ -16,7 +16,7 @@ pub(super) struct PackedFor {
     bodies: u64,
     joints: usize,
     quarantined: usize,
-    any_rows: bool,
+    bounded_rows: bool,
 }
 
 /// Whether the joints must be packed anew. A condition of its own: it needs little of the world.
@@ -32,14 +32,21 @@ pub(super) fn joints_changed(
         bodies: bodies.version,
         joints: joints.iter().len(),
         quarantined: quarantined.iter().len(),
-        any_rows: takes_any_rows(&settings),
+        bounded_rows: takes_bounded_rows(&settings),
     };
     now != *packed_for || any_changed(&joints, &ticks)
 }
 
-/// Whether the method takes rows of any kind and number of a joint, not those of ball joints alone.
-fn takes_any_rows(settings: &SolverSettings) -> bool {
+/// Whether the method takes rows of a user's own whose λ is bounded.
+fn takes_bounded_rows(settings: &SolverSettings) -> bool {
     settings.method != Method::Exact
+}
+
+/// Whether λ of some row is bounded as the bodies are now, but by what springs may give.
+fn has_bounded_rows(joint: &JointDefinition, ends: [u32; 2], bodies: &Bodies, time: f64) -> bool {
+    let mut rows = Vec::new();
+    joint.rows_at(&ends.map(|body| BodyState::of(&bodies.list[body as usize])), time, &mut rows);
+    rows.iter().any(|row| matches!(row.bound, Bound::Within(..)))
 }
 
 /// Packs the joints.
@@ -56,8 +63,8 @@ pub(super) fn gather_joints(
     mut quarantine: MessageWriter<BodyQuarantined>,
     mut commands: Commands,
 ) {
-    let any_rows = takes_any_rows(&settings);
-    *packed_for = PackedFor { bodies: bodies.version, any_rows, ..default() };
+    let bounded_rows = takes_bounded_rows(&settings);
+    *packed_for = PackedFor { bodies: bodies.version, bounded_rows, ..default() };
     let member = |entity| {
         members.get(entity).ok().filter(|(slot, _)| slot.index != u32::MAX).map(|(slot, &kind)| (slot.index, kind))
     };
@@ -74,7 +81,10 @@ pub(super) fn gather_joints(
             packed_for.quarantined += 1;
             continue;
         }
-        if let Err(reason) = check_joint(&definition, [kind_a, kind_b], any_rows) {
+        let is_refused = || !bounded_rows && has_bounded_rows(&definition, [a, b], &bodies, stats.time);
+        let checked = check_joint(&definition, [kind_a, kind_b]);
+        let checked = checked.and_then(|()| if is_refused() { Err(QuarantineReason::NotOfMethod) } else { Ok(()) });
+        if let Err(reason) = checked {
             set_aside(entity, reason, &mut commands, &mut quarantine);
             packed_for.quarantined += 1;
             continue;
@@ -120,15 +130,12 @@ pub(super) fn keep_driven_awake(joints: Res<Joints>, bodies: Res<Bodies>, mut sl
     joints.driven.iter().for_each(|&body| sleep.disturb(body, &bodies));
 }
 
-fn check_joint(joint: &JointDefinition, kinds: [RigidBody; 2], any_rows: bool) -> Result<(), QuarantineReason> {
+fn check_joint(joint: &JointDefinition, kinds: [RigidBody; 2]) -> Result<(), QuarantineReason> {
     if !joint.is_valid() {
         return Err(QuarantineReason::NotFinite);
     }
     if joint.bodies[0] == joint.bodies[1] || !kinds.contains(&RigidBody::Dynamic) {
         return Err(QuarantineReason::BadJoint);
-    }
-    if !any_rows && !joint.is_ball() {
-        return Err(QuarantineReason::NotOfMethod);
     }
     Ok(())
 }

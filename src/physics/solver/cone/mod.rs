@@ -44,8 +44,8 @@ mod tests;
 use iterate::Iterate;
 use law::{Law, Mode};
 use point::{ConePoint, root};
-use problem::{ConeOutcome, PointJacobian, Velocity, relative_velocity};
+use problem::{ConeOutcome, Velocity, relative_velocity};
 
 use super::linear::{BlockLdl, BlockLu, BodyBlock, BodyVector, Elimination, Inverse};
-pub(crate) use problem::{ConeBody, ConeContact, ConeEnd, ConeJoint, PerPoint};
+pub(crate) use problem::{ConeBody, ConeContact, ConeEnd, ConeJoint, PerPoint, PointJacobian};
 pub(crate) use solver::ConeSolver;

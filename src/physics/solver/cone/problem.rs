@@ -37,6 +37,7 @@ pub(crate) struct ConeJoint {
     pub jacobians: [PointJacobian; 2],
 }
 
+#[cfg(test)]
 impl ConeJoint {
     /// A ball joint, with the arms from the centres of mass of A and B, m.
     pub fn ball(bodies: [Option<u32>; 2], arms: &[Vector3<f64>; 2]) -> Self {

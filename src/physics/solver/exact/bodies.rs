@@ -2,9 +2,10 @@
 
 use nalgebra::Vector3;
 
-use super::mechanism::{JointSpring, MechanismLink, Member, MemberState};
-use crate::physics::body::Body;
-use crate::physics::joint::{Joint, Softness};
+use super::mechanism::{MechanismLink, Member, MemberState};
+use crate::physics::body::{Bodies, Body};
+use crate::physics::constraint::row::Wrench;
+use crate::physics::joint::{Joint, Joints};
 
 /// The place of a body in a list whose first `moving` are in order; one that is not there yet is added at the end.
 pub(super) fn place_in(bodies: &mut Vec<u32>, moving: usize, body: u32) -> u32 {
@@ -17,15 +18,27 @@ pub(super) fn place_in(bodies: &mut Vec<u32>, moving: usize, body: u32) -> u32 {
     }) as u32
 }
 
-/// A joint between members at those places.
-pub(super) fn link_of(joint: &Joint, [a, b]: [u32; 2]) -> MechanismLink {
-    let spring = |softness: Softness| JointSpring {
-        frequency: std::f64::consts::TAU * softness.frequency,
-        damping_ratio: softness.damping_ratio,
-        most: softness.max_force,
+/// The joints of those that have rows, each between members at the places that `place` tells of its bodies.
+pub(super) fn links_of(
+    joints: &[u32],
+    all_joints: &Joints,
+    bodies: &Bodies,
+    time: f64,
+    mut place: impl FnMut(u32) -> u32,
+) -> (Vec<u32>, Vec<MechanismLink>) {
+    let link = |&index: &u32| {
+        let joint = &all_joints.list[index as usize];
+        let ends = [joint.a, joint.b];
+        let states = ends.map(|body| state_of(&bodies.list[body as usize]));
+        let link = MechanismLink::new(&joint.definition, ends.map(&mut place), states.each_ref(), time);
+        (!link.rows.is_empty()).then_some((index, link))
     };
-    let [anchor_a, anchor_b] = joint.anchors();
-    MechanismLink { a, b, anchor_a, anchor_b, spring: joint.softness().map(spring) }
+    joints.iter().filter_map(link).unzip()
+}
+
+/// What the joint carried in the step.
+pub(super) fn put_load(load: &Wrench<f64>, joint: &mut Joint) {
+    (joint.force, joint.torque) = (load.linear, load.angular);
 }
 
 pub(super) fn state_of(body: &Body) -> MemberState {

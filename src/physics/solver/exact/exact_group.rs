@@ -1,6 +1,6 @@
 //! A group of islands as the exact method takes it: mechanisms, free bodies, and bodies in reach of each other.
 
-use super::bodies::{link_of, member, place_in, put, state_of};
+use super::bodies::{links_of, member, place_in, put, put_load, state_of};
 use super::contact::{ContactGroup, ContactTerms};
 use super::free;
 use super::mechanism::{Mechanism, MemberState};
@@ -62,6 +62,7 @@ impl ExactGroup {
         joints: &Joints,
         contacts: &Contacts,
         friction: FrictionModel,
+        time: f64,
     ) {
         let next = &mut self.next;
         next.bodies.clear();
@@ -74,7 +75,7 @@ impl ExactGroup {
         next.locked = next.bodies.iter().any(|&body| is_locked(&bodies.list[body as usize]));
         if self.next != self.plan {
             self.plan.clone_from(&self.next);
-            self.replan(bodies, joints);
+            self.replan(bodies, joints, time);
         }
         for piece in &mut self.pieces {
             piece.gather(bodies, joints);
@@ -84,7 +85,7 @@ impl ExactGroup {
         }
     }
 
-    fn replan(&mut self, bodies: &Bodies, joints: &Joints) {
+    fn replan(&mut self, bodies: &Bodies, joints: &Joints, time: f64) {
         let GroupContents { bodies: own, joints: links, pairs, locked, .. } = &self.plan;
         let place = |body: u32| own.binary_search(&body).ok().filter(|_| bodies.list[body as usize].is_dynamic());
         let mut sets = DisjointSets::new(own.len());
@@ -116,7 +117,7 @@ impl ExactGroup {
             let of_joint = |joint: &&u32| is_own([joints.list[**joint as usize].a, joints.list[**joint as usize].b]);
             let links = links.iter().filter(of_joint).copied().collect();
             let pairs: Vec<Pair> = pairs.iter().filter(|pair| is_own([pair.a, pair.b])).copied().collect();
-            self.contact_groups.push(ContactGroup::new(members_of(root), links, &pairs, joints));
+            self.contact_groups.push(ContactGroup::new(members_of(root), links, &pairs, bodies, joints, time));
         }
         self.free.clear();
         let mut kept = std::mem::take(&mut self.pieces).into_iter();
@@ -130,13 +131,13 @@ impl ExactGroup {
             let is_here = |joint: &u32| ends(*joint).into_iter().flatten().any(|body| roots[body] as usize == root);
             let links = if jointed[root] { links.iter().copied().filter(is_here).collect() } else { Vec::new() };
             let piece = kept.next().unwrap_or_default();
-            self.pieces.push(piece.plan(members, &links, *locked, joints));
+            self.pieces.push(piece.plan(members, &links, *locked, bodies, joints, time));
         }
     }
 
     /// Takes all through the step. `cache` has the contact forces of the step before.
     pub fn step(&mut self, bodies: &Bodies, integrator: ExactIntegrator, terms: &ContactTerms, cache: &ContactCache) {
-        let ContactTerms { h, parts, .. } = *terms;
+        let ContactTerms { time, h, parts, .. } = *terms;
         for group in &mut self.contact_groups {
             group.step(terms, cache);
         }
@@ -150,7 +151,7 @@ impl ExactGroup {
             }
         }
         for piece in &mut self.pieces {
-            piece.effort = piece.stepper.advance(&mut piece.mechanism, integrator, h, parts);
+            piece.effort = piece.stepper.advance(&mut piece.mechanism, integrator, time, h, parts);
         }
     }
 
@@ -164,8 +165,8 @@ impl ExactGroup {
             for (index, state) in piece.bodies.iter().zip(&mechanism.states).take(mechanism.moving) {
                 put(state, &mut bodies[*index as usize]);
             }
-            for (&joint, force) in piece.joints.iter().zip(&piece.stepper.forces) {
-                joints[joint as usize].force = *force;
+            for (&joint, load) in piece.joints.iter().zip(&piece.stepper.loads) {
+                put_load(load, &mut joints[joint as usize]);
             }
         }
         for group in &self.contact_groups {
@@ -180,7 +181,7 @@ impl ExactGroup {
 
     /// Rows of each part, and the work it took to solve them.
     pub fn efforts(&self) -> impl Iterator<Item = (u32, StepEffort)> + '_ {
-        let pieces = self.pieces.iter().map(|piece| (3 * piece.joints.len() as u32, piece.effort));
+        let pieces = self.pieces.iter().map(|piece| (piece.mechanism.rows() as u32, piece.effort));
         pieces.chain(self.contact_groups.iter().map(|group| (group.rows(), group.effort)))
     }
 
@@ -192,17 +193,21 @@ impl ExactGroup {
 
 impl JointedPiece {
     /// A mechanism of those bodies that move and those joints, with the buffers of another.
-    fn plan(mut self, members: Vec<u32>, links: &[u32], locked: bool, joints: &Joints) -> Self {
+    fn plan(
+        mut self,
+        members: Vec<u32>,
+        joints: &[u32],
+        locked: bool,
+        bodies: &Bodies,
+        all_joints: &Joints,
+        time: f64,
+    ) -> Self {
         let moving = members.len();
         self.bodies = members;
-        let mut place = |body: u32| place_in(&mut self.bodies, moving, body);
-        let ends = |joint: &u32| [joints.list[*joint as usize].a, joints.list[*joint as usize].b];
-        let pairs: Vec<[u32; 2]> = links.iter().map(|joint| ends(joint).map(&mut place)).collect();
-        let gives = links.iter().any(|&joint| joints.list[joint as usize].softness().is_some());
-        let (order, mut mechanism) = Mechanism::plan(moving, locked, gives, &pairs);
-        self.joints = order.iter().map(|&link| links[link as usize]).collect();
-        let link = |&link: &u32| link_of(&joints.list[links[link as usize] as usize], pairs[link as usize]);
-        mechanism.links = order.iter().map(link).collect();
+        let (joints, links) =
+            links_of(joints, all_joints, bodies, time, |body| place_in(&mut self.bodies, moving, body));
+        let (order, mechanism) = Mechanism::plan(moving, locked, &links);
+        self.joints = order.iter().map(|&link| joints[link as usize]).collect();
         self.mechanism = mechanism;
         self.stepper.forget();
         self

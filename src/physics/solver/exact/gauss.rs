@@ -3,7 +3,9 @@
 //! Unknown are each stage's accelerations a_i and joint forces λ_i. With positions and velocities from them by the
 //! [tableau](super::tableau), stage i holds
 //!
-//! M a_i = F − (0, ω_i × I ω_i) + Jᵀλ_i,  J a_i + J̇ v_i = 0.
+//! M a_i = F − (0, ω_i × I ω_i) + Jᵀλ_i,  J a_i + J̇ v_i + d/dt ∂C/∂t = 0,
+//!
+//! at its own time, so that what moves a joint in time is followed to the same order.
 //!
 //! Rotations: R(t) = exp φ(t) R_m about the middle rotation R_m = exp ψ R₀, from φ = −ψ to φ = ψ, so that the method is
 //! symmetric on the group, too (Hairer, Lubich and Wanner 2006, V.4.3). φ̇_i = k_i = dexp⁻¹_{φ_i} ω_i gives
@@ -13,9 +15,10 @@
 //!
 //! [M̃ −Jᵀ; J 0] (δa, δλ) = (residuals of the two lines above),  M̃ = M (1 + c h a_ii) + h² L_ii K,
 //!
-//! with drag c, and geometric stiffness K (see `joint_tree::stiffness`), kept to M's pattern; L_ii from the tableau. J
-//! and the factor of J M̃⁻¹ Jᵀ are those of the stage as it starts, which is the stages of the step before continued.
-//! Where K is left out each iteration leaves a share of order h²; where K is large, it still converges, whatever ωh.
+//! with drag c, and geometric stiffness K of forces at anchors (see `joint_tree::stiffness`), kept to M's pattern; L_ii
+//! from the tableau. J and the factor of J M̃⁻¹ Jᵀ are those of the stage as it starts, which is the stages of the step
+//! before continued. Where K is left out, as that of torques is, each iteration leaves a share of order h²; where K is
+//! large, it still converges, whatever ωh.
 //!
 //! A spring has rows of its own, λ + m(ω²C + 2ζωĊ) = 0 in place of the second line; its softness
 //! 1/(m(ω² h² L_ii + 2ζω h a_ii)) goes on the diagonal of J M̃⁻¹ Jᵀ. At its largest force the size of
@@ -26,28 +29,34 @@ use nalgebra::{Matrix3, SVector, UnitQuaternion, Vector3, Vector4};
 use super::constants::{
     CHANGE_OVER_SQUARE, DIVERGED, GAUSS_ITERATIONS, GAUSS_SOFT, GAUSS_UNCONVERGED, LEAST_CHANGE, NORMAL, SLACK,
 };
-use super::mechanism::{JointSpring, Mechanism, MemberState};
+use super::mechanism::{InverseMass, Mechanism, MemberState, RowSpring, place_rows};
 use super::rotation::{exponential, exponential_less_one, inverse_dexp};
-use super::rows::{InverseMass, MechanismRows, SpatialVector, add_wrenches, place_arms};
+use super::rows::{MechanismRows, add_wrenches};
 use super::tableau::Tableau;
+use crate::physics::constraint::row::{Twist, Wrench};
+use crate::physics::joint::JointRow;
 
 /// One stage.
 #[derive(Clone, Debug, Default)]
 struct GaussStage {
     /// a_i of each member.
-    accelerations: Vec<SpatialVector>,
-    /// λ_i.
-    forces: Vec<Vector3<f64>>,
+    accelerations: Vec<Twist<f64>>,
+    /// λ_i of all rows.
+    lambda: Vec<f64>,
     /// k_i of each member.
     rates: Vec<Vector3<f64>>,
-    rows: MechanismRows,
+    /// By the present accelerations.
+    states: Vec<MemberState>,
+    rows: Vec<JointRow<f64>>,
+    /// As they were when they were factored.
+    system: MechanismRows,
 }
 
 /// The stages of a step that converged, from which the next is continued.
 #[derive(Clone, Debug, Default)]
 struct GaussHistory {
-    accelerations: Vec<SpatialVector>,
-    forces: Vec<Vector3<f64>>,
+    accelerations: Vec<Twist<f64>>,
+    lambda: Vec<f64>,
 }
 
 /// What rounding took from a member's sums, carried to the next step.
@@ -91,16 +100,12 @@ pub(crate) struct Gauss<const S: usize> {
     middles: Vec<UnitQuaternion<f64>>,
     /// Of the stage at hand.
     rotations: Vec<Matrix3<f64>>,
-    angular: Vec<Vector3<f64>>,
-    arms: Vec<[Vector3<f64>; 2]>,
-    /// Unbounded force of each link's spring for each kg, m/s².
-    asked: Vec<Vector3<f64>>,
     /// Residual of the balance of forces, and then the wrench of its correction.
-    wrenches: Vec<SpatialVector>,
-    unknowns: Vec<Vector3<f64>>,
-    right: Vec<Vector3<f64>>,
+    wrenches: Vec<Wrench<f64>>,
+    unknowns: Vec<f64>,
+    right: Vec<f64>,
     stiffness: Vec<Matrix3<f64>>,
-    trial: Vec<SpatialVector>,
+    trial: Vec<Twist<f64>>,
 }
 
 /// How the iterations of a step went.
@@ -125,21 +130,25 @@ impl<const S: usize> Gauss<S> {
     pub fn memory(&self) -> impl Iterator<Item = f64> + '_ {
         let known = self.history.iter().filter(|_| self.length > 0.0);
         let known = known.flat_map(|past| {
-            let screws = past.accelerations.iter().flat_map(|screw| screw.linear.iter().chain(screw.angular.iter()));
-            screws.chain(past.forces.iter().flatten()).copied()
+            let twists = past.accelerations.iter().flat_map(|twist| twist.linear.iter().chain(twist.angular.iter()));
+            twists.chain(&past.lambda).copied()
         });
         let carries = self.carries.iter().filter(|_| self.length > 0.0);
         known.chain(carries.flat_map(RoundingCarry::numbers))
     }
 
-    /// Mean of the forces over the step.
-    pub fn mean_force(&self, link: usize) -> Vector3<f64> {
-        let weights = self.tableau.weights.iter();
-        weights.zip(&self.stages).map(|(weight, stage)| stage.forces[link] * *weight).sum()
+    /// Mean of each link's load over the step.
+    pub fn mean_load(&self, mechanism: &Mechanism, link: usize) -> Wrench<f64> {
+        let link = &mechanism.links[link];
+        let stages = self.tableau.weights.iter().zip(&self.stages);
+        stages.fold(Wrench::zero(), |sum, (&weight, GaussStage { states, rows, lambda, .. })| {
+            sum.plus(&link.load(&link.arm_b(states), rows, lambda), weight)
+        })
     }
 
-    /// Takes the mechanism through a step of h, s. Where the iterations do not converge it stays where it was.
-    pub fn step(&mut self, mechanism: &mut Mechanism, h: f64) -> StageIterations {
+    /// Takes the mechanism through a step of h, s, from that time. Where the iterations do not converge it stays where it
+    /// was.
+    pub fn step(&mut self, mechanism: &mut Mechanism, time: f64, h: f64) -> StageIterations {
         self.begin(mechanism, h);
         let (mut before, mut share, mut rising) = (f64::INFINITY, 0.0, 0);
         let mut least = LEAST_CHANGE;
@@ -157,14 +166,14 @@ impl<const S: usize> Gauss<S> {
                     self.refresh_rates(mechanism, h);
                     self.find_middles(mechanism, h);
                 }
-                self.place_stage(mechanism, h, stage);
+                self.place_stage(mechanism, time, h, stage);
                 if refactors {
                     self.assemble(mechanism, h, stage);
                 }
                 if mechanism.may_be_singular {
-                    self.stages[stage].forces.fill(Vector3::zeros());
+                    self.stages[stage].lambda.fill(0.0);
                 }
-                self.balance(mechanism, h, stage);
+                self.balance(mechanism, stage);
                 let stage = self.correct(mechanism, stage);
                 change = if stage > change || stage.is_nan() { stage } else { change };
             }
@@ -196,9 +205,9 @@ impl<const S: usize> Gauss<S> {
         self.stages.resize_with(S, GaussStage::default);
         for stage in &mut self.stages {
             stage.accelerations.clear();
-            stage.accelerations.resize(count, SpatialVector::ZERO);
-            stage.forces.clear();
-            stage.forces.resize(mechanism.links.len(), Vector3::zeros());
+            stage.accelerations.resize(count, Twist::zero());
+            stage.lambda.clear();
+            stage.lambda.resize(mechanism.rows(), 0.0);
         }
         if self.length > 0.0 {
             self.extrapolate(mechanism, h);
@@ -219,7 +228,7 @@ impl<const S: usize> Gauss<S> {
         self.history.resize_with(S, GaussHistory::default);
         for (past, stage) in self.history.iter_mut().zip(&self.stages) {
             past.accelerations.clone_from(&stage.accelerations);
-            past.forces.clone_from(&stage.forces);
+            past.lambda.clone_from(&stage.lambda);
         }
     }
 
@@ -227,15 +236,15 @@ impl<const S: usize> Gauss<S> {
     fn extrapolate(&mut self, mechanism: &Mechanism, h: f64) {
         let ahead = if h == self.length { self.tableau.ahead } else { self.tableau.ahead_by(h / self.length) };
         for member in 0..mechanism.moving {
-            let old: [SpatialVector; S] = std::array::from_fn(|j| self.history[j].accelerations[member]);
+            let old: [Twist<f64>; S] = std::array::from_fn(|j| self.history[j].accelerations[member]);
             for (stage, shares) in self.stages.iter_mut().zip(&ahead) {
                 stage.accelerations[member] = combine(&old, shares);
             }
         }
-        for link in 0..mechanism.links.len() {
-            let old: [Vector3<f64>; S] = std::array::from_fn(|j| self.history[j].forces[link]);
+        for row in 0..mechanism.rows() {
+            let old: [f64; S] = std::array::from_fn(|j| self.history[j].lambda[row]);
             for (stage, shares) in self.stages.iter_mut().zip(&ahead) {
-                stage.forces[link] = old.iter().zip(shares).map(|(force, share)| force * *share).sum();
+                stage.lambda[row] = old.iter().zip(shares).map(|(lambda, share)| lambda * share).sum();
             }
         }
     }
@@ -245,11 +254,12 @@ impl<const S: usize> Gauss<S> {
         self.stiffness.clear();
         let stage = &self.stages[S - 1];
         let mut largest: f64 = 0.0;
-        for (link, force) in mechanism.links.iter().zip(&stage.forces) {
-            for (member, anchor) in [(link.a, &link.anchor_a), (link.b, &link.anchor_b)] {
+        for link in &mechanism.links {
+            let force: f64 = stage.lambda[link.translations()].iter().map(|lambda| lambda * lambda).sum();
+            for (end, member) in link.ends().into_iter().enumerate() {
                 let member = &mechanism.members[member as usize];
                 if member.moves() {
-                    largest = largest.max(force.norm_squared() * anchor.norm_squared() / member.inertia.max().powi(2));
+                    largest = largest.max(force * link.anchor(end).norm_squared() / member.inertia.max().powi(2));
                 }
             }
         }
@@ -286,162 +296,111 @@ impl<const S: usize> Gauss<S> {
         }
     }
 
-    /// Rotations, angular velocities and arms of a stage from the present accelerations.
-    fn place_stage(&mut self, mechanism: &Mechanism, h: f64, stage: usize) {
-        let Tableau { weights, matrix, .. } = &self.tableau;
+    /// States and rows of a stage from the present accelerations.
+    fn place_stage(&mut self, mechanism: &Mechanism, time: f64, h: f64, stage: usize) {
+        let Tableau { nodes, weights, matrix, squared, .. } = &self.tableau;
         let gain: [f64; S] = std::array::from_fn(|j| h * matrix[stage][j]);
         let turns: [f64; S] = std::array::from_fn(|j| gain[j] - 0.5 * h * weights[j]);
         self.rotations.clear();
-        self.angular.clear();
+        self.stages[stage].states.clear();
         for (member, state) in mechanism.states.iter().enumerate() {
-            let (mut turn, mut angular) = (Vector3::zeros(), state.angular);
+            let MemberState { mut position, mut linear, mut angular, .. } = *state;
+            let mut turn = Vector3::zeros();
+            position += linear * (h * nodes[stage]);
             for (j, other) in self.stages.iter().enumerate() {
+                let acceleration = &other.accelerations[member];
+                position += acceleration.linear * (h * h * squared[stage][j]);
+                linear += acceleration.linear * gain[j];
+                angular += acceleration.angular * gain[j];
                 turn += other.rates[member] * turns[j];
-                angular += other.accelerations[member].angular * gain[j];
             }
-            self.stages[stage].rates[member] = inverse_dexp(&turn, &angular);
             let rotation = exponential(&turn) * self.middles[member];
             self.rotations.push(rotation.to_rotation_matrix().into_inner());
-            self.angular.push(angular);
+            let stage = &mut self.stages[stage];
+            stage.rates[member] = inverse_dexp(&turn, &angular);
+            stage.states.push(MemberState { position, rotation, linear, angular });
         }
-        place_arms(mechanism, &self.rotations, &mut self.arms);
+        let GaussStage { states, rows, .. } = &mut self.stages[stage];
+        place_rows(&mechanism.links, states, time + h * nodes[stage], rows);
     }
 
-    /// Factors the rows of a stage at its present rotations.
+    /// Factors the rows of a stage at its present states.
     fn assemble(&mut self, mechanism: &Mechanism, h: f64, stage: usize) {
         let own = self.tableau.matrix[stage][stage] * h;
         let own_squared = self.tableau.pivots[stage] * h * h;
-        let turn = h * self.angular.iter().fold(0.0, |most: f64, angular| most.max(angular.norm_squared())).sqrt();
-        if mechanism.gives {
-            let mut asked = std::mem::take(&mut self.asked);
-            asked.clear();
-            asked.extend((0..mechanism.links.len()).map(|link| self.ask(mechanism, h, stage, link)));
-            self.asked = asked;
-        }
-        let GaussStage { rows, forces, .. } = &mut self.stages[stage];
+        let GaussStage { states, rows, lambda, system, .. } = &mut self.stages[stage];
+        let turn = h * states.iter().fold(0.0, |most: f64, state| most.max(state.angular.norm_squared())).sqrt();
         let stiff = !self.stiffness.is_empty();
         if stiff {
             self.stiffness.fill(Matrix3::zeros());
-            for ((link, arms), force) in mechanism.links.iter().zip(&self.arms).zip(&*forces) {
-                add_pull(&mut self.stiffness[link.a as usize], &arms[0], &-force);
-                add_pull(&mut self.stiffness[link.b as usize], &arms[1], force);
+            for link in &mechanism.links {
+                let force = link.load(&Vector3::zeros(), rows, lambda).linear;
+                for (end, member, force) in [(0, link.a, -force), (1, link.b, force)] {
+                    let arm = states[member as usize].rotation * link.anchor(end);
+                    add_pull(&mut self.stiffness[member as usize], &arm, &force);
+                }
             }
         }
-        rows.arms.clone_from(&self.arms);
-        rows.inverse_masses.clear();
+        system.inverse_masses.clear();
         for (index, member) in mechanism.members.iter().enumerate() {
             let slowed = (1.0 / (1.0 + member.drag.0 * own), 1.0 / (1.0 + member.drag.1 * own));
             let added = stiff.then(|| self.stiffness[index] * (own_squared * slowed.1));
             let angular = member.inverse_inertia(&self.rotations[index], added.as_ref());
-            rows.inverse_masses
-                .push(InverseMass { linear: member.inverse_mass * slowed.0, angular: angular * slowed.1 });
+            let linear = member.inverse_mass * slowed.0;
+            system.inverse_masses.push(InverseMass { linear, angular: angular * slowed.1 });
         }
-        rows.assemble(mechanism, turn, |link, diagonal| {
-            let spring = mechanism.links[link].spring.as_ref();
-            spring.map_or(Matrix3::zeros(), |spring| softness(spring, diagonal, &self.asked[link], own, own_squared))
+        system.assemble(mechanism, rows, turn, |spring, mobility| {
+            softness(spring, mobility, &spring.ask(rows), own, own_squared)
         });
     }
 
     /// The residuals: of the first line into `wrenches`; of the second into `unknowns`, less what the first will do to
     /// it.
-    fn balance(&mut self, mechanism: &Mechanism, h: f64, stage: usize) {
-        let GaussStage { accelerations, forces, rows, .. } = &self.stages[stage];
+    fn balance(&mut self, mechanism: &Mechanism, stage: usize) {
+        let GaussStage { accelerations, lambda, states, rows, system, .. } = &self.stages[stage];
         self.wrenches.clear();
         for (index, member) in mechanism.members.iter().enumerate() {
-            if !member.moves() {
-                self.wrenches.push(SpatialVector::ZERO);
-                continue;
-            }
-            let SpatialVector { linear, angular } = &accelerations[index];
-            let omega = &self.angular[index];
-            let mut force = member.force - linear * member.mass;
-            let mut torque = member.torque;
-            if member.is_round() {
-                torque -= angular * member.inertia.x;
-            } else {
-                // In body axes, where the inertia is diagonal.
-                let rotation = &self.rotations[index];
-                let (spin, gain) = (rotation.tr_mul(omega), rotation.tr_mul(angular));
-                let momentum = member.inertia.component_mul(&spin);
-                torque -= rotation * (member.inertia.component_mul(&gain) + spin.cross(&momentum));
-            }
-            if member.drag != (0.0, 0.0) {
-                let shares = &self.tableau.matrix[stage];
-                let gained: Vector3<f64> = shares
-                    .iter()
-                    .zip(&self.stages)
-                    .map(|(share, other)| other.accelerations[index].linear * (*share * h))
-                    .sum();
-                force -= (mechanism.states[index].linear + gained) * (member.mass * member.drag.0);
-                torque -= member.world_inertia(&self.rotations[index]) * omega * member.drag.1;
-            }
-            self.wrenches.push(SpatialVector { linear: force, angular: torque });
+            self.wrenches.push(member.wrench(&states[index], &self.rotations[index], &accelerations[index]));
         }
-        add_wrenches(mechanism, &self.arms, forces, &mut self.wrenches);
+        add_wrenches(&mechanism.links, rows.iter().map(|row| &row.jacobian), lambda, &mut self.wrenches);
         // The accelerations that the present forces would make.
         self.trial.clear();
-        for ((acceleration, wrench), weight) in accelerations.iter().zip(&self.wrenches).zip(&rows.inverse_masses) {
-            let more = weight.of(wrench);
-            let (linear, angular) = (acceleration.linear + more.linear, acceleration.angular + more.angular);
-            self.trial.push(SpatialVector { linear, angular });
-        }
+        let members = accelerations.iter().zip(&self.wrenches).zip(&system.inverse_masses);
+        self.trial.extend(members.map(|((old, wrench), inverse_mass)| old.plus(&inverse_mass.of(wrench), 1.0)));
         self.unknowns.clear();
-        for (index, (link, [arm_a, arm_b])) in mechanism.links.iter().zip(&self.arms).enumerate() {
-            let gain = |member: u32, arm: &Vector3<f64>| {
-                let (trial, omega) = (&self.trial[member as usize], &self.angular[member as usize]);
-                trial.linear + trial.angular.cross(arm) + omega.cross(&omega.cross(arm))
-            };
-            let unknown = match &link.spring {
-                None => gain(link.a, arm_a) - gain(link.b, arm_b),
-                Some(spring) => {
-                    let asked = self.ask(mechanism, h, stage, index);
-                    let pull = spring.give(&asked, &rows.mobility[index]);
-                    let given = rows.softness[index] * (pull - forces[index]);
-                    let left = |member: u32, arm: &Vector3<f64>| {
-                        let left = rows.inverse_masses[member as usize].of(&self.wrenches[member as usize]);
-                        left.linear + left.angular.cross(arm)
-                    };
-                    given + left(link.a, arm_a) - left(link.b, arm_b)
-                }
-            };
-            self.unknowns.push(unknown);
+        for link in &mechanism.links {
+            let [a, b] = link.ends().map(|member| &self.trial[member as usize]);
+            let own = rows[link.rows.clone()].iter();
+            self.unknowns.extend(own.map(|row| -(row.jacobian.dot(a, b) + row.velocity_term)));
         }
-    }
-
-    /// −(ω²C + 2ζωĊ) of a spring at a stage, m/s²: its unbounded force on B for each kg.
-    fn ask(&self, mechanism: &Mechanism, h: f64, stage: usize, index: usize) -> Vector3<f64> {
-        let Tableau { nodes, matrix, squared, .. } = &self.tableau;
-        let link = &mechanism.links[index];
-        let Some(spring) = &link.spring else { return Vector3::zeros() };
-        let [a, b] = [(link.a, 0), (link.b, 1)].map(|(member, end)| {
-            let (member, arm) = (member as usize, &self.arms[index][end]);
-            let state = &mechanism.states[member];
-            let (mut place, mut speed) = (state.position + state.linear * (h * nodes[stage]), state.linear);
-            for (j, other) in self.stages.iter().enumerate() {
-                place += other.accelerations[member].linear * (h * h * squared[stage][j]);
-                speed += other.accelerations[member].linear * (h * matrix[stage][j]);
+        for (spring, softness) in &system.springs {
+            let pull = spring.give(&spring.ask(rows), &system.mobility(spring));
+            let given = softness * (pull - spring.each(|row| lambda[row]));
+            let [a, b] = mechanism.links[spring.link as usize]
+                .ends()
+                .map(|member| system.inverse_masses[member as usize].of(&self.wrenches[member as usize]));
+            for (row, given) in spring.rows.clone().zip(&given) {
+                self.unknowns[row] = given - rows[row].jacobian.dot(&a, &b);
             }
-            (place + arm, speed + self.angular[member].cross(arm))
-        });
-        spring.ask(&(b.0 - a.0), &(b.1 - a.1))
+        }
     }
 
     /// Corrects a stage's accelerations and forces by the residuals. The largest change of an acceleration.
     fn correct(&mut self, mechanism: &Mechanism, stage: usize) -> f64 {
-        let GaussStage { accelerations, forces, rows, .. } = &mut self.stages[stage];
+        let GaussStage { accelerations, lambda, system, .. } = &mut self.stages[stage];
         if mechanism.may_be_singular {
             // From zero: so forces that are not unique depend on the pose alone.
             std::mem::swap(&mut self.unknowns, &mut self.right);
-            rows.solve(mechanism, &self.right, &mut self.unknowns);
+            system.solve(mechanism, &self.right, &mut self.unknowns);
         } else {
-            rows.solve_once(mechanism, &mut self.unknowns);
+            system.solve_once(mechanism, &mut self.unknowns);
         }
-        for (force, more) in forces.iter_mut().zip(&self.unknowns) {
-            *force += more;
+        for (lambda, more) in lambda.iter_mut().zip(&self.unknowns) {
+            *lambda += more;
         }
-        rows.add_wrenches(mechanism, &self.unknowns, &mut self.wrenches);
+        add_wrenches(&mechanism.links, system.jacobians.iter(), &self.unknowns, &mut self.wrenches);
         let mut largest: f64 = 0.0;
-        let moved = accelerations.iter_mut().zip(&self.wrenches).zip(&rows.inverse_masses);
+        let moved = accelerations.iter_mut().zip(&self.wrenches).zip(&system.inverse_masses);
         for ((acceleration, wrench), weight) in moved.take(mechanism.moving) {
             let change = weight.of(wrench);
             acceleration.linear += change.linear;
@@ -457,9 +416,9 @@ impl<const S: usize> Gauss<S> {
     fn finish(&mut self, mechanism: &mut Mechanism, h: f64) {
         let Tableau { weights, last, .. } = &self.tableau;
         for (member, state) in mechanism.states.iter_mut().enumerate() {
-            let (mut gained, mut moved, mut half) = (SpatialVector::ZERO, Vector3::zeros(), Vector3::zeros());
+            let (mut gained, mut moved, mut half) = (Twist::zero(), Vector3::zeros(), Vector3::zeros());
             for (j, stage) in self.stages.iter().enumerate() {
-                let SpatialVector { linear, angular } = &stage.accelerations[member];
+                let Twist { linear, angular } = &stage.accelerations[member];
                 gained.linear += linear * weights[j];
                 gained.angular += angular * weights[j];
                 moved += linear * last[j];
@@ -480,18 +439,15 @@ fn add_carrying<const N: usize>(sum: &mut SVector<f64, N>, added: SVector<f64, N
     *sum = new;
 }
 
-fn combine<const S: usize>(screws: &[SpatialVector; S], shares: &[f64; S]) -> SpatialVector {
-    screws.iter().zip(shares).fold(SpatialVector::ZERO, |sum, (screw, &share)| SpatialVector {
-        linear: sum.linear + screw.linear * share,
-        angular: sum.angular + screw.angular * share,
-    })
+fn combine<const S: usize>(twists: &[Twist<f64>; S], shares: &[f64; S]) -> Twist<f64> {
+    twists.iter().zip(shares).fold(Twist::zero(), |sum, (twist, &share)| sum.plus(twist, share))
 }
 
 /// 1/(m(ω² h² L_ii + 2ζω h a_ii)) along each axis, 1/m given: the inverse of S, the derivative of the force.
 /// Where the unbounded force f is larger than the bound F, the derivative of F f/|f| is F/|f| (1 − f fᵀ/f²) S, which is
 /// zero along f.
 fn softness(
-    spring: &JointSpring,
+    spring: &RowSpring,
     mobility: &Vector3<f64>,
     asked: &Vector3<f64>,
     own: f64,

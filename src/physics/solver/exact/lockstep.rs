@@ -1,5 +1,5 @@
 //! Gauss's method of four stages (order 8), all four at once in the lanes of a register, for mechanisms that are not
-//! stiff.
+//! stiff and whose joints are points: for each, arms r_A and r_B say all of its rows.
 //!
 //! The stages of a collocation method do the same work, each on its own numbers. Here a number is one of
 //! [`WideF64x4`], with the stages in its lanes; sums over the stages mix the lanes. The equations are those of
@@ -15,9 +15,9 @@ use super::constants::{
 };
 use super::gauss::{RoundingCarry, StageIterations};
 use super::mechanism::Mechanism;
-use super::rotation::exponential;
-use super::rows::{SpatialVector, add_wrenches, cross_product, lever};
+use super::rotation::{exponential, in_world, small_exponential, small_inverse_dexp};
 use super::tableau::Tableau;
+use crate::physics::constraint::row::Twist;
 use crate::physics::solver::linear::{BlockLdl, Triangular};
 
 type Lane = WideF64x4;
@@ -26,15 +26,6 @@ type Matrix = Matrix3<Lane>;
 
 const STAGES: usize = 4;
 
-/// Series of cos and sin x/x by x².
-const COSINE: [f64; 7] = [1.0, -0.5, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40320.0, -1.0 / 3_628_800.0, 1.0 / 479_001_600.0];
-const SINC: [f64; 7] =
-    [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0, -1.0 / 39_916_800.0, 1.0 / 6_227_020_800.0];
-
-/// Series of c in dexp⁻¹ (see [`rotation`](super::rotation)) by θ².
-const BERNOULLI: [f64; 6] =
-    [1.0 / 12.0, 1.0 / 720.0, 1.0 / 30240.0, 1.0 / 1_209_600.0, 1.0 / 47_900_160.0, 5.284_190_138_7e-10];
-
 /// The stages and their buffers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lockstep {
@@ -42,7 +33,7 @@ pub(crate) struct Lockstep {
     /// Length of the last step, s; 0 where there is none.
     length: f64,
     carries: Vec<RoundingCarry>,
-    accelerations: Vec<SpatialVector<Lane>>,
+    accelerations: Vec<Twist<Lane>>,
     forces: Vec<Vector>,
     rates: Vec<Vector>,
     rotations: Vec<Matrix>,
@@ -53,8 +44,8 @@ pub(crate) struct Lockstep {
     inverse_inertia: Vec<Matrix>,
     levers: Vec<[Matrix; 2]>,
     factor: BlockLdl<Lane, Triangular>,
-    wrenches: Vec<SpatialVector<Lane>>,
-    trial: Vec<SpatialVector<Lane>>,
+    wrenches: Vec<Twist<Lane>>,
+    trial: Vec<Twist<Lane>>,
     unknowns: Vec<Vector>,
 }
 
@@ -113,9 +104,9 @@ impl Lockstep {
         numbers.chain(self.carries.iter().filter(move |_| known).flat_map(RoundingCarry::numbers))
     }
 
-    /// Mean of the forces over the step.
-    pub fn mean_force(&self, link: usize) -> Vector3<f64> {
-        sum(&self.tableau.weights, &self.forces[link])
+    /// Mean of each link's load over the step.
+    pub fn mean_load(&self, link: usize) -> Twist<f64> {
+        Twist { linear: sum(&self.tableau.weights, &self.forces[link]), ..Twist::zero() }
     }
 
     /// Takes the mechanism through a step of h, s; none where it is none for this method, or the iterations do not
@@ -125,7 +116,7 @@ impl Lockstep {
         let rests = fixed.clone().all(|state| state.linear == Vector3::zeros() && state.angular == Vector3::zeros());
         let turns =
             mechanism.states.iter().any(|state| state.angular.norm_squared() * h * h > SERIES_TURN * SERIES_TURN);
-        let plain = rests && !turns && !mechanism.may_be_singular && !mechanism.gives;
+        let plain = rests && !turns && mechanism.tree.is_some();
         if !plain || mechanism.members.iter().any(|member| member.drag != (0.0, 0.0)) {
             return None;
         }
@@ -168,7 +159,7 @@ impl Lockstep {
             || self.accelerations.len() != mechanism.moving
             || self.forces.len() != mechanism.links.len()
         {
-            let none = SpatialVector { linear: zero(), angular: zero() };
+            let none = Twist { linear: zero(), angular: zero() };
             self.accelerations.clear();
             self.accelerations.resize(mechanism.moving, none);
             self.forces.clear();
@@ -179,7 +170,7 @@ impl Lockstep {
             let ahead = if h == self.length { self.tableau.ahead } else { self.tableau.ahead_by(h / self.length) };
             let ahead = columns(&ahead);
             for vector in &mut self.accelerations {
-                *vector = SpatialVector { linear: mix(&ahead, &vector.linear), angular: mix(&ahead, &vector.angular) };
+                *vector = Twist { linear: mix(&ahead, &vector.linear), angular: mix(&ahead, &vector.angular) };
             }
             for force in &mut self.forces {
                 *force = mix(&ahead, force);
@@ -192,20 +183,20 @@ impl Lockstep {
         }
         self.rotations.resize(mechanism.moving, Matrix::from_element(lane(0.0)));
         self.angular.resize(mechanism.moving, zero());
-        self.wrenches.resize(mechanism.moving, SpatialVector { linear: zero(), angular: zero() });
-        self.trial.resize(mechanism.moving, SpatialVector { linear: zero(), angular: zero() });
+        self.wrenches.resize(mechanism.moving, Twist { linear: zero(), angular: zero() });
+        self.trial.resize(mechanism.moving, Twist { linear: zero(), angular: zero() });
         self.unknowns.resize(mechanism.links.len(), zero());
         self.arms.clear();
         for link in &mechanism.links {
             let arm = |member: u32, anchor: &Vector3<f64>| all(&(mechanism.states[member as usize].rotation * anchor));
-            self.arms.push([arm(link.a, &link.anchor_a), arm(link.b, &link.anchor_b)]);
+            self.arms.push([arm(link.a, link.anchor(0)), arm(link.b, link.anchor(1))]);
         }
     }
 
     fn is_stiff(&self, mechanism: &Mechanism, h: f64) -> bool {
         mechanism.links.iter().zip(&self.forces).any(|(link, force)| {
             let force = one(force, STAGES - 1).norm();
-            [(link.a, &link.anchor_a), (link.b, &link.anchor_b)].into_iter().any(|(member, anchor)| {
+            [(link.a, link.anchor(0)), (link.b, link.anchor(1))].into_iter().any(|(member, anchor)| {
                 let member = &mechanism.members[member as usize];
                 member.moves() && force * anchor.norm() * h * h > LOCKSTEP_SOFT * member.inertia.max()
             })
@@ -223,16 +214,16 @@ impl Lockstep {
             let rate = self.rates[member];
             let turn = mix(&turns, &rate);
             let middle = exponential(&sum(&half, &rate)) * state.rotation;
-            self.rates[member] = inverse_dexp(&turn, &angular);
+            self.rates[member] = small_inverse_dexp(&turn, &angular);
             self.rotations[member] = turned(&turn, &middle);
             self.angular[member] = angular;
         }
         for (link, arms) in mechanism.links.iter().zip(&mut self.arms) {
             if let Some(rotation) = self.rotations.get(link.a as usize) {
-                arms[0] = times(rotation, &link.anchor_a);
+                arms[0] = times(rotation, link.anchor(0));
             }
             if let Some(rotation) = self.rotations.get(link.b as usize) {
-                arms[1] = times(rotation, &link.anchor_b);
+                arms[1] = times(rotation, link.anchor(1));
             }
         }
     }
@@ -243,7 +234,13 @@ impl Lockstep {
         self.inverse_inertia.clear();
         for (member, rotation) in mechanism.members.iter().zip(&self.rotations) {
             let inverse = member.inertia.map(f64::recip);
-            self.inverse_inertia.push(in_world(&inverse, rotation, member.is_round()));
+            let inverse = all(&inverse);
+            let is_round = member.is_round();
+            self.inverse_inertia.push(if is_round {
+                Matrix::from_diagonal(&inverse)
+            } else {
+                in_world(&inverse, rotation)
+            });
         }
         let nothing = Matrix::from_element(lane(0.0));
         self.levers.clear();
@@ -275,7 +272,7 @@ impl Lockstep {
     /// The residuals of the balance of forces and of joints.
     fn balance(&mut self, mechanism: &Mechanism) {
         for (index, member) in mechanism.members[..mechanism.moving].iter().enumerate() {
-            let SpatialVector { linear, angular } = &self.accelerations[index];
+            let Twist { linear, angular } = &self.accelerations[index];
             let force = all(&member.force) - linear * lane(member.mass);
             let mut torque = all(&member.torque);
             if member.is_round() {
@@ -287,12 +284,12 @@ impl Lockstep {
                 let momentum = inertia.component_mul(&spin);
                 torque -= rotation * (inertia.component_mul(&gain) + spin.cross(&momentum));
             }
-            self.wrenches[index] = SpatialVector { linear: force, angular: torque };
+            self.wrenches[index] = Twist { linear: force, angular: torque };
         }
         add_wrenches(mechanism, &self.arms, &self.forces, &mut self.wrenches);
         for (index, member) in mechanism.members[..mechanism.moving].iter().enumerate() {
             let (wrench, old) = (&self.wrenches[index], &self.accelerations[index]);
-            self.trial[index] = SpatialVector {
+            self.trial[index] = Twist {
                 linear: old.linear + all(&member.inverse_mass).component_mul(&wrench.linear),
                 angular: old.angular + self.inverse_inertia[index] * wrench.angular,
             };
@@ -334,7 +331,7 @@ impl Lockstep {
     fn finish(&mut self, mechanism: &mut Mechanism, h: f64) {
         let Tableau { weights, last, .. } = &self.tableau;
         for (member, state) in mechanism.states[..mechanism.moving].iter_mut().enumerate() {
-            let SpatialVector { linear, angular } = &self.accelerations[member];
+            let Twist { linear, angular } = &self.accelerations[member];
             state.position += (state.linear + sum(last, linear) * h) * h;
             state.linear += sum(weights, linear) * h;
             let turn = sum(weights, &self.rates[member]) * h;
@@ -344,31 +341,10 @@ impl Lockstep {
     }
 }
 
-/// A polynomial, its lowest coefficient first.
-#[inline]
-fn polynomial<const N: usize>(coefficients: &[f64; N], x: Lane) -> Lane {
-    coefficients.iter().rev().fold(lane(0.0), |sum, &coefficient| sum * x + lane(coefficient))
-}
-
-/// exp φ of small turns, scalar and vector.
-#[inline]
-fn exponential_parts(turn: &Vector) -> (Lane, Vector) {
-    let s = turn.dot(turn) * lane(0.25);
-    (polynomial(&COSINE, s), turn * (polynomial(&SINC, s) * lane(0.5)))
-}
-
-/// dexp⁻¹_φ ω of small turns.
-#[inline]
-fn inverse_dexp(turn: &Vector, angular: &Vector) -> Vector {
-    let c = polynomial(&BERNOULLI, turn.dot(turn));
-    let once = turn.cross(angular);
-    angular - once * lane(0.5) + turn.cross(&once) * c
-}
-
 /// exp φ R_m as matrices.
 #[inline]
 fn turned(turn: &Vector, middle: &UnitQuaternion<f64>) -> Matrix {
-    let (w, v) = exponential_parts(turn);
+    let (w, v) = small_exponential(turn);
     let (mw, m) = (lane(middle.w), Vector::new(lane(middle.i), lane(middle.j), lane(middle.k)));
     let scalar = w * mw - v.dot(&m);
     let vector = m * w + v * mw + v.cross(&m);
@@ -386,12 +362,30 @@ fn times(rotation: &Matrix, v: &Vector3<f64>) -> Vector {
     rotation.column(0) * lane(v.x) + rotation.column(1) * lane(v.y) + rotation.column(2) * lane(v.z)
 }
 
-/// R diag(p) Rᵀ.
-fn in_world(principal: &Vector3<f64>, rotation: &Matrix, round: bool) -> Matrix {
-    if round {
-        return Matrix::from_diagonal(&all(principal));
+/// wrenches += Jᵀ λ for those arms; members beyond the wrenches given have none.
+#[inline]
+fn add_wrenches(mechanism: &Mechanism, arms: &[[Vector; 2]], lambda: &[Vector], wrenches: &mut [Twist<Lane>]) {
+    for ((link, [arm_a, arm_b]), force) in mechanism.links.iter().zip(arms).zip(lambda) {
+        if let Some(a) = wrenches.get_mut(link.a as usize) {
+            a.linear -= force;
+            a.angular -= arm_a.cross(force);
+        }
+        if let Some(b) = wrenches.get_mut(link.b as usize) {
+            b.linear += force;
+            b.angular += arm_b.cross(force);
+        }
     }
-    let p = all(principal);
-    let scaled = Matrix::from_columns(&[rotation.column(0) * p.x, rotation.column(1) * p.y, rotation.column(2) * p.z]);
-    scaled * rotation.transpose()
+}
+
+/// I⁻¹ [r]×ᵀ: its columns are those of I⁻¹ r × e.
+#[inline]
+fn lever(inverse_inertia: &Matrix, r: &Vector) -> Matrix {
+    let (x, y, z) = (inverse_inertia.column(0), inverse_inertia.column(1), inverse_inertia.column(2));
+    Matrix::from_columns(&[z * r.y - y * r.z, x * r.z - z * r.x, y * r.x - x * r.y])
+}
+
+/// [r]× m.
+#[inline]
+fn cross_product(r: &Vector, m: &Matrix) -> Matrix {
+    Matrix::from_columns(&[r.cross(&m.column(0)), r.cross(&m.column(1)), r.cross(&m.column(2))])
 }

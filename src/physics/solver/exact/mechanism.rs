@@ -4,11 +4,15 @@
 //! inverse mass. Links, its joints, stand in the order in which their rows are eliminated (see
 //! [`Elimination`]).
 
+use std::ops::Range;
+
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 use super::constants::KICKED_SPRING;
 use super::rotation::{exponential, in_world};
-use crate::physics::constraint::row::bounded;
+use crate::physics::body::free_rotation::free_rotation;
+use crate::physics::constraint::row::{RowPair, Twist, Wrench, bounded};
+use crate::physics::joint::{BodyState, Bound, JointDefinition, JointRow, Softness};
 use crate::physics::solver::linear::Elimination;
 
 /// The properties of a body that do not change in a step. SI; world axes unless stated.
@@ -50,8 +54,25 @@ impl Member {
         0.5 * (self.mass * state.linear.norm_squared() + spin.dot(&self.inertia.component_mul(&spin)))
     }
 
+    /// What forces leave for joints at an acceleration: F − (0, ω × I ω) − M a, drag included.
+    pub fn wrench(&self, state: &MemberState, rotation: &Matrix3<f64>, acceleration: &Twist<f64>) -> Wrench<f64> {
+        if !self.moves() {
+            return Wrench::zero();
+        }
+        let slowed = state.linear * self.drag.0 + acceleration.linear;
+        let change = if self.is_round() && self.drag.1 == 0.0 {
+            acceleration.angular * self.inertia.x
+        } else {
+            // In body axes, where the inertia is diagonal.
+            let (spin, gain) = (rotation.tr_mul(&state.angular), rotation.tr_mul(&acceleration.angular));
+            let momentum = self.inertia.component_mul(&spin);
+            rotation * (self.inertia.component_mul(&gain) + spin.cross(&momentum) + momentum * self.drag.1)
+        };
+        Wrench { linear: self.force - slowed * self.mass, angular: self.torque - change }
+    }
+
     /// Inertia in world axes.
-    pub fn world_inertia(&self, rotation: &Matrix3<f64>) -> Matrix3<f64> {
+    fn world_inertia(&self, rotation: &Matrix3<f64>) -> Matrix3<f64> {
         if self.is_round() { Matrix3::from_diagonal(&self.inertia) } else { in_world(&self.inertia, rotation) }
     }
 
@@ -66,6 +87,50 @@ impl Member {
         }
         let sum = self.world_inertia(rotation) + added.copied().unwrap_or_else(Matrix3::zeros);
         invert_on(&sum, &self.freedom)
+    }
+
+    /// A kick of forces and drag over h, with an impulse besides.
+    pub fn kick(&self, state: &mut MemberState, impulse: &Wrench<f64>, inverse_mass: &InverseMass, h: f64) {
+        if !self.moves() {
+            return;
+        }
+        let given = Wrench { linear: self.force * h + impulse.linear, angular: self.torque * h + impulse.angular };
+        let gain = inverse_mass.of(&given);
+        let kept = ((-self.drag.0 * h).exp(), (-self.drag.1 * h).exp());
+        state.linear = state.linear * kept.0 + gain.linear;
+        state.angular = state.angular * kept.1 + gain.angular;
+    }
+
+    /// Free motion over h.
+    pub fn move_freely(&self, state: &mut MemberState, h: f64) {
+        let inverse = self.inertia.map(|inertia| if inertia > 0.0 { inertia.recip() } else { 0.0 });
+        let free = free_rotation(&state.rotation, &state.angular, &inverse, &self.freedom, h);
+        if let Some((angular, rotation)) = free {
+            state.position += state.linear * h;
+            (state.angular, state.rotation) = (angular, rotation);
+        } else {
+            state.drift(h);
+        }
+    }
+
+    /// M⁻¹ in a state.
+    pub fn inverse_mass_at(&self, state: &MemberState) -> InverseMass {
+        let rotation = state.rotation.to_rotation_matrix().into_inner();
+        InverseMass { linear: self.inverse_mass, angular: self.inverse_inertia(&rotation, None) }
+    }
+}
+
+/// W of one member: zero where constraints do not move it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct InverseMass {
+    pub linear: Vector3<f64>,
+    pub angular: Matrix3<f64>,
+}
+
+impl InverseMass {
+    #[inline]
+    pub fn of(&self, wrench: &Wrench<f64>) -> Twist<f64> {
+        Twist { linear: self.linear.component_mul(&wrench.linear), angular: self.angular * wrench.angular }
     }
 }
 
@@ -87,6 +152,12 @@ pub(crate) struct MemberState {
     pub angular: Vector3<f64>,
 }
 
+impl From<&MemberState> for BodyState {
+    fn from(state: &MemberState) -> Self {
+        Self::new(&state.position, &state.rotation, [&state.linear, &state.angular])
+    }
+}
+
 impl MemberState {
     /// At rest at the origin.
     pub const REST: Self = Self {
@@ -95,6 +166,10 @@ impl MemberState {
         linear: Vector3::new(0.0, 0.0, 0.0),
         angular: Vector3::new(0.0, 0.0, 0.0),
     };
+
+    pub fn twist(&self) -> Twist<f64> {
+        Twist { linear: self.linear, angular: self.angular }
+    }
 
     /// Whether it does not move.
     pub fn is_still(&self) -> bool {
@@ -115,44 +190,170 @@ impl MemberState {
     }
 }
 
-/// A ball joint between two members.
+/// A joint between two members.
 #[derive(Clone, Debug)]
 pub(crate) struct MechanismLink {
     pub a: u32,
     pub b: u32,
-    /// From the centres of mass, body axes.
-    pub anchor_a: Vector3<f64>,
-    pub anchor_b: Vector3<f64>,
-    pub spring: Option<JointSpring>,
+    pub definition: JointDefinition,
+    /// Its rows among those of all links.
+    pub rows: Range<usize>,
 }
 
-/// A spring in place of a rigid joint: λ = −m (ω² C + 2ζω Ċ) along each axis, m the effective mass there; where its norm is
-/// over the largest force, the force of that size along it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct JointSpring {
+impl MechanismLink {
+    /// Between bodies that are in those states at a time, s.
+    pub fn new(definition: &JointDefinition, [a, b]: [u32; 2], states: [&MemberState; 2], time: f64) -> Self {
+        let mut rows = Vec::new();
+        definition.rows_at(&states.map(BodyState::from), time, &mut rows);
+        Self { a, b, definition: definition.clone(), rows: 0..rows.len() }
+    }
+
+    /// From the centre of mass of A (0) or of B (1), body axes.
+    pub fn anchor(&self, end: usize) -> &Vector3<f64> {
+        &self.definition.frames[end].anchor
+    }
+
+    pub fn ends(&self) -> [u32; 2] {
+        [self.a, self.b]
+    }
+
+    /// Its rows that are translations.
+    pub fn translations(&self) -> Range<usize> {
+        let first = self.rows.start;
+        first..self.rows.end.min(first + self.definition.translation.locked())
+    }
+
+    /// Whether it holds a point at a point, and nothing else.
+    pub fn is_point(&self) -> bool {
+        self.definition.is_ball() && !self.gives()
+    }
+
+    /// Whether springs stand for some of its rows.
+    pub fn gives(&self) -> bool {
+        let JointDefinition { translation, rotation, .. } = &self.definition;
+        translation.spring.is_some() || rotation.spring.is_some()
+    }
+
+    /// Whether its rows may change with time.
+    pub fn is_driven(&self) -> bool {
+        self.definition.function.is_some()
+    }
+
+    /// Ċ of its rows for the velocities in those states.
+    pub fn rates<'r>(&self, rows: &'r [JointRow<f64>], states: &[MemberState]) -> impl Iterator<Item = f64> + use<'r> {
+        let [a, b] = self.ends().map(|member| states[member as usize].twist());
+        rows[self.rows.clone()].iter().map(move |row| row.jacobian.dot(&a, &b) + row.time_rate)
+    }
+
+    /// From B's centre of mass to its anchor, world axes.
+    pub fn arm_b(&self, states: &[MemberState]) -> Vector3<f64> {
+        states[self.b as usize].rotation * self.anchor(1)
+    }
+
+    /// The wrench on B about its anchor of that λ of all rows.
+    pub fn load(&self, arm_b: &Vector3<f64>, rows: &[JointRow<f64>], lambda: &[f64]) -> Wrench<f64> {
+        let own = rows[self.rows.clone()].iter().zip(&lambda[self.rows.clone()]);
+        own.fold(Wrench::zero(), |sum, (row, &lambda)| sum.plus(&about(row, arm_b), lambda))
+    }
+
+    /// λ of its rows for such a load, where they are independent of each other.
+    pub fn multipliers<'r>(
+        &self,
+        arm_b: &'r Vector3<f64>,
+        rows: &'r [JointRow<f64>],
+        load: &'r Wrench<f64>,
+    ) -> impl Iterator<Item = f64> + 'r {
+        rows[self.rows.clone()].iter().map(move |row| {
+            let unit = about(row, arm_b);
+            let square = unit.dot(&unit);
+            if square > 0.0 { unit.dot(load) / square } else { 0.0 }
+        })
+    }
+}
+
+/// The wrench on B about its anchor for λ = 1.
+pub(super) fn about(row: &JointRow<f64>, arm_b: &Vector3<f64>) -> Wrench<f64> {
+    let RowPair { linear_b, angular_b, .. } = &row.jacobian;
+    Wrench { linear: *linear_b, angular: angular_b - arm_b.cross(linear_b) }
+}
+
+/// Gives links their rows one after the other.
+pub(super) fn number_rows(links: &mut [MechanismLink]) {
+    let mut end = 0;
+    for link in links {
+        link.rows = end..end + link.rows.len();
+        end = link.rows.end;
+    }
+}
+
+/// The rows of all links at those states and that time, s.
+pub(super) fn place_rows(links: &[MechanismLink], states: &[MemberState], time: f64, rows: &mut Vec<JointRow<f64>>) {
+    rows.clear();
+    for link in links {
+        let ends = link.ends().map(|member| BodyState::from(&states[member as usize]));
+        link.definition.rows_at(&ends, time, rows);
+        if rows.len() != link.rows.end {
+            // A constraint of a user's own that is not what it promised.
+            rows.resize(link.rows.end, JointRow::EMPTY);
+        }
+    }
+}
+
+/// A spring along up to three rows in place of rigid ones: λ = −m (ω² C + 2ζω Ċ) along each, m the effective mass there;
+/// where its norm is over the largest force, the force of that size along it. Vectors here have zeros for rows that it
+/// has not.
+#[derive(Clone, Debug)]
+pub(crate) struct RowSpring {
+    /// Its link.
+    pub link: u32,
+    /// Among the rows of all links.
+    pub rows: Range<usize>,
     /// ω, rad/s.
     pub frequency: f64,
     /// ζ.
     pub damping_ratio: f64,
-    /// Largest norm of the force, N.
+    /// Largest norm of λ, N or N·m.
     pub most: f64,
 }
 
-impl JointSpring {
-    /// −(ω²C + 2ζωĊ), m/s²: its unbounded force on B for each kg.
-    pub fn ask(&self, apart: &Vector3<f64>, speed: &Vector3<f64>) -> Vector3<f64> {
-        (apart * self.frequency + speed * (2.0 * self.damping_ratio)) * -self.frequency
+impl RowSpring {
+    /// The springs of the link of that index.
+    pub fn of<'r>(
+        (index, link): (usize, &MechanismLink),
+        rows: &'r [JointRow<f64>],
+    ) -> impl Iterator<Item = Self> + use<'r> {
+        link.rows.clone().filter_map(move |first| match (rows[first].spring, rows[first].bound) {
+            (Some(Softness { frequency, damping_ratio, .. }), Bound::Norm { most, place: 0, count }) => Some(Self {
+                link: index as u32,
+                rows: first..first + count as usize,
+                frequency: std::f64::consts::TAU * frequency,
+                damping_ratio,
+                most,
+            }),
+            _ => None,
+        })
+    }
+
+    /// A number of each row.
+    pub fn each(&self, number: impl Fn(usize) -> f64) -> Vector3<f64> {
+        Vector3::from_fn(|k, _| if k < self.rows.len() { number(self.rows.start + k) } else { 0.0 })
+    }
+
+    /// −(ω²C + 2ζωĊ), m/s²: its unbounded λ for each kg.
+    pub fn ask(&self, rows: &[JointRow<f64>]) -> Vector3<f64> {
+        let (error, rate) = (self.each(|row| rows[row].error), self.each(|row| rows[row].rate));
+        (error * self.frequency + rate * (2.0 * self.damping_ratio)) * -self.frequency
     }
 
     /// The mean of that over a kick of that time, s. Damped motion decays exponentially, so that no damping is too
     /// strong; a spring too stiff for the time is softened.
-    pub fn ask_in_kick(&self, apart: &Vector3<f64>, speed: &Vector3<f64>, time: f64) -> Vector3<f64> {
+    pub fn ask_in_kick(&self, rows: &[JointRow<f64>], rate: &Vector3<f64>, time: f64) -> Vector3<f64> {
         let stiffness = self.frequency.min(KICKED_SPRING / time).powi(2);
         let damping = -(-2.0 * self.damping_ratio * self.frequency * time).exp_m1() / time;
-        apart * -stiffness - speed * damping
+        self.each(|row| rows[row].error) * -stiffness - rate * damping
     }
 
-    /// The force on B for that acceleration along axes of that mobility, 1/kg, in N.
+    /// λ for that acceleration along rows of that mobility, 1/kg.
     pub fn give(&self, asked: &Vector3<f64>, mobility: &Vector3<f64>) -> Vector3<f64> {
         bounded(self.elastic(asked, mobility), self.most)
     }
@@ -161,13 +362,6 @@ impl JointSpring {
     pub fn elastic(&self, asked: &Vector3<f64>, mobility: &Vector3<f64>) -> Vector3<f64> {
         asked.zip_map(mobility, |asked, mobility| if mobility > 0.0 { asked / mobility } else { 0.0 })
     }
-}
-
-/// Separation of B's anchor from A's, m, and its rate, m/s, for those arms from the centres of mass.
-pub(super) fn stretch(link: &MechanismLink, arms: &[Vector3<f64>; 2], states: &[MemberState]) -> [Vector3<f64>; 2] {
-    let (a, b) = (&states[link.a as usize], &states[link.b as usize]);
-    let apart = b.position - a.position + (arms[1] - arms[0]);
-    [apart, b.linear + b.angular.cross(&arms[1]) - a.linear - a.angular.cross(&arms[0])]
 }
 
 /// A block of J M⁻¹ Jᵀ below the diagonal: two links that share a member that moves.
@@ -202,16 +396,16 @@ pub(crate) struct Couplings {
 }
 
 impl Couplings {
-    /// Of that many links, from [`links_at`] of their members.
-    pub fn of(at: &[Vec<(u32, usize)>], links: usize) -> Self {
+    /// Of links with so many rows each, from [`links_at`] of their members.
+    pub fn of(at: &[Vec<(u32, usize)>], rows: &[u8]) -> Self {
         let pairs = (0..).zip(at).flat_map(|(member, ends)| {
             let earlier = move |later: usize| ends[..later].iter().map(move |&one| (member, one, ends[later]));
             (1..ends.len()).flat_map(earlier).filter(|(_, one, other)| one.0 != other.0)
         });
         let edges = pairs.clone().map(|(_, one, other)| [one.0, other.0]);
-        let elimination = Elimination::new(&vec![3; links], edges, usize::MAX).unwrap_or_default();
-        let mut order = vec![0; links];
-        for link in 0..links as u32 {
+        let elimination = Elimination::new(rows, edges, usize::MAX).unwrap_or_default();
+        let mut order = vec![0; rows.len()];
+        for link in 0..rows.len() as u32 {
             order[elimination.place(link) as usize] = link;
         }
         let coupling = |(member, one, other): (u32, (u32, usize), (u32, usize))| {
@@ -226,39 +420,22 @@ impl Couplings {
     }
 }
 
-/// Links from the member that is held, or the first one, outwards, each with its nearer end; none if not all members
-/// are reached, each once.
+/// Links from the member that is held, or the first one, outwards, each with its nearer end; none if they are no
+/// tree.
 fn walk(moving: usize, links: &[[u32; 2]], at: &[Vec<(u32, usize)>]) -> Option<Vec<(u32, usize)>> {
-    let moves = |member: u32| (member as usize) < moving;
-    let held = (0..).zip(links).find(|(_, ends)| !ends.iter().all(|&member| moves(member)));
-    let mut tree: Vec<(u32, usize)> = Vec::with_capacity(links.len());
-    let mut reached = vec![false; moving];
-    let reach = |link: u32, end: usize, tree: &mut Vec<(u32, usize)>, reached: &mut [bool]| {
-        tree.push((link, end));
-        !std::mem::replace(&mut reached[links[link as usize][1 - end] as usize], true)
-    };
-    match held {
-        Some((link, ends)) => _ = reach(link, usize::from(moves(ends[0])), &mut tree, &mut reached),
-        None => {
-            *reached.first_mut()? = true;
-            for &(link, end) in &at[0] {
-                if !reach(link, end, &mut tree, &mut reached) {
-                    return None;
-                }
-            }
-        }
-    }
+    let held = |ends: &[u32; 2]| ends.iter().position(|&member| member as usize >= moving);
+    let held = (0..).zip(links).find_map(|(link, ends)| Some((link, held(ends)?)));
+    let mut tree = held.map_or_else(|| at.first().cloned().unwrap_or_default(), |held| vec![held]);
     let mut next = 0;
     while let Some(&(by, end)) = tree.get(next) {
-        let member = links[by as usize][1 - end];
-        for &(link, end) in at[member as usize].iter().filter(|(link, _)| *link != by) {
-            if !moves(links[link as usize][1 - end]) || !reach(link, end, &mut tree, &mut reached) {
-                return None;
-            }
+        let far = links[by as usize][1 - end];
+        tree.extend(at[far as usize].iter().filter(|(link, _)| *link != by));
+        if tree.len() > links.len() {
+            return None;
         }
         next += 1;
     }
-    reached.iter().all(|&reached| reached).then_some(tree)
+    (tree.len() == links.len()).then_some(tree)
 }
 
 /// Bodies and joints, and the structure of their rows.
@@ -269,27 +446,42 @@ pub(crate) struct Mechanism {
     pub moving: usize,
     pub links: Vec<MechanismLink>,
     pub states: Vec<MemberState>,
-    /// Whether some link is a spring.
+    /// Whether some link has springs.
     pub gives: bool,
-    /// Where the members that move make a tree, held at one point or none: its links from the root outwards, each with
-    /// the end (0: A, 1: B) that is nearer to the root.
+    /// Where all links are points and the members that move make a tree, held at one point or none: its links from the
+    /// root outwards, each with the end (0: A, 1: B) that is nearer to the root.
     pub(super) tree: Option<Vec<(u32, usize)>>,
-    /// Whether rows may be redundant or contradict each other: loops, several fixed points, locked axes.
+    /// Whether rows may be redundant or contradict each other: loops, several fixed points, locked axes, rows of a
+    /// user's own.
     pub may_be_singular: bool,
     pub(super) elimination: Elimination,
     pub(super) couplings: Vec<Coupling>,
 }
 
 impl Mechanism {
-    /// The order in which `links` (pairs of members) are to stand, and a mechanism without members and links whose
-    /// structure is for that order. `locked`: axes of some member are locked; `gives`: some link is a spring.
-    pub fn plan(moving: usize, locked: bool, gives: bool, links: &[[u32; 2]]) -> (Vec<u32>, Self) {
-        let at = links_at(moving, links);
-        let Couplings { order, elimination, list } = Couplings::of(&at, links.len());
-        // A tree of so many bodies with one fixed point has as many links; any more close a loop.
-        let may_be_singular = locked || links.len() > moving;
-        let tree = if may_be_singular || gives { None } else { walk(moving, links, &at) };
-        let tree = tree.map(|tree| tree.into_iter().map(|(link, end)| (elimination.place(link), end)).collect());
-        (order, Self { moving, may_be_singular, gives, tree, elimination, couplings: list, ..Self::default() })
+    /// A mechanism of those links, without members, and where each of its links stood in the list. `locked`: axes of
+    /// some member are locked.
+    pub fn plan(moving: usize, locked: bool, links: &[MechanismLink]) -> (Vec<u32>, Self) {
+        let ends: Vec<[u32; 2]> = links.iter().map(|link| link.ends()).collect();
+        let rows: Vec<u8> = links.iter().map(|link| link.rows.len() as u8).collect();
+        let at = links_at(moving, &ends);
+        let Couplings { order, elimination, list } = Couplings::of(&at, &rows);
+        // A tree with one fixed point has as many links as bodies, one without has one less; any more close a loop.
+        let is_held = ends.iter().flatten().any(|&member| member as usize >= moving);
+        let nodes = links.len() + usize::from(!is_held);
+        let may_be_singular = locked || nodes > moving || links.iter().any(MechanismLink::is_driven);
+        let is_tree = !may_be_singular && nodes == moving && links.iter().all(MechanismLink::is_point);
+        let place = |(link, end): (u32, usize)| (elimination.place(link), end);
+        let tree = if is_tree { walk(moving, &ends, &at) } else { None };
+        let tree = tree.map(|tree| tree.into_iter().map(place).collect());
+        let gives = links.iter().any(MechanismLink::gives);
+        let mut links: Vec<_> = order.iter().map(|&link| links[link as usize].clone()).collect();
+        number_rows(&mut links);
+        (order, Self { moving, may_be_singular, gives, tree, elimination, couplings: list, links, ..Self::default() })
+    }
+
+    /// Rows of all links.
+    pub fn rows(&self) -> usize {
+        self.links.last().map_or(0, |link| link.rows.end)
     }
 }

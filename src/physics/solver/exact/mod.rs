@@ -11,7 +11,6 @@
 mod bodies;
 mod constants;
 mod contact;
-mod evaluation;
 mod exact_group;
 mod free;
 mod gauss;
@@ -23,6 +22,8 @@ mod rotation;
 mod rows;
 mod stepper;
 mod tableau;
+#[cfg(test)]
+mod tests;
 
 use bevy::prelude::*;
 
@@ -89,6 +90,7 @@ fn solve_exactly(
     let list = &mut list[..*used];
     list.iter_mut().enumerate().for_each(|(index, group)| group.begin(index));
     let terms = ContactTerms {
+        time: stats.time,
         h: settings.step() / f64::from(settings.substeps),
         parts: settings.substeps,
         correction_speed: settings.correction_speed.unwrap_or(f64::INFINITY),
@@ -97,7 +99,7 @@ fn solve_exactly(
     {
         let (bodies, joints, cache) = (&*bodies, &*joints, &*cache);
         threads::for_each_block(settings.threads, list, |group| {
-            group.gather(&islands, bodies, joints, &contacts, settings.friction);
+            group.gather(&islands, bodies, joints, &contacts, settings.friction, terms.time);
             group.step(bodies, settings.exact.integrator, &terms, cache);
         });
     }

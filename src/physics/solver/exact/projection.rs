@@ -3,25 +3,31 @@
 //!
 //! Positions: δ = M⁻¹Jᵀμ with J M⁻¹ Jᵀ μ = −C, iterated until C is zero to rounding (Newton's method on the group, with J
 //! and its factor of the first iteration while that does: the error is small when it starts). Velocities:
-//! v −= M⁻¹Jᵀ(J M⁻¹ Jᵀ)⁻¹ J v.
+//! v −= M⁻¹Jᵀ(J M⁻¹ Jᵀ)⁻¹ (J v + ∂C/∂t).
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::constants::{
-    JOINT_ROUNDING, LOOSE, PROJECTED_TURN, PROJECTION_ITERATIONS, SHORTEST_SHARE, SLOW_PROJECTION, STALE_ROWS,
+    JOINT_ROUNDING, PROJECTED_TURN, PROJECTION_ITERATIONS, SHORTEST_SHARE, SLOW_PROJECTION, STALE_ROWS,
     STUCK_PROJECTION,
 };
-use super::mechanism::{Mechanism, MemberState};
-use super::rows::{InverseMass, MechanismRows, SpatialVector, place_arms};
+use super::mechanism::{Mechanism, MemberState, RowSpring, place_rows};
+use super::rows::{MechanismRows, add_wrenches};
+use crate::physics::constraint::row::{Twist, Wrench};
+use crate::physics::joint::JointRow;
 
 /// The rows and the buffers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct JointProjection {
-    pub rows: MechanismRows,
-    rotations: Vec<Matrix3<f64>>,
-    errors: Vec<Vector3<f64>>,
-    forces: Vec<Vector3<f64>>,
-    moved: Vec<SpatialVector>,
+    /// At the present states.
+    pub rows: Vec<JointRow<f64>>,
+    pub system: MechanismRows,
+    errors: Vec<f64>,
+    /// λ of the last [`Self::project_velocities`], N·s or N·m·s.
+    pub impulses: Vec<f64>,
+    /// Those of springs in the last [`Self::kick`].
+    pub pulls: Vec<f64>,
+    moved: Vec<Twist<f64>>,
     /// Displacement of members since the rows were factored, m or rad.
     displaced: f64,
     /// The states before an iteration.
@@ -31,32 +37,25 @@ pub(crate) struct JointProjection {
 /// The errors of all joints.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct JointErrors {
-    /// The largest, m, along an axis.
+    /// The largest of a row, m or rad.
     pub largest: f64,
-    /// What rounding may leave of it, m.
+    /// What rounding may leave of it.
     pub rounding: f64,
-    /// Σ |C|².
+    /// Σ C².
     square: f64,
 }
 
 impl JointProjection {
-    /// Arms, inverse masses and the factor at the present pose.
-    pub fn assemble(&mut self, mechanism: &Mechanism) {
-        self.displaced = 0.0;
-        self.set_arms(mechanism);
-        self.rows.inverse_masses.clear();
-        for (member, rotation) in mechanism.members.iter().zip(&self.rotations) {
-            let inverse_mass =
-                InverseMass { linear: member.inverse_mass, angular: member.inverse_inertia(rotation, None) };
-            self.rows.inverse_masses.push(inverse_mass);
-        }
-        self.rows.assemble(mechanism, PROJECTED_TURN, |_, _| Matrix3::from_diagonal_element(LOOSE));
+    /// Rows and their factor at the present states and that time, s.
+    pub fn assemble(&mut self, mechanism: &Mechanism, time: f64) {
+        place_rows(&mechanism.links, &mechanism.states, time, &mut self.rows);
+        self.factor(mechanism);
     }
 
-    fn set_arms(&mut self, mechanism: &Mechanism) {
-        self.rotations.clear();
-        self.rotations.extend(mechanism.states.iter().map(|state| state.rotation.to_rotation_matrix().into_inner()));
-        place_arms(mechanism, &self.rotations, &mut self.rows.arms);
+    /// Factors the rows at hand.
+    pub fn factor(&mut self, mechanism: &Mechanism) {
+        self.displaced = 0.0;
+        self.system.assemble_rigid(mechanism, &mechanism.states, &self.rows, PROJECTED_TURN);
     }
 
     /// Positions and linear velocities of a tree from its rotations and angular velocities; the centre of mass of a tree
@@ -77,7 +76,7 @@ impl JointProjection {
         let before = if floats { mean(states) } else { Default::default() };
         for &(link, end) in tree {
             let link = &links[link as usize];
-            let ends = [(link.a, &link.anchor_a), (link.b, &link.anchor_b)];
+            let ends = [(link.a, link.anchor(0)), (link.b, link.anchor(1))];
             let ((near, near_anchor), (far, far_anchor)) = (ends[end], ends[1 - end]);
             let (near, arms) = {
                 let near = states[near as usize];
@@ -96,37 +95,37 @@ impl JointProjection {
         }
     }
 
-    /// Projects positions and velocities. The largest error of a joint that is left, m.
-    pub fn project(&mut self, mechanism: &mut Mechanism) -> f64 {
+    /// Projects positions and velocities at that time, s. The largest error of a joint that is left, m or rad.
+    pub fn project(&mut self, mechanism: &mut Mechanism, time: f64) -> f64 {
         if mechanism.tree.is_some() {
             self.follow(mechanism);
             return 0.0;
         }
-        self.assemble(mechanism);
-        let left = self.project_positions(mechanism);
+        self.assemble(mechanism, time);
+        let left = self.project_positions(mechanism, time);
         if self.displaced > STALE_ROWS {
-            self.assemble(mechanism);
+            self.factor(mechanism);
         }
         self.project_velocities(mechanism);
         left
     }
 
-    /// The largest error that is left, m. A displacement that does not lessen the errors is halved: a chain that is almost
-    /// straight shortens with the square of its bends, which a linear step misses by far.
-    fn project_positions(&mut self, mechanism: &mut Mechanism) -> f64 {
+    /// The largest error that is left, m or rad. A displacement that does not lessen the errors is halved: a chain that
+    /// is almost straight shortens with the square of its bends, which a linear step misses by far.
+    fn project_positions(&mut self, mechanism: &mut Mechanism, time: f64) -> f64 {
         let mut left = self.find_errors(mechanism);
         let mut is_fresh = true;
         for _ in 0..PROJECTION_ITERATIONS {
             if left.largest <= left.rounding {
                 break;
             }
-            self.rows.solve_once(mechanism, &mut self.errors);
-            self.rows.respond(mechanism, &self.errors, &mut self.moved);
+            self.system.solve_once(mechanism, &mut self.errors);
+            self.system.respond(mechanism, &self.errors, &mut self.moved);
             self.before.clone_from(&mechanism.states);
             let mut share = 1.0;
             let found = loop {
                 self.displace(mechanism, share);
-                let found = self.find_errors(mechanism);
+                let found = self.errors_at(mechanism, time);
                 if found.square < left.square || share < SHORTEST_SHARE {
                     break found;
                 }
@@ -141,76 +140,91 @@ impl JointProjection {
                 self.displaced += share * most.fold(0.0, f64::max);
             } else {
                 mechanism.states.clone_from(&self.before);
-                self.set_arms(mechanism);
-                self.find_errors(mechanism);
+                self.errors_at(mechanism, time);
             }
             if is_fresh && kept > STUCK_PROJECTION {
                 break;
             }
             is_fresh = kept > SLOW_PROJECTION || share < 1.0;
             if is_fresh {
-                self.assemble(mechanism);
+                self.factor(mechanism);
             }
         }
         left.largest
     }
 
     /// Moves members by that share of the displacement found.
-    fn displace(&mut self, mechanism: &mut Mechanism, share: f64) {
+    fn displace(&self, mechanism: &mut Mechanism, share: f64) {
         for (state, moved) in mechanism.states.iter_mut().zip(&self.moved) {
             if moved.linear != Vector3::zeros() || moved.angular != Vector3::zeros() {
                 state.position += moved.linear * share;
                 state.turn(&(moved.angular * share));
             }
         }
-        self.set_arms(mechanism);
     }
 
-    /// −C of all links at the present pose.
-    pub fn errors_of(&mut self, mechanism: &Mechanism, errors: &mut Vec<Vector3<f64>>) -> JointErrors {
-        self.set_arms(mechanism);
-        let found = self.find_errors(mechanism);
-        errors.clone_from(&self.errors);
+    /// The errors at the present states and that time, s.
+    pub fn errors_at(&mut self, mechanism: &Mechanism, time: f64) -> JointErrors {
+        place_rows(&mechanism.links, &mechanism.states, time, &mut self.rows);
+        self.system.set_jacobians(&self.rows);
+        self.find_errors(mechanism)
+    }
+
+    /// −C of all rows of the last errors; zero of springs.
+    pub fn errors(&self) -> &[f64] {
+        &self.errors
+    }
+
+    fn find_errors(&mut self, mechanism: &Mechanism) -> JointErrors {
+        self.errors.clear();
+        let mut found = JointErrors { largest: 0.0, rounding: 0.0, square: 0.0 };
+        for link in &mechanism.links {
+            let mut only_turns = true;
+            for row in &self.rows[link.rows.clone()] {
+                let error = if row.spring.is_some() { 0.0 } else { -row.error };
+                found.largest = found.largest.max(error.abs());
+                found.square += error * error;
+                only_turns &= row.only_turns();
+                self.errors.push(error);
+            }
+            let [a, b] = link.ends().map(|member| &mechanism.states[member as usize].position);
+            let arms = link.anchor(0).norm() + link.anchor(1).norm();
+            let size = if only_turns { 2.0 } else { (arms + a.amax()).max((b - a).amax()) };
+            found.rounding = found.rounding.max(JOINT_ROUNDING * size);
+        }
         found
     }
 
-    /// −C of all links, arms being those of the present pose.
-    fn find_errors(&mut self, mechanism: &Mechanism) -> JointErrors {
-        self.errors.clear();
-        let mut gaps = JointErrors { largest: 0.0, rounding: 0.0, square: 0.0 };
-        for (link, [arm_a, arm_b]) in mechanism.links.iter().zip(&self.rows.arms) {
-            if link.spring.is_some() {
-                self.errors.push(Vector3::zeros());
-                continue;
-            }
-            let (a, b) = (&mechanism.states[link.a as usize], &mechanism.states[link.b as usize]);
-            let error = a.position - b.position + (arm_a - arm_b);
-            gaps.largest = gaps.largest.max(error.amax());
-            gaps.rounding = gaps.rounding.max(JOINT_ROUNDING * (arm_a.amax() + arm_b.amax() + a.position.amax()));
-            gaps.square += error.norm_squared();
-            self.errors.push(error);
+    /// Kicks all members by forces, springs and drag over a time, s, with the rows of [`Self::assemble`].
+    pub fn kick(
+        &mut self,
+        mechanism: &mut Mechanism,
+        time: f64,
+        ask: impl Fn(&RowSpring, &[JointRow<f64>]) -> Vector3<f64>,
+    ) {
+        let Self { rows, system, pulls, moved, .. } = self;
+        system.pulls(rows, |spring| ask(spring, rows), pulls);
+        pulls.iter_mut().for_each(|pull| *pull *= time);
+        moved.clear();
+        moved.resize(mechanism.members.len(), Wrench::zero());
+        add_wrenches(&mechanism.links, system.jacobians.iter(), pulls, moved);
+        let Mechanism { members, states, .. } = mechanism;
+        for (((member, state), impulse), inverse_mass) in
+            members.iter().zip(states).zip(&*moved).zip(&system.inverse_masses)
+        {
+            member.kick(state, impulse, inverse_mass, time);
         }
-        gaps
-    }
-
-    /// Impulses of the last [`Self::project_velocities`], N·s on B of each link.
-    pub fn impulses(&self) -> &[Vector3<f64>] {
-        &self.forces
     }
 
     /// Projects velocities, with the rows of [`Self::assemble`].
     pub fn project_velocities(&mut self, mechanism: &mut Mechanism) {
-        self.moved.clear();
-        let velocities =
-            mechanism.states.iter().map(|state| SpatialVector { linear: state.linear, angular: state.angular });
-        self.moved.extend(velocities);
         self.errors.clear();
-        for (index, link) in mechanism.links.iter().enumerate() {
-            let error = -self.rows.relative(index, link.a, link.b, &self.moved);
-            self.errors.push(if link.spring.is_some() { Vector3::zeros() } else { error });
+        for link in &mechanism.links {
+            let own = self.rows[link.rows.clone()].iter().zip(link.rates(&self.rows, &mechanism.states));
+            self.errors.extend(own.map(|(row, rate)| if row.spring.is_some() { 0.0 } else { -rate }));
         }
-        self.rows.solve(mechanism, &self.errors, &mut self.forces);
-        self.rows.respond(mechanism, &self.forces, &mut self.moved);
+        self.system.solve(mechanism, &self.errors, &mut self.impulses);
+        self.system.respond(mechanism, &self.impulses, &mut self.moved);
         for (state, gained) in mechanism.states.iter_mut().zip(&self.moved) {
             state.linear += gained.linear;
             state.angular += gained.angular;

@@ -1,137 +1,120 @@
 //! RATTLE (Andersen 1983): Strang's splitting into kicks by forces and free motion, with joints held exactly in place
 //! and velocity; symmetric, of order 2.
 //!
-//! v½ = v₀ + ½h W₀(F + J₀ᵀλ) with λ such that joints hold after the free motion: C(q₁) = 0; then
-//! v₁ = v½ + ½h W₁(F + J₁ᵀμ) with μ such that J₁ v₁ = 0. λ is found by Newton's method with J₀ W₀ J₀ᵀ in place of
-//! J₁ W₁ J₀ᵀ. Bodies turn freely by the midpoint rule of `integrator::gyroscopic`; drag takes e^{−ch/2} with each kick.
-
-use nalgebra::Vector3;
+//! v½ = v₀ + ½h W₀(F + J₀ᵀλ) with λ such that joints hold after the free motion: C(q₁, t₁) = 0; then
+//! v₁ = v½ + ½h W₁(F + J₁ᵀμ) with μ such that J₁ v₁ + ∂C/∂t = 0. λ is found by Newton's method with J₀ W₀ J₀ᵀ in place
+//! of J₁ W₁ J₀ᵀ, from the λ that holds accelerations at the start: J M⁻¹ Jᵀ λ = −J M⁻¹(F − (0, ω × I ω)) − J̇ v. Bodies
+//! turn freely by the midpoint rule of `integrator::gyroscopic`; drag takes e^{−ch/2} with each kick.
 
 use super::constants::RATTLE_ITERATIONS;
-use super::evaluation::Evaluation;
 use super::gauss::StageIterations;
-use super::mechanism::{Mechanism, Member, MemberState};
+use super::mechanism::{Mechanism, MemberState, RowSpring, place_rows};
 use super::projection::{JointErrors, JointProjection};
-use super::rows::{InverseMass, SpatialVector};
-use crate::physics::body::free_rotation::free_rotation;
+use super::rows::{MechanismRows, add_wrenches};
+use crate::physics::constraint::row::{Twist, Wrench};
+use crate::physics::joint::JointRow;
 
-/// The joint forces and the buffers.
+/// The rows and the buffers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rattle {
-    evaluation: Evaluation,
+    /// At the start of the step.
+    rows: Vec<JointRow<f64>>,
+    system: MechanismRows,
     projection: JointProjection,
-    kicked: Vec<MemberState>,
-    impulses: Vec<Vector3<f64>>,
-    errors: Vec<Vector3<f64>>,
-    wrenches: Vec<SpatialVector>,
-    /// Mean force of each link over the step, N.
-    pub forces: Vec<Vector3<f64>>,
+    start: Vec<MemberState>,
+    /// λ of the first kick, N·s or N·m·s.
+    impulses: Vec<f64>,
+    /// λ of springs alone, N or N·m.
+    pulls: Vec<f64>,
+    right: Vec<f64>,
+    wrenches: Vec<Wrench<f64>>,
 }
 
 impl Rattle {
-    /// A step of order 2, of h, s. Where joints cannot be held the mechanism stays where it was.
-    pub fn step(&mut self, mechanism: &mut Mechanism, h: f64) -> StageIterations {
-        // The iteration starts from λ at the start of the step, which has the forces of springs, too.
-        self.evaluation.evaluate(mechanism, &mechanism.states, h);
-        let Some(count) = self.hold_places(mechanism, h) else {
+    /// A step of order 2, of h, s, from that time. Where joints cannot be held the mechanism stays where it was.
+    pub fn step(&mut self, mechanism: &mut Mechanism, time: f64, h: f64) -> StageIterations {
+        self.start.clone_from(&mechanism.states);
+        self.begin(mechanism, time, h);
+        let Some(count) = self.hold_places(mechanism, time + h, h) else {
+            mechanism.states.clone_from(&self.start);
             return StageIterations { count: RATTLE_ITERATIONS as u32, converged: false };
         };
         self.hold_velocities(mechanism, h);
-        self.forces.clear();
-        self.forces.extend(self.impulses.iter().map(|impulse| impulse * (1.0 / (0.5 * h))));
         StageIterations { count: count + 2, converged: true }
     }
 
-    /// The first kick and the free motion.
-    fn hold_places(&mut self, mechanism: &mut Mechanism, h: f64) -> Option<u32> {
-        let Self { evaluation, impulses, errors, wrenches, kicked, projection, .. } = self;
-        kicked.clone_from(&mechanism.states);
-        let start = std::mem::take(kicked);
-        impulses.clear();
-        impulses.extend(evaluation.forces.iter().map(|force| force * (0.5 * h)));
+    /// Mean of each link's load over the step.
+    pub fn mean_load(&self, mechanism: &Mechanism, link: usize, h: f64) -> Wrench<f64> {
+        let link = &mechanism.links[link];
+        let impulse = link.load(&link.arm_b(&self.start), &self.rows, &self.impulses);
+        Wrench::zero().plus(&impulse, 2.0 / h)
+    }
+
+    /// The λ that the iteration starts from, with those of springs.
+    fn begin(&mut self, mechanism: &Mechanism, time: f64, h: f64) {
+        let Self { rows, system, impulses, pulls, right, wrenches, start, .. } = self;
+        place_rows(&mechanism.links, start, time, rows);
+        let turn = h * start.iter().fold(0.0, |most: f64, state| most.max(state.angular.norm_squared())).sqrt();
+        system.assemble_rigid(mechanism, start, rows, turn);
+        wrenches.clear();
+        wrenches.extend(mechanism.members.iter().zip(&*start).map(|(member, state)| {
+            member.wrench(state, &state.rotation.to_rotation_matrix().into_inner(), &Twist::zero())
+        }));
+        system.pulls(rows, |spring| spring.ask(rows), pulls);
+        add_wrenches(&mechanism.links, system.jacobians.iter(), pulls, wrenches);
+        for (wrench, inverse_mass) in wrenches.iter_mut().zip(&system.inverse_masses) {
+            *wrench = inverse_mass.of(wrench);
+        }
+        right.clear();
+        for link in &mechanism.links {
+            let [a, b] = link.ends().map(|member| &wrenches[member as usize]);
+            right.extend(rows[link.rows.clone()].iter().map(|row| match row.spring {
+                None => -(row.jacobian.dot(a, b) + row.velocity_term),
+                Some(_) => 0.0,
+            }));
+        }
+        system.solve(mechanism, right, impulses);
+        impulses.iter_mut().zip(&*pulls).for_each(|(impulse, pull)| *impulse = (*impulse + pull) * (0.5 * h));
+    }
+
+    /// The first kick and the free motion, up to that time.
+    fn hold_places(&mut self, mechanism: &mut Mechanism, end: f64, h: f64) -> Option<u32> {
+        let Self { rows, system, impulses, right, wrenches, start, projection, .. } = self;
         let mut before = f64::INFINITY;
         for turn in 1..=RATTLE_ITERATIONS {
             wrenches.clear();
-            wrenches.resize(start.len(), SpatialVector::ZERO);
-            evaluation.rows.add_wrenches(mechanism, impulses, wrenches);
-            for (index, (state, start)) in mechanism.states.iter_mut().zip(&start).enumerate() {
+            wrenches.resize(start.len(), Wrench::zero());
+            add_wrenches(&mechanism.links, system.jacobians.iter(), impulses, wrenches);
+            for (index, (state, start)) in mechanism.states.iter_mut().zip(&*start).enumerate() {
                 let member = &mechanism.members[index];
                 *state = *start;
-                kick(member, state, &wrenches[index], &evaluation.rows.inverse_masses[index], 0.5 * h);
-                move_freely(member, state, h);
+                member.kick(state, &wrenches[index], &system.inverse_masses[index], 0.5 * h);
+                member.move_freely(state, h);
             }
-            let JointErrors { largest, rounding, .. } = projection.errors_of(mechanism, errors);
+            let JointErrors { largest, rounding, .. } = projection.errors_at(mechanism, end);
             if largest <= rounding || largest >= 0.9 * before && largest < 1e-11 {
-                *kicked = start;
                 return Some(turn as u32);
             }
             if largest.is_nan() || largest > 4.0 * before {
                 break;
             }
             before = before.min(largest);
-            evaluation.rows.solve_once(mechanism, errors);
-            for ((impulse, more), link) in impulses.iter_mut().zip(&*errors).zip(&mechanism.links) {
-                if link.spring.is_none() {
+            right.clear();
+            right.extend_from_slice(projection.errors());
+            system.solve_once(mechanism, right);
+            for ((impulse, more), row) in impulses.iter_mut().zip(&*right).zip(&*rows) {
+                if row.spring.is_none() {
                     *impulse += more / h;
                 }
             }
         }
-        mechanism.states.clone_from(&start);
-        *kicked = start;
         None
     }
 
-    /// The second kick.
+    /// The second kick, with the rows that the first has led to.
     fn hold_velocities(&mut self, mechanism: &mut Mechanism, h: f64) {
-        self.wrenches.clear();
-        self.wrenches.resize(mechanism.members.len(), SpatialVector::ZERO);
-        if mechanism.gives {
-            self.evaluation.evaluate(mechanism, &mechanism.states, h);
-            let forces = mechanism.links.iter().zip(&self.evaluation.forces);
-            self.errors.clear();
-            self.errors.extend(
-                forces.map(|(link, force)| if link.spring.is_some() { force * (0.5 * h) } else { force * 0.0 }),
-            );
-            self.evaluation.rows.add_wrenches(mechanism, &self.errors, &mut self.wrenches);
-        } else {
-            self.evaluation.assemble(mechanism, &mechanism.states, h);
-        }
-        for (index, state) in mechanism.states.iter_mut().enumerate() {
-            let member = &mechanism.members[index];
-            kick(member, state, &self.wrenches[index], &self.evaluation.rows.inverse_masses[index], 0.5 * h);
-        }
-        self.projection.assemble(mechanism);
+        self.projection.factor(mechanism);
+        self.projection.kick(mechanism, 0.5 * h, RowSpring::ask);
         self.projection.project_velocities(mechanism);
-    }
-}
-
-/// A kick of forces and drag over h, with an impulse besides.
-pub(super) fn kick(
-    member: &Member,
-    state: &mut MemberState,
-    impulse: &SpatialVector,
-    inverse_mass: &InverseMass,
-    h: f64,
-) {
-    if !member.moves() {
-        return;
-    }
-    let given =
-        SpatialVector { linear: member.force * h + impulse.linear, angular: member.torque * h + impulse.angular };
-    let gain = inverse_mass.of(&given);
-    let kept = ((-member.drag.0 * h).exp(), (-member.drag.1 * h).exp());
-    state.linear = state.linear * kept.0 + gain.linear;
-    state.angular = state.angular * kept.1 + gain.angular;
-}
-
-/// Free motion over h.
-pub(super) fn move_freely(member: &Member, state: &mut MemberState, h: f64) {
-    let inverse = member.inertia.map(|inertia| if inertia > 0.0 { inertia.recip() } else { 0.0 });
-    let free = free_rotation(&state.rotation, &state.angular, &inverse, &member.freedom, h);
-    if let Some((angular, rotation)) = free {
-        state.position += state.linear * h;
-        (state.angular, state.rotation) = (angular, rotation);
-    } else {
-        state.drift(h);
     }
 }

@@ -8,35 +8,53 @@
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
+use crate::physics::solver::linear::Number;
+
 /// θ² below which the series are exact to rounding.
 const SMALL: f64 = 0.25;
 
-/// (−1)ᵏ/(2k + 1)! and (−1)ᵏ/(2k)! for k from 1.
-const SINC: [f64; 6] =
-    [-1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0, -1.0 / 39_916_800.0, 1.0 / 6_227_020_800.0];
+/// (cos x − 1)/x², sin x/x and c, by x² and θ².
 const COS: [f64; 6] = [-0.5, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40320.0, -1.0 / 3_628_800.0, 1.0 / 479_001_600.0];
+const SINC: [f64; 7] =
+    [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0, -1.0 / 39_916_800.0, 1.0 / 6_227_020_800.0];
+/// Bernoulli numbers: Σ |B₂ₖ| θ²ᵏ⁻²/(2k)!.
+const BERNOULLI: [f64; 6] =
+    [1.0 / 12.0, 1.0 / 720.0, 1.0 / 30240.0, 1.0 / 1_209_600.0, 1.0 / 47_900_160.0, 5.284_190_138_7e-10];
+
+/// A polynomial, its lowest coefficient first.
+#[inline]
+fn polynomial<N: Number, const K: usize>(coefficients: &[f64; K], x: N) -> N {
+    let mut higher = coefficients.iter().rev().map(|&coefficient| nalgebra::convert::<f64, N>(coefficient));
+    let highest = higher.next().unwrap_or_else(N::zero);
+    higher.fold(highest, |sum, coefficient| sum * x + coefficient)
+}
+
+/// exp φ of small turns, scalar and vector.
+#[inline]
+pub(super) fn small_exponential<N: Number>(turn: &Vector3<N>) -> (N, Vector3<N>) {
+    let (quarter, half) = (nalgebra::convert::<f64, N>(0.25), nalgebra::convert::<f64, N>(0.5));
+    let s = turn.dot(turn) * quarter;
+    (N::one() + s * polynomial(&COS, s), turn * (polynomial(&SINC, s) * half))
+}
 
 /// The rotation by a vector, rad.
 #[inline]
 pub(crate) fn exponential(turn: &Vector3<f64>) -> UnitQuaternion<f64> {
     let squared = 0.25 * turn.norm_squared();
-    let (sinc, cos) = if squared < 0.25 * SMALL {
-        let s = squared;
-        let sinc = 1.0 + s * (SINC[0] + s * (SINC[1] + s * (SINC[2] + s * (SINC[3] + s * (SINC[4] + s * SINC[5])))));
-        let cos = 1.0 + s * (COS[0] + s * (COS[1] + s * (COS[2] + s * (COS[3] + s * (COS[4] + s * COS[5])))));
-        (sinc, cos)
+    let (cos, vector) = if squared < 0.25 * SMALL {
+        small_exponential(turn)
     } else {
         let half = squared.sqrt();
-        (half.sin() / half, half.cos())
+        (half.cos(), turn * (0.5 * (half.sin() / half)))
     };
-    UnitQuaternion::new_unchecked(Quaternion::from_parts(cos, turn * (0.5 * sinc)))
+    UnitQuaternion::new_unchecked(Quaternion::from_parts(cos, vector))
 }
 
 /// exp φ − 1 as a quaternion: what a small turn adds, without the rounding of the sum.
 pub(crate) fn exponential_less_one(turn: &Vector3<f64>) -> Quaternion<f64> {
     let s = 0.25 * turn.norm_squared();
     let less = if s < 0.25 * SMALL {
-        s * (COS[0] + s * (COS[1] + s * (COS[2] + s * (COS[3] + s * (COS[4] + s * COS[5])))))
+        s * polynomial(&COS, s)
     } else {
         let sin = (0.5 * s.sqrt()).sin();
         -2.0 * sin * sin
@@ -48,22 +66,29 @@ pub(crate) fn exponential_less_one(turn: &Vector3<f64>) -> Quaternion<f64> {
 #[inline]
 pub(crate) fn inverse_dexp(turn: &Vector3<f64>, angular: &Vector3<f64>) -> Vector3<f64> {
     let s = turn.norm_squared();
-    let c = if s < SMALL {
-        // Bernoulli numbers: Σ |B₂ₖ| θ²ᵏ⁻²/(2k)!.
-        1.0 / 12.0
-            + s * (1.0 / 720.0
-                + s * (1.0 / 30240.0 + s * (1.0 / 1_209_600.0 + s * (1.0 / 47_900_160.0 + s * 5.284_190_138_7e-10))))
-    } else {
-        let half = 0.5 * s.sqrt();
-        (1.0 - half / half.tan()) / s
-    };
+    if s < SMALL {
+        return small_inverse_dexp(turn, angular);
+    }
+    let half = 0.5 * s.sqrt();
+    with_factor(turn, angular, (1.0 - half / half.tan()) / s)
+}
+
+/// dexp⁻¹_φ ω of small turns.
+#[inline]
+pub(super) fn small_inverse_dexp<N: Number>(turn: &Vector3<N>, angular: &Vector3<N>) -> Vector3<N> {
+    with_factor(turn, angular, polynomial(&BERNOULLI, turn.dot(turn)))
+}
+
+/// dexp⁻¹_φ ω for a c.
+#[inline]
+fn with_factor<N: Number>(turn: &Vector3<N>, angular: &Vector3<N>, c: N) -> Vector3<N> {
     let once = turn.cross(angular);
-    angular - once * 0.5 + turn.cross(&once) * c
+    angular - once * nalgebra::convert::<f64, N>(0.5) + turn.cross(&once) * c
 }
 
 /// R diag(p) Rᵀ.
 #[inline]
-pub(crate) fn in_world(principal: &Vector3<f64>, rotation: &Matrix3<f64>) -> Matrix3<f64> {
+pub(crate) fn in_world<N: Number>(principal: &Vector3<N>, rotation: &Matrix3<N>) -> Matrix3<N> {
     let r = rotation;
     let scaled =
         Matrix3::from_columns(&[r.column(0) * principal.x, r.column(1) * principal.y, r.column(2) * principal.z]);

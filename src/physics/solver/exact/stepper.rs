@@ -7,18 +7,16 @@
 //! the rest of a step that has taken [`MOST_EVALUATIONS`] and [`MOST_JOINT_EVALUATIONS`]. Whatever becomes of a
 //! mechanism, a step ends.
 
-use nalgebra::Vector3;
-
 use super::constants::{
     CONVERGED_BEFORE_LONGER, EULER_DIVISIONS, LONGEST_TURN, MOST_DIVISIONS, MOST_EVALUATIONS, MOST_JOINT_EVALUATIONS,
     PARTED,
 };
 use super::gauss::{Gauss, StageIterations};
 use super::lockstep::Lockstep;
-use super::mechanism::{Mechanism, stretch};
+use super::mechanism::Mechanism;
 use super::projection::JointProjection;
-use super::rattle::{Rattle, kick};
-use super::rows::SpatialVector;
+use super::rattle::Rattle;
+use crate::physics::constraint::row::Wrench;
 use crate::physics::settings::ExactIntegrator;
 
 /// Stages.
@@ -50,9 +48,8 @@ pub(crate) struct Stepper {
     divisions: u32,
     /// Substeps in a row that converged.
     converged: u32,
-    /// Mean of each link's force on B over the step, N.
-    pub forces: Vec<Vector3<f64>>,
-    wrenches: Vec<SpatialVector>,
+    /// Mean of each link's load over the step: force on B, and torque about B's anchor.
+    pub loads: Vec<Wrench<f64>>,
 }
 
 impl Stepper {
@@ -71,26 +68,28 @@ impl Stepper {
         kept.chain([f64::from(self.divisions), f64::from(self.converged), f64::from(u8::from(self.in_lockstep))])
     }
 
-    /// Takes the mechanism through that many substeps of h, s, each.
+    /// Takes the mechanism through that many substeps of h, s, each, the first from that time.
     pub fn advance(
         &mut self,
         mechanism: &mut Mechanism,
         integrator: ExactIntegrator,
+        time: f64,
         h: f64,
         substeps: u32,
     ) -> StepEffort {
-        self.forces.clear();
-        self.forces.resize(mechanism.links.len(), Vector3::zeros());
+        self.loads.clear();
+        self.loads.resize(mechanism.links.len(), Wrench::zero());
         let mut effort = StepEffort::default();
-        for _ in 0..substeps {
-            self.advance_substep(mechanism, integrator, h, 1.0 / f64::from(substeps), &mut effort);
+        for substep in 0..substeps {
+            let start = time + h * f64::from(substep);
+            self.advance_substep(mechanism, integrator, start, h, 1.0 / f64::from(substeps), &mut effort);
         }
         effort
     }
 
-    fn step(&mut self, mechanism: &mut Mechanism, integrator: ExactIntegrator, h: f64) -> StageIterations {
+    fn step(&mut self, mechanism: &mut Mechanism, integrator: ExactIntegrator, time: f64, h: f64) -> StageIterations {
         match integrator {
-            ExactIntegrator::Rattle => self.rattle.step(mechanism, h),
+            ExactIntegrator::Rattle => self.rattle.step(mechanism, time, h),
             ExactIntegrator::Gauss => {
                 if let Some(iterations) = self.lockstep.step(mechanism, h) {
                     self.in_lockstep = true;
@@ -99,17 +98,18 @@ impl Stepper {
                 if std::mem::replace(&mut self.in_lockstep, false) {
                     self.gauss.forget();
                 }
-                let iterations = self.gauss.step(mechanism, h);
+                let iterations = self.gauss.step(mechanism, time, h);
                 StageIterations { count: iterations.count * STAGES as u32, ..iterations }
             }
         }
     }
 
-    fn force(&self, integrator: ExactIntegrator, link: usize) -> Vector3<f64> {
+    /// Mean load of a link over the last step, of h.
+    fn load(&self, mechanism: &Mechanism, integrator: ExactIntegrator, link: usize, h: f64) -> Wrench<f64> {
         match integrator {
-            ExactIntegrator::Rattle => self.rattle.forces[link],
-            ExactIntegrator::Gauss if self.in_lockstep => self.lockstep.mean_force(link),
-            ExactIntegrator::Gauss => self.gauss.mean_force(link),
+            ExactIntegrator::Rattle => self.rattle.mean_load(mechanism, link, h),
+            ExactIntegrator::Gauss if self.in_lockstep => self.lockstep.mean_load(link),
+            ExactIntegrator::Gauss => self.gauss.mean_load(mechanism, link),
         }
     }
 
@@ -117,6 +117,7 @@ impl Stepper {
         &mut self,
         mechanism: &mut Mechanism,
         integrator: ExactIntegrator,
+        time: f64,
         h: f64,
         share: f64,
         effort: &mut StepEffort,
@@ -130,15 +131,17 @@ impl Stepper {
             }
             let mut size = left.min(whole >> self.divisions);
             let share_of = |size: u32| f64::from(size) / f64::from(whole);
+            let start = time + h * share_of(whole - left);
             let work = u64::from(effort.solves) * mechanism.links.len() as u64;
             let is_spent = effort.solves >= MOST_EVALUATIONS && work >= MOST_JOINT_EVALUATIONS;
+            let part = h * share_of(size);
             let iterations =
-                if is_spent { StageIterations::NONE } else { self.step(mechanism, integrator, h * share_of(size)) };
+                if is_spent { StageIterations::NONE } else { self.step(mechanism, integrator, start, part) };
             effort.solves += iterations.count;
             if iterations.converged {
-                for link in 0..self.forces.len() {
-                    let force = self.force(integrator, link);
-                    self.forces[link] += force * (share_of(size) * share);
+                for link in 0..self.loads.len() {
+                    let load = self.load(mechanism, integrator, link, part);
+                    self.loads[link] = self.loads[link].plus(&load, share_of(size) * share);
                 }
             } else if !is_spent && self.divisions < MOST_DIVISIONS {
                 self.divisions += 1;
@@ -146,12 +149,13 @@ impl Stepper {
                 continue;
             } else {
                 size = left.min(whole >> EULER_DIVISIONS);
-                self.euler_step(mechanism, h * share_of(size), h / share);
+                self.euler_step(mechanism, start, h * share_of(size), h / share);
                 effort.unsettled += 1;
                 (self.divisions, self.converged) = (EULER_DIVISIONS, 0);
             }
-            effort.unsettled += u32::from(self.projection.project(mechanism) > PARTED);
             left -= size;
+            let end = time + h * share_of(whole - left);
+            effort.unsettled += u32::from(self.projection.project(mechanism, end) > PARTED);
             substeps += 1;
             self.converged += 1;
             if self.converged >= CONVERGED_BEFORE_LONGER
@@ -168,28 +172,16 @@ impl Stepper {
 
     /// v += h a of forces, springs and drag without the other joints, which the projection brings back, then x += h v;
     /// `step` is the length of the whole step, s.
-    fn euler_step(&mut self, mechanism: &mut Mechanism, h: f64, step: f64) {
-        let Self { projection, wrenches, forces, .. } = self;
-        projection.assemble(mechanism);
-        wrenches.clear();
-        wrenches.resize(mechanism.members.len(), SpatialVector::ZERO);
-        let rows = &projection.rows;
-        let mut pulls = vec![Vector3::zeros(); mechanism.links.len()];
-        for (index, link) in mechanism.links.iter().enumerate() {
-            if let Some(spring) = &link.spring {
-                let [apart, speed] = stretch(link, &rows.arms[index], &mechanism.states);
-                pulls[index] = spring.give(&spring.ask_in_kick(&apart, &speed, h), &rows.mobility[index]) * h;
-            }
-        }
-        rows.add_wrenches(mechanism, &pulls, wrenches);
-        for (((state, member), impulse), inverse_mass) in
-            mechanism.states.iter_mut().zip(&mechanism.members).zip(&*wrenches).zip(&rows.inverse_masses)
-        {
-            kick(member, state, impulse, inverse_mass, h);
-        }
+    fn euler_step(&mut self, mechanism: &mut Mechanism, time: f64, h: f64, step: f64) {
+        let Self { projection, loads, .. } = self;
+        projection.assemble(mechanism, time);
+        projection.kick(mechanism, h, |spring, rows| spring.ask_in_kick(rows, &spring.each(|row| rows[row].rate), h));
         projection.project_velocities(mechanism);
-        for ((force, pull), impulse) in forces.iter_mut().zip(&pulls).zip(projection.impulses()) {
-            *force += (pull + impulse) / step;
+        for (load, link) in loads.iter_mut().zip(&mechanism.links) {
+            let arm = link.arm_b(&mechanism.states);
+            for impulses in [&projection.pulls, &projection.impulses] {
+                *load = load.plus(&link.load(&arm, &projection.rows, impulses), 1.0 / step);
+            }
         }
         for state in &mut mechanism.states {
             state.drift(h);
@@ -211,42 +203,50 @@ fn turn_of(mechanism: &Mechanism, h: f64, divisions: u32) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use bevy::prelude::default;
+    use nalgebra::Vector3;
+
     use super::*;
-    use crate::physics::solver::exact::mechanism::{JointSpring, MechanismLink, Member, MemberState};
+    use crate::physics::joint::{Frame, JointDefinition, Laws, Softness};
+    use crate::physics::solver::exact::mechanism::{MechanismLink, Member, MemberState};
 
     /// A ball of 2 kg under a fixed point, on a spring and a rod of 1 m that hangs from it, all by Euler's steps: at rest
     /// the spring carries both, and its stretch is what the weight makes of it for the masses of its two bodies alone.
     #[test]
     fn what_falls_back_hangs_on_its_springs() {
-        let (frequency, inverse_mass) = (std::f64::consts::TAU, Vector3::y() * -9.81);
+        let gravity = Vector3::y() * -9.81;
         let body = |mass: f64| Member {
             mass,
             inverse_mass: Vector3::repeat(1.0 / mass),
             inertia: Vector3::repeat(0.1 * mass),
-            force: inverse_mass * mass,
+            force: gravity * mass,
             ..Member::FIXED
         };
-        let (order, mut mechanism) = Mechanism::plan(2, false, true, &[[2, 0], [0, 1]]);
+        let mut states = vec![MemberState::REST; 3];
+        states[1].position = Vector3::y() * -1.0;
+        let spring = Softness { frequency: 1.0, damping_ratio: 0.5, max_force: 1e9 };
+        let links =
+            [(2, 0, Vector3::zeros(), Some(spring)), (0, 1, Vector3::y(), None)].map(|(a, b, anchor, spring)| {
+                let frames = [Frame::at(Vector3::zeros()), Frame::at(anchor)];
+                let definition = JointDefinition { frames, translation: Laws { spring, ..Laws::LOCKED }, ..default() };
+                MechanismLink::new(&definition, [a, b], [&states[a as usize], &states[b as usize]], 0.0)
+            });
+        let (order, mut mechanism) = Mechanism::plan(2, false, &links);
         mechanism.members = vec![body(2.0), body(1.0), Member::FIXED];
-        mechanism.states = vec![MemberState::REST; 3];
-        mechanism.states[1].position = Vector3::y() * -1.0;
-        let spring = JointSpring { frequency, damping_ratio: 0.5, most: 1e9 };
-        let links = [(2, 0, Vector3::zeros(), Some(spring)), (0, 1, Vector3::y(), None)]
-            .map(|(a, b, anchor_b, spring)| MechanismLink { a, b, anchor_a: Vector3::zeros(), anchor_b, spring });
-        mechanism.links = order.iter().map(|&link| links[link as usize].clone()).collect();
+        mechanism.states = states;
         let mut stepper = Stepper::default();
         let h = 1.0 / 240.0;
         for _ in 0..4800 {
-            stepper.forces = vec![Vector3::zeros(); 2];
-            stepper.euler_step(&mut mechanism, h, h);
-            stepper.projection.project(&mut mechanism);
+            stepper.loads = vec![Wrench::zero(); 2];
+            stepper.euler_step(&mut mechanism, 0.0, h, h);
+            stepper.projection.project(&mut mechanism, 0.0);
         }
-        let rest = -9.81 * 3.0 / (2.0 * frequency * frequency);
+        let rest = -9.81 * 3.0 / (2.0 * std::f64::consts::TAU.powi(2));
         assert!((mechanism.states[0].position.y - rest).abs() < 1e-6, "{}", mechanism.states[0].position.y);
         assert!((mechanism.states[1].position.y - (rest - 1.0)).abs() < 1e-6);
-        for (&link, force) in order.iter().zip(&stepper.forces) {
-            let carried = -inverse_mass * [3.0, 1.0][link as usize];
-            assert!((force - carried).norm() < 1e-6, "{force}");
+        for (&link, load) in order.iter().zip(&stepper.loads) {
+            let carried = -gravity * [3.0, 1.0][link as usize];
+            assert!((load.linear - carried).norm() < 1e-6, "{load:?}");
         }
     }
 }

@@ -47,6 +47,24 @@ impl<N: Number, P: Pivot<N>> BlockLdl<N, P> {
         SMatrixViewMut::from_slice(&mut self.below[layout.below(block)..layout.below(block + 1)])
     }
 
+    /// The columns of the block on the diagonal at a place in the order.
+    pub fn diagonal_at(&mut self, elimination: &Elimination, place: usize) -> &mut [N] {
+        match elimination.sizes() {
+            Sizes::Three => &mut self.diagonal[Uniform::<3>.diagonal(place)],
+            Sizes::Six => &mut self.diagonal[Uniform::<6>.diagonal(place)],
+            Sizes::Mixed(mixed) => &mut self.diagonal[mixed.diagonal(place)],
+        }
+    }
+
+    /// The columns of the block below the diagonal of that index.
+    pub fn below_at(&mut self, elimination: &Elimination, block: usize) -> &mut [N] {
+        match elimination.sizes() {
+            Sizes::Three => &mut self.below[Uniform::<3>.below(block)..Uniform::<3>.below(block + 1)],
+            Sizes::Six => &mut self.below[Uniform::<6>.below(block)..Uniform::<6>.below(block + 1)],
+            Sizes::Mixed(mixed) => &mut self.below[mixed.below(block)..mixed.below(block + 1)],
+        }
+    }
+
     /// Adds a block and its transpose below and above the diagonal, where [`Elimination::block`] of its two nodes said.
     pub fn add<const R: usize>(&mut self, (block, is_transposed): (u32, bool), values: &SMatrix<N, R, R>) {
         let mut own = self.below_mut::<R>(block as usize);

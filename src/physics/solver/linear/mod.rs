@@ -11,8 +11,8 @@
 //!   the sweeps, and `cone` takes another kind of step. Both add a mass or an identity to the diagonal beforehand, so
 //!   that redundant rows are no trouble.
 //! - [`Triangular`] pivots drop a row whose pivot is not positive: its unknown becomes zero. `exact` adds a share of
-//!   the trace to each block on the diagonal first ([`BlockLdl::shift`]) where rows may be redundant, and takes the
-//!   error of that back by the method of multipliers: λ ← λ + (A + E)⁻¹(b − A λ) (Hestenes 1969; Powell 1969; as
+//!   the trace to each block on the diagonal first where rows may be redundant (of their rows of one unit; where all
+//!   have one, [`BlockLdl::shift`] does), and takes the error of that back by the method of multipliers: λ ← λ + (A + E)⁻¹(b − A λ) (Hestenes 1969; Powell 1969; as
 //!   proximal point iteration Rockafellar 1976; Carpentier, Budhiraja and Mansard 2021, "Proximal and sparse
 //!   resolution of constrained dynamics"). Each iteration divides the error along an eigenvector of eigenvalue σ by
 //!   1 + σ/E, and where σ = 0 the error stays zero, so that λ is the least one that gives the same motion.

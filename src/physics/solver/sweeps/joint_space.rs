@@ -340,7 +340,8 @@ impl Mechanism {
             place.1
         };
         let links: Vec<[u32; 2]> = joints.iter().map(|&joint| ends[joint as usize].map(&mut place_of)).collect();
-        let Couplings { order, elimination, list } = Couplings::of(&links_at(bodies.len(), &links), links.len());
+        let Couplings { order, elimination, list } =
+            Couplings::of(&links_at(bodies.len(), &links), &vec![3; links.len()]);
         let joint = |&link: &u32| Joint { index: joints[link as usize], first_row: 0, places: links[link as usize] };
         let joints = order.iter().map(joint).collect();
         let right = vec![Vector3::zeros(); links.len()];

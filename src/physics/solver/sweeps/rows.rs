@@ -145,12 +145,7 @@ pub(super) fn joint_rows<N: Scalar>(
     rows: &mut Vec<Row<N>>,
 ) {
     let ends = [&bodies[joint.a as usize], &bodies[joint.b as usize]];
-    let states = ends.map(|body| BodyState {
-        position: body.position.into(),
-        rotation: body.rotation.into(),
-        linear: body.linear.into(),
-        angular: body.angular.into(),
-    });
+    let states = ends.map(|body| BodyState::new(&body.position, &body.rotation, [&body.linear, &body.angular]));
     scratch.clear();
     joint.definition.rows_at(&states, time, scratch);
     joint.rows = rows.len()..rows.len() + scratch.len();

@@ -12,12 +12,12 @@
 use bevy::platform::collections::HashMap;
 use nalgebra::Vector3;
 
-use super::super::bodies::{link_of, member, place_in, put, state_of};
+use super::super::bodies::{links_of, member, place_in, put, put_load, state_of};
 use super::super::constants::{
     ENERGY_GAINED, FIRST_GROWTH, GROWTH_AFTER_CUT, LANDED, LEAST_BOUNCE, LEAST_GROWTH, MISSED, MOST_LANDINGS,
     MOST_TRIALS, NO_ENERGY, ROUGH_STEP, SHORTEST_STEP, TOUCHING,
 };
-use super::super::mechanism::{MechanismLink, Member, MemberState};
+use super::super::mechanism::{MechanismLink, Member, MemberState, number_rows};
 use super::super::stepper::StepEffort;
 use super::gap_points::{GapPoint, GapPoints, PointSearch, ReachablePair};
 use super::group_solver::{GroupSolver, GroupView};
@@ -25,6 +25,7 @@ use super::impacts::{Impacts, approach};
 use super::smooth_step::{SmoothStep, SmoothTerms, place};
 use crate::physics::body::{Bodies, Body, SurfaceMaterial};
 use crate::physics::collision::{FeatureId, Pair, closing_distance};
+use crate::physics::constraint::row::Wrench;
 use crate::physics::contact::{ContactCache, surface};
 use crate::physics::joint::{Joint, Joints};
 use crate::physics::settings::FrictionModel;
@@ -61,6 +62,9 @@ pub(crate) struct PointForce {
 /// The settings that a step depends on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ContactTerms {
+    /// At the start, s.
+    pub time: f64,
+    /// Length of a substep, s.
     pub h: f64,
     pub parts: u32,
     /// Fastest closing of an overlap, m/s.
@@ -75,10 +79,9 @@ pub(crate) struct ContactGroup {
     /// Those that move first.
     bodies: Vec<u32>,
     moving: usize,
-    /// Of links, then of springs.
+    /// The joint of each link.
     joints: Vec<u32>,
     links: Vec<MechanismLink>,
-    springs: Vec<MechanismLink>,
     pairs: Vec<ReachablePair>,
     members: Vec<Member>,
     shapes: Vec<Body>,
@@ -91,9 +94,18 @@ pub(crate) struct ContactGroup {
     lands: bool,
     impacts: Impacts,
     loads: PointLoads,
-    /// Mean forces of the step, N, on B.
-    joint_forces: Vec<Vector3<f64>>,
+    /// Mean of each link over the step: force on B, and torque about its anchor.
+    joint_loads: Vec<Wrench<f64>>,
     pub effort: StepEffort,
+}
+
+/// What a step starts from.
+struct StepStart<'a> {
+    terms: ContactTerms,
+    /// Contact forces of the step before.
+    cache: &'a ContactCache,
+    /// Loads of the links in the step before.
+    loads: &'a [Wrench<f64>],
 }
 
 /// How long the next smooth step may be.
@@ -115,7 +127,14 @@ impl Stride {
 
 impl ContactGroup {
     /// Of those bodies that move, joints and pairs, by their indices in the world.
-    pub fn new(moving: Vec<u32>, joints: Vec<u32>, pairs: &[Pair], all_joints: &Joints) -> Self {
+    pub fn new(
+        moving: Vec<u32>,
+        joints: Vec<u32>,
+        pairs: &[Pair],
+        all_bodies: &Bodies,
+        all_joints: &Joints,
+        time: f64,
+    ) -> Self {
         let mut bodies = moving;
         let moving = bodies.len();
         let mut place = |body: u32| place_in(&mut bodies, moving, body);
@@ -124,15 +143,9 @@ impl ContactGroup {
             ReachablePair { bodies: pair, ends: [place(pair.a), place(pair.b)], surface: SurfaceMaterial::default() }
         };
         let pairs = pairs.iter().map(pair).collect();
-        let (rigid, soft): (Vec<u32>, Vec<u32>) =
-            joints.into_iter().partition(|&joint| all_joints.list[joint as usize].softness().is_none());
-        let mut link = |&joint: &u32| {
-            let joint = &all_joints.list[joint as usize];
-            link_of(joint, [place(joint.a), place(joint.b)])
-        };
-        let links = rigid.iter().map(&mut link).collect();
-        let springs = soft.iter().map(&mut link).collect();
-        Self { bodies, moving, joints: [rigid, soft].concat(), links, springs, pairs, ..Self::default() }
+        let (joints, mut links) = links_of(&joints, all_joints, all_bodies, time, place);
+        number_rows(&mut links);
+        Self { bodies, moving, joints, links, pairs, ..Self::default() }
     }
 
     /// Takes the state in; of either model of friction this method has the cone.
@@ -144,8 +157,10 @@ impl ContactGroup {
         self.states.extend(list().map(state_of));
         self.shapes.clear();
         self.shapes.extend(list().cloned());
-        self.joint_forces.clear();
-        self.joint_forces.extend(self.joints.iter().map(|&joint| joints.list[joint as usize].force));
+        let joint = |&joint: &u32| &joints.list[joint as usize];
+        self.joint_loads.clear();
+        let loads = self.joints.iter().map(joint).map(|joint| Wrench { linear: joint.force, angular: joint.torque });
+        self.joint_loads.extend(loads);
         for pair in &mut self.pairs {
             let [a, b] = pair.ends.map(|end| &self.shapes[end as usize]);
             pair.surface = surface(a, b, friction);
@@ -161,13 +176,14 @@ impl ContactGroup {
     pub fn step(&mut self, terms: &ContactTerms, cache: &ContactCache) {
         self.effort = StepEffort::default();
         self.loads.clear();
-        let last_forces = std::mem::take(&mut self.joint_forces);
-        self.joint_forces.resize(last_forces.len(), Vector3::zeros());
-        for _ in 0..terms.parts {
-            self.advance(terms, cache, &last_forces);
+        let last_loads = std::mem::take(&mut self.joint_loads);
+        self.joint_loads.resize(last_loads.len(), Wrench::zero());
+        for part in 0..terms.parts {
+            let time = terms.time + terms.h * f64::from(part);
+            self.advance(&StepStart { terms: ContactTerms { time, ..*terms }, cache, loads: &last_loads });
         }
         let step = terms.h * f64::from(terms.parts);
-        self.joint_forces.iter_mut().for_each(|impulse| *impulse /= step);
+        self.joint_loads.iter_mut().for_each(|load| *load = Wrench::zero().plus(load, 1.0 / step));
         self.loads.values_mut().for_each(|load| load.impulse /= step);
         let solvers = [&mut self.smooth.positions, &mut self.smooth.velocities, &mut self.impacts.solver];
         for solver in solvers {
@@ -177,13 +193,16 @@ impl ContactGroup {
         }
     }
 
-    fn advance(&mut self, terms: &ContactTerms, cache: &ContactCache, last_forces: &[Vector3<f64>]) {
+    /// Takes the group through a substep, which `terms` are of.
+    fn advance(&mut self, start: &StepStart) {
+        let terms = &start.terms;
         let least = terms.restitution_speed.max(LEAST_BOUNCE);
         let (mut left, mut stride) = (terms.h, Stride { longest: terms.h, growth: FIRST_GROWTH });
         let mut events = 0;
         while left > 1e-12 * terms.h {
+            let now = terms.time + (terms.h - left);
             self.find_points(left);
-            self.pass_impacts(least);
+            self.pass_impacts(now, least);
             let may_bounce = events < MOST_LANDINGS && !self.is_spent();
             self.free.clear();
             let points = &self.points;
@@ -193,7 +212,7 @@ impl ContactGroup {
                 pair.surface.restitution > 0.0 && may_bounce && !rests
             };
             self.free.extend(self.pairs.iter().enumerate().map(free));
-            let h = self.step_until_landing(&mut stride, left, terms, cache, last_forces);
+            let h = self.step_until_landing(&mut stride, left, now, start);
             self.commit(h);
             left -= h;
             if self.lands {
@@ -217,45 +236,39 @@ impl ContactGroup {
         points.find(pairs, shapes, reach, search);
     }
 
-    fn pass_impacts(&mut self, least: f64) {
+    fn pass_impacts(&mut self, time: f64, least: f64) {
         let may_bounce = !self.is_spent();
-        let Self { members, moving, links, pairs, points, states, impacts, loads, joint_forces, .. } = self;
+        let Self { members, moving, links, pairs, points, states, impacts, loads, joint_loads, .. } = self;
         let view = GroupView { members, moving: *moving, links };
-        impacts.pass(view, pairs, points, least, may_bounce, states, |held, solver| {
-            add_up(held, solver, loads, joint_forces, None);
+        impacts.pass(view, time, pairs, points, least, may_bounce, states, |held, solver| {
+            add_up(links, held, solver, loads, joint_loads, None);
         });
     }
 
-    /// A smooth step over the time left, s, or as long as a forecast comes true, or until a free pair lands. Returns its
+    /// A smooth step from `now`, s, over the time left, s, or as long as a forecast comes true, or until a free pair lands. Returns its
     /// length, and notes how long the next may be.
-    fn step_until_landing(
-        &mut self,
-        stride: &mut Stride,
-        left: f64,
-        terms: &ContactTerms,
-        cache: &ContactCache,
-        last_forces: &[Vector3<f64>],
-    ) -> f64 {
+    fn step_until_landing(&mut self, stride: &mut Stride, left: f64, now: f64, start: &StepStart) -> f64 {
+        let terms = &start.terms;
         let mut most = left.min(stride.longest);
         if self.is_spent() {
             most = left.min(ROUGH_STEP * terms.h);
-            self.smooth_step(most, true, terms, cache, last_forces);
+            self.smooth_step(most, true, now, start);
             self.lands = false;
             return most;
         }
         let cuts = self.effort.cuts;
-        let mut overlap = self.smooth_step(most, false, terms, cache, last_forces);
+        let mut overlap = self.smooth_step(most, false, now, start);
         while !self.smooth.is_true || self.missed() > MISSED || self.gains_energy() {
             if most <= terms.h * SHORTEST_STEP || self.is_spent() {
                 if !self.smooth.is_true {
                     most = most.min(ROUGH_STEP * terms.h);
-                    overlap = self.smooth_step(most, true, terms, cache, last_forces);
+                    overlap = self.smooth_step(most, true, now, start);
                 }
                 break;
             }
             most *= 0.5;
             self.effort.cuts += 1;
-            overlap = self.smooth_step(most, false, terms, cache, last_forces);
+            overlap = self.smooth_step(most, false, now, start);
         }
         stride.note(most, self.effort.cuts > cuts);
         self.lands = overlap > LANDED;
@@ -272,7 +285,7 @@ impl ContactGroup {
             if h <= low || h >= high || self.is_spent() {
                 break;
             }
-            overlap = self.smooth_step(h, false, terms, cache, last_forces);
+            overlap = self.smooth_step(h, false, now, start);
             if (0.0..=LANDED).contains(&overlap) {
                 return h;
             }
@@ -286,27 +299,31 @@ impl ContactGroup {
             }
         }
         // As near as rounding, or the work that it may take, lets it come, on the far side.
-        self.smooth_step(high, false, terms, cache, last_forces);
+        self.smooth_step(high, false, now, start);
         high
     }
 
-    /// A smooth step of h, s. The deepest overlap of free pairs at its end, m; negative: the least gap of those found.
-    fn smooth_step(
-        &mut self,
-        h: f64,
-        is_rough: bool,
-        terms: &ContactTerms,
-        cache: &ContactCache,
-        last_forces: &[Vector3<f64>],
-    ) -> f64 {
+    /// A smooth step of h, s, from `now`, s. The deepest overlap of free pairs at its end, m; negative: the least gap of those found.
+    fn smooth_step(&mut self, h: f64, is_rough: bool, now: f64, start: &StepStart) -> f64 {
+        let StepStart { terms, cache, loads } = start;
         let is_spent = self.is_spent();
-        let Self { smooth, members, moving, links, springs, pairs, free, states, points, shapes, search, .. } = self;
+        let Self { smooth, members, moving, links, pairs, free, states, points, shapes, search, .. } = self;
         (smooth.positions.is_rough, smooth.velocities.is_rough) = (is_spent, is_spent);
         let view = GroupView { members, moving: *moving, links };
-        let (correction_speed, closing) = (terms.correction_speed, terms.h);
-        let given = SmoothTerms { view, springs, pairs, free, correction_speed, closing, is_rough };
+        let given = SmoothTerms {
+            view,
+            time: now,
+            h,
+            loads,
+            gives: links.iter().any(MechanismLink::gives),
+            pairs,
+            free,
+            correction_speed: terms.correction_speed,
+            closing: terms.h,
+            is_rough,
+        };
         let start_force = |point: &GapPoint| cache.force(pairs[point.pair as usize].bodies, point.feature);
-        smooth.step(&given, states, points, shapes, search, start_force, &last_forces[..links.len()], h);
+        smooth.step(&given, states, points, shapes, search, start_force);
         let landed = smooth.points.list.iter().filter(|point| free[point.pair as usize]);
         landed.map(|point| -point.gap).fold(f64::NEG_INFINITY, f64::max)
     }
@@ -322,9 +339,9 @@ impl ContactGroup {
     /// Whether the smooth step made kinetic energy that no force, spring or support gave: it is too long for how fast
     /// something turns. Bodies lifted out of an overlap are no such case.
     fn gains_energy(&self) -> bool {
-        let Self { smooth, members, moving, states, springs, .. } = self;
+        let Self { smooth, members, moving, states, links, .. } = self;
         let is_driven = !states[*moving..].iter().all(MemberState::is_still);
-        if is_driven || !springs.is_empty() {
+        if is_driven || links.iter().any(|link| link.gives() || link.is_driven()) {
             return false;
         }
         let kinetic = |states: &[MemberState]| -> f64 {
@@ -343,15 +360,15 @@ impl ContactGroup {
 
     /// Makes the end of the smooth step the state.
     fn commit(&mut self, h: f64) {
-        let Self { smooth, states, loads, joint_forces, links, effort, .. } = self;
+        let Self { smooth, states, loads, joint_loads, links, effort, .. } = self;
         effort.jammed += smooth.jammed;
         effort.unsettled += u32::from(!smooth.is_true);
         states.clone_from(&smooth.end);
         for (solver, held) in [&smooth.positions, &smooth.velocities].into_iter().zip(&smooth.held) {
-            add_up(held, solver, loads, joint_forces, Some(0.5 * h));
+            add_up(links, held, solver, loads, joint_loads, Some(0.5 * h));
         }
-        for (sum, force) in joint_forces[links.len()..].iter_mut().zip(&smooth.spring_forces) {
-            *sum += force * h;
+        for (sum, load) in joint_loads.iter_mut().zip(&smooth.spring_loads) {
+            *sum = sum.plus(load, h);
         }
     }
 
@@ -360,14 +377,14 @@ impl ContactGroup {
         for (&index, state) in self.bodies.iter().zip(&self.states).take(self.moving) {
             put(state, &mut bodies[index as usize]);
         }
-        for (&joint, force) in self.joints.iter().zip(&self.joint_forces) {
-            joints[joint as usize].force = *force;
+        for (&joint, load) in self.joints.iter().zip(&self.joint_loads) {
+            put_load(load, &mut joints[joint as usize]);
         }
     }
 
     /// Rows of the last solve.
     pub fn rows(&self) -> u32 {
-        3 * (self.links.len() + self.smooth.held[1].len()) as u32
+        (self.smooth.velocities.rows.len() + 3 * self.smooth.held[1].len()) as u32
     }
 
     /// By pair: the points at the end of the step, then those that carried something in it and are gone.
@@ -413,10 +430,11 @@ impl ContactGroup {
 
 /// Adds the impulses of a solve to the loads. Those of a solve over a time, s, are the last forces, too.
 fn add_up(
+    links: &[MechanismLink],
     held: &[GapPoint],
     solver: &GroupSolver,
     loads: &mut PointLoads,
-    joint_impulses: &mut [Vector3<f64>],
+    joint_impulses: &mut [Wrench<f64>],
     time: Option<f64>,
 ) {
     for (point, impulse) in held.iter().zip(&solver.impulses.contacts) {
@@ -428,5 +446,5 @@ fn add_up(
             load.last = impulse / time;
         }
     }
-    joint_impulses.iter_mut().zip(&solver.impulses.joints).for_each(|(sum, impulse)| *sum += impulse);
+    joint_impulses.iter_mut().zip(solver.loads(links)).for_each(|(sum, impulse)| *sum = sum.plus(&impulse, 1.0));
 }

@@ -3,16 +3,17 @@
 use nalgebra::Vector3;
 
 use super::super::constants::{MOST_FACTORISATIONS, MOST_POINT_FACTORISATIONS, SLIDING, TOLERANCES, TOUCHING};
-use super::super::mechanism::{MechanismLink, Member, MemberState, stretch};
+use super::super::mechanism::{InverseMass, MechanismLink, Member, MemberState, place_rows};
 use super::gap_points::{GapPoint, point_velocity};
-use crate::physics::solver::cone::{ConeBody, ConeContact, ConeEnd, ConeJoint, ConeSolver, PerPoint};
+use crate::physics::constraint::row::{RowPair, Wrench};
+use crate::physics::joint::JointRow;
+use crate::physics::solver::cone::{ConeBody, ConeContact, ConeEnd, ConeJoint, ConeSolver, PerPoint, PointJacobian};
 
-/// Bodies and rigid links; the first `moving` move.
+/// Bodies and links; the first `moving` bodies move.
 #[derive(Clone, Copy)]
 pub(super) struct GroupView<'a> {
     pub members: &'a [Member],
     pub moving: usize,
-    /// Rigid joints.
     pub links: &'a [MechanismLink],
 }
 
@@ -23,11 +24,19 @@ pub(super) struct GroupSolver {
     bodies: Vec<ConeBody>,
     contacts: Vec<ConeContact>,
     joints: Vec<ConeJoint>,
+    /// The rows of all links at the poses taken in; the solver has those that are no springs.
+    pub rows: Vec<JointRow<f64>>,
+    /// Which rows the axes of each of the solver's joints are.
+    axes: Vec<[Option<u32>; 3]>,
+    /// From B's centre of mass to its anchor, of each link.
+    arms: Vec<Vector3<f64>>,
     velocities: Vec<[Vector3<f64>; 2]>,
     given: PerPoint,
     bias: PerPoint,
     /// λ, N·s, on B: where the iteration starts, then the solution.
     pub impulses: PerPoint,
+    /// The same of all rows of links; zero of springs.
+    pub row_impulses: Vec<f64>,
     /// Residual of the last solve, m/s.
     pub residual: f64,
     /// Solves that did not come to an end.
@@ -40,8 +49,15 @@ pub(super) struct GroupSolver {
 }
 
 impl GroupSolver {
-    /// Takes in the poses and the points to hold. Bodies that constraints do not move have the velocities of `states`.
-    pub fn set<'s>(&mut self, view: GroupView, states: &[MemberState], points: impl Iterator<Item = &'s GapPoint>) {
+    /// Takes in the poses at that time, s, and the points to hold. Bodies that constraints do not move have the
+    /// velocities of `states`.
+    pub fn set<'s>(
+        &mut self,
+        view: GroupView,
+        states: &[MemberState],
+        time: f64,
+        points: impl Iterator<Item = &'s GapPoint>,
+    ) {
         let moves = |end: u32| ((end as usize) < view.moving).then_some(end);
         let still = |ends: [u32; 2], arms: &[Vector3<f64>; 2]| {
             let of = |end: usize| match moves(ends[end]) {
@@ -52,26 +68,70 @@ impl GroupSolver {
         };
         self.bodies.clear();
         self.bodies.extend(view.members.iter().zip(states).take(view.moving).map(|(member, state)| {
-            let rotation = state.rotation.to_rotation_matrix().into_inner();
-            ConeBody { inverse_mass: member.inverse_mass, inverse_inertia: member.inverse_inertia(&rotation, None) }
+            let InverseMass { linear, angular } = member.inverse_mass_at(state);
+            ConeBody { inverse_mass: linear, inverse_inertia: angular }
         }));
         self.contacts.clear();
-        self.joints.clear();
         self.given.contacts.clear();
-        self.given.joints.clear();
         for point in points {
             let GapPoint { ends, arms, normal, friction, .. } = point;
             let bodies = ends.map(moves);
             self.contacts.push(ConeContact { bodies, arms: *arms, normal: *normal, friction: *friction });
             self.given.contacts.push(still(*ends, arms));
         }
+        place_rows(view.links, states, time, &mut self.rows);
+        self.joints.clear();
+        self.given.joints.clear();
+        self.axes.clear();
+        self.arms.clear();
         for link in view.links {
-            let arms = arms_of(link, states);
-            let ends = [link.a, link.b];
-            self.joints.push(ConeJoint::ball(ends.map(moves), &arms));
-            self.given.joints.push(still(ends, &arms));
+            self.arms.push(link.arm_b(states));
+            self.add_joints(link, link.ends().map(moves), states);
         }
         self.solver.set(&self.bodies, &self.contacts, &self.joints);
+    }
+
+    /// Adds the joints that a link is to the solver: up to three rows each, of one unit.
+    fn add_joints(&mut self, link: &MechanismLink, bodies: [Option<u32>; 2], states: &[MemberState]) {
+        let (mut count, mut unit) = (0, None);
+        for (index, row) in link.rows.clone().zip(&self.rows[link.rows.clone()]).filter(|(_, row)| row.spring.is_none())
+        {
+            let only_turns = Some(row.only_turns());
+            if count % 3 == 0 || unit != only_turns {
+                (count, unit) = (0, only_turns);
+                self.joints.push(ConeJoint { bodies, jacobians: [PointJacobian::zeros(); 2] });
+                self.axes.push([None; 3]);
+                self.given.joints.push(Vector3::zeros());
+            }
+            let RowPair { linear_a, angular_a, linear_b, angular_b } = &row.jacobian;
+            let last = self.joints.len() - 1;
+            self.axes[last][count] = Some(index as u32);
+            self.given.joints[last][count] = row.time_rate;
+            for (end, linear, angular) in [(0, linear_a, angular_a), (1, linear_b, angular_b)] {
+                let mut jacobian = self.joints[last].jacobians[end].row_mut(count);
+                jacobian.fixed_columns_mut::<3>(0).tr_copy_from(linear);
+                jacobian.fixed_columns_mut::<3>(3).tr_copy_from(angular);
+                if bodies[end].is_none() {
+                    let state = &states[link.ends()[end] as usize];
+                    self.given.joints[last][count] += linear.dot(&state.linear) + angular.dot(&state.angular);
+                }
+            }
+            count += 1;
+        }
+    }
+
+    /// Starts the rows from those loads of links over a time, s.
+    pub fn start_from(&mut self, view: GroupView, loads: &[Wrench<f64>], time: f64) {
+        self.row_impulses.clear();
+        for ((link, arm), load) in view.links.iter().zip(&self.arms).zip(loads) {
+            let own = self.rows[link.rows.clone()].iter().zip(link.multipliers(arm, &self.rows, load));
+            self.row_impulses.extend(own.map(|(row, force)| if row.spring.is_none() { force * time } else { 0.0 }));
+        }
+    }
+
+    /// What the rows of each link gave in the last solve: the impulse on B, and its moment about B's anchor.
+    pub fn loads(&self, links: &[MechanismLink]) -> impl Iterator<Item = Wrench<f64>> {
+        links.iter().zip(&self.arms).map(|(link, arm)| link.load(arm, &self.rows, &self.row_impulses))
     }
 
     /// How many of those points slide such that no rigid motion exists: n·W(n − μ t̂) ≤ 0, W the mobility of the point
@@ -105,9 +165,9 @@ impl GroupSolver {
         self.contacts.is_empty() && self.joints.is_empty()
     }
 
-    /// Solves for the velocities to be gained along normals and at joints, m/s, from [`Self::impulses`]; velocities of
-    /// `states` are those without impulses, and with them on return.
-    pub fn solve(&mut self, states: &mut [MemberState], gains: &[f64], joint_gains: &[Vector3<f64>]) {
+    /// Solves for the velocities to be gained along normals and by rows of links, m/s, from [`Self::impulses`] and
+    /// [`Self::row_impulses`]; velocities of `states` are those without impulses, and with them on return.
+    pub fn solve(&mut self, states: &mut [MemberState], gains: &[f64], row_gains: &[f64]) {
         self.residual = 0.0;
         if self.is_empty() {
             return;
@@ -116,13 +176,20 @@ impl GroupSolver {
         for ((bias, contact), gain) in self.bias.contacts.iter_mut().zip(&self.contacts).zip(gains) {
             *bias += contact.normal * *gain;
         }
-        for (bias, gain) in self.bias.joints.iter_mut().zip(joint_gains) {
-            *bias += gain;
+        self.impulses.joints.clear();
+        for (bias, rows) in self.bias.joints.iter_mut().zip(&self.axes) {
+            *bias += of_rows(rows, row_gains);
+            self.impulses.joints.push(of_rows(rows, &self.row_impulses));
         }
         self.velocities.clear();
         self.velocities.extend(states.iter().take(self.bodies.len()).map(|state| [state.linear, state.angular]));
         let tolerance = TOLERANCES[usize::from(self.is_rough)];
         let outcome = self.solver.solve(&mut self.velocities, &self.bias, &mut self.impulses, tolerance);
+        for (rows, impulses) in self.axes.iter().zip(&self.impulses.joints) {
+            for (row, impulse) in rows.iter().zip(impulses) {
+                row.iter().for_each(|&row| self.row_impulses[row as usize] = *impulse);
+            }
+        }
         self.residual = outcome.residual;
         self.steps += outcome.steps;
         self.work += u64::from(outcome.steps) * (self.contacts.len() + self.joints.len()) as u64;
@@ -133,12 +200,7 @@ impl GroupSolver {
     }
 }
 
-/// Arms of a joint from the centres of mass of its bodies, world axes.
-pub(super) fn arms_of(link: &MechanismLink, states: &[MemberState]) -> [Vector3<f64>; 2] {
-    [states[link.a as usize].rotation * link.anchor_a, states[link.b as usize].rotation * link.anchor_b]
-}
-
-/// How far B's anchor is from A's, m.
-pub(super) fn separation_of(link: &MechanismLink, states: &[MemberState]) -> Vector3<f64> {
-    stretch(link, &arms_of(link, states), states)[0]
+/// The numbers of those rows.
+fn of_rows(rows: &[Option<u32>; 3], numbers: &[f64]) -> Vector3<f64> {
+    rows.map(|row| row.map_or(0.0, |row| numbers[row as usize])).into()
 }

@@ -20,7 +20,7 @@ pub(super) struct Impacts {
     pub solver: GroupSolver,
     held: Vec<GapPoint>,
     gains: Vec<f64>,
-    joint_gains: Vec<Vector3<f64>>,
+    row_gains: Vec<f64>,
 }
 
 /// Fastest approach of a pair's points that touch, m/s; negative if all part.
@@ -30,11 +30,12 @@ pub(super) fn approach(points: &[GapPoint], states: &[MemberState]) -> f64 {
 }
 
 impl Impacts {
-    /// Takes the velocities over all impacts that are due; if nothing may bounce, all is stopped. `note` is told what
+    /// Takes the velocities over all impacts that are due at that time, s; if nothing may bounce, all is stopped. `note` is told what
     /// each solve pushed, N·s.
     pub fn pass(
         &mut self,
         view: GroupView,
+        time: f64,
         pairs: &[ReachablePair],
         points: &GapPoints,
         least: f64,
@@ -56,7 +57,7 @@ impl Impacts {
             };
             self.held.clear();
             self.held.extend(points.list.iter().filter(is_held).cloned());
-            self.solver.set(view, states, self.held.iter());
+            self.solver.set(view, states, time, self.held.iter());
             self.gains.clear();
             let restitution = pairs[first].surface.restitution;
             let gain = |point: &GapPoint| {
@@ -64,14 +65,12 @@ impl Impacts {
                 if bounces { -rebound(restitution, -point.opening(states), 0.0) } else { 0.0 }
             };
             self.gains.extend(self.held.iter().map(gain));
-            self.joint_gains.clear();
-            self.joint_gains.resize(view.links.len(), Vector3::zeros());
-            let impulses = &mut self.solver.impulses;
-            impulses.contacts.clear();
-            impulses.contacts.resize(self.held.len(), Vector3::zeros());
-            impulses.joints.clear();
-            impulses.joints.resize(view.links.len(), Vector3::zeros());
-            self.solver.solve(states, &self.gains, &self.joint_gains);
+            self.row_gains.clear();
+            self.row_gains.resize(self.solver.rows.len(), 0.0);
+            self.solver.impulses.contacts.clear();
+            self.solver.impulses.contacts.resize(self.held.len(), Vector3::zeros());
+            self.solver.row_impulses.clone_from(&self.row_gains);
+            self.solver.solve(states, &self.gains, &self.row_gains);
             note(&self.held, &self.solver);
             count += 1;
             if ends {

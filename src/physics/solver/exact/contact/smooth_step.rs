@@ -13,17 +13,24 @@
 use nalgebra::Vector3;
 
 use super::super::constants::{FORECAST_ERROR, MOST_FORECASTS, STALLED_ERROR, TOUCHING, UNFORESEEN, UNSOLVED};
-use super::super::mechanism::{MechanismLink, Member, MemberState, stretch};
-use super::super::rattle::move_freely;
+use super::super::mechanism::{InverseMass, MemberState, RowSpring, about, place_rows};
 use super::gap_points::{GapPoint, GapPoints, PointSearch, ReachablePair};
-use super::group_solver::{GroupSolver, GroupView, arms_of, separation_of};
+use super::group_solver::{GroupSolver, GroupView};
 use crate::physics::body::Body;
+use crate::physics::constraint::row::{RowPair, Wrench};
+use crate::physics::joint::JointRow;
 
 /// What stays the same in a step.
 #[derive(Clone, Copy)]
 pub(super) struct SmoothTerms<'a> {
     pub view: GroupView<'a>,
-    pub springs: &'a [MechanismLink],
+    /// Time at the start, s, and length, s.
+    pub time: f64,
+    pub h: f64,
+    /// Loads of links, N and N·m, that the iteration starts from.
+    pub loads: &'a [Wrench<f64>],
+    /// Whether some link has springs.
+    pub gives: bool,
     pub pairs: &'a [ReachablePair],
     /// Whether each pair is left free: it bounces and does not rest.
     pub free: &'a [bool],
@@ -49,21 +56,23 @@ pub(super) struct SmoothStep {
     pub points: GapPoints,
     kicked: Vec<MemberState>,
     gains: Vec<f64>,
-    joint_gains: Vec<Vector3<f64>>,
-    /// How fast gaps open and anchors part at the start, m/s: the linear part of the forecast.
+    row_gains: Vec<f64>,
+    /// How fast gaps open and C of rows grows at the start, m/s: the linear part of the forecast.
     openings: Vec<f64>,
-    partings: Vec<Vector3<f64>>,
+    rates: Vec<f64>,
     /// Whether the forecast came true.
     pub is_true: bool,
     /// Sliding points at the start that no rigid motion satisfies.
     pub jammed: u32,
-    /// Mean forces of springs, N, on B.
-    pub spring_forces: Vec<Vector3<f64>>,
+    /// Rows of links with springs, at the pose of a kick.
+    rows: Vec<JointRow<f64>>,
+    /// Mean load of each link by its springs.
+    pub spring_loads: Vec<Wrench<f64>>,
 }
 
 impl SmoothStep {
-    /// From the states `start` over h, s, to [`Self::end`]. `start_points` are the contact points there; `bodies` take
-    /// the poses of the end. `start_force` and `joint_start` are the forces that the iteration starts from, N.
+    /// From the states `start` to [`Self::end`]. `start_points` are the contact points there; `bodies` take the poses of
+    /// the end. `start_force` is the force that the iteration starts from, N.
     pub fn step(
         &mut self,
         given: &SmoothTerms,
@@ -72,83 +81,84 @@ impl SmoothStep {
         bodies: &mut [Body],
         search: &mut PointSearch,
         start_force: impl Fn(&GapPoint) -> Vector3<f64>,
-        joint_start: &[Vector3<f64>],
-        h: f64,
     ) {
         self.end.clear();
         self.end.extend_from_slice(start);
-        self.spring_forces.clear();
-        self.kick(given, h);
+        self.spring_loads.clear();
+        self.spring_loads.resize(given.view.links.len(), Wrench::zero());
+        self.kick(given, given.time);
         self.kicked.clone_from(&self.end);
-        self.hold_places(given, start, start_points, bodies, search, start_force, joint_start, h);
-        self.kick(given, h);
+        let [held, _] = &mut self.held;
+        held.clear();
+        held.extend(start_points.list.iter().filter(|point| !given.free[point.pair as usize]).cloned());
+        self.known = held.len();
+        self.positions.set(given.view, &self.kicked, given.time, held.iter());
+        self.jammed = self.positions.jammed(held.iter().map(|point| (point, point.velocity(start))));
+        self.positions.impulses.contacts.clear();
+        self.positions.impulses.contacts.extend(held.iter().map(|point| start_force(point) * (0.5 * given.h)));
+        self.positions.start_from(given.view, given.loads, 0.5 * given.h);
+        self.hold_places(given, bodies, search);
+        self.kick(given, given.time + given.h);
         self.hold_velocities(given);
         self.is_true &= self.velocities.residual * given.closing <= UNSOLVED;
     }
 
-    /// Half a step of forces, springs and drag.
-    fn kick(&mut self, given: &SmoothTerms, h: f64) {
-        for (at, link) in given.springs.iter().enumerate() {
-            let force = spring_force(link, given.view.members, &self.end, 0.5 * h);
-            match self.spring_forces.get_mut(at) {
-                Some(mean) => *mean = (*mean + force) * 0.5,
-                None => self.spring_forces.push(force),
-            }
-            let arms = arms_of(link, &self.end);
-            for (end, arm, sign) in [(link.a, arms[0], -1.0), (link.b, arms[1], 1.0)] {
-                let impulse = force * (sign * 0.5 * h);
-                apply(&given.view.members[end as usize], &mut self.end[end as usize], &impulse, &arm.cross(&impulse));
+    /// Half a step of forces, springs and drag, at that time, s.
+    fn kick(&mut self, given: &SmoothTerms, time: f64) {
+        let (GroupView { members, links, .. }, half) = (given.view, 0.5 * given.h);
+        let Self { end, rows, spring_loads, .. } = self;
+        if given.gives {
+            place_rows(links, end, time, rows);
+        }
+        for (index, link) in links.iter().enumerate().filter(|(_, link)| link.gives()) {
+            for spring in RowSpring::of((index, link), rows) {
+                let masses = link.ends().map(|member| members[member as usize].inverse_mass_at(&end[member as usize]));
+                let [a, b] = link.ends().map(|member| end[member as usize].twist());
+                let jacobian = |row: usize| &rows[row].jacobian;
+                let rate = spring.each(|row| jacobian(row).dot(&a, &b) + rows[row].time_rate);
+                let mobility = spring.each(|row| mobility(jacobian(row), &masses));
+                let pull = spring.give(&spring.ask_in_kick(rows, &rate, half), &mobility);
+                for (row, &pull) in spring.rows.clone().zip(&pull) {
+                    let ends = [jacobian(row).of_a(), jacobian(row).of_b()];
+                    for ((member, inverse_mass), wrench) in link.ends().into_iter().zip(&masses).zip(ends) {
+                        let state = &mut end[member as usize];
+                        let gained = state.twist().plus(&inverse_mass.of(&wrench), pull * half);
+                        (state.linear, state.angular) = (gained.linear, gained.angular);
+                    }
+                    spring_loads[index] = spring_loads[index].plus(&about(&rows[row], &link.arm_b(end)), 0.5 * pull);
+                }
             }
         }
-        for (member, state) in given.view.members.iter().zip(&mut self.end) {
-            state.linear *= (-member.drag.0 * 0.5 * h).exp();
-            state.angular *= (-member.drag.1 * 0.5 * h).exp();
-            apply(member, state, &(member.force * (0.5 * h)), &(member.torque * (0.5 * h)));
+        for (member, state) in members.iter().zip(&mut *end) {
+            member.kick(state, &Wrench::zero(), &member.inverse_mass_at(state), half);
         }
     }
 
-    fn hold_places(
-        &mut self,
-        given: &SmoothTerms,
-        start: &[MemberState],
-        start_points: &GapPoints,
-        bodies: &mut [Body],
-        search: &mut PointSearch,
-        start_force: impl Fn(&GapPoint) -> Vector3<f64>,
-        joint_start: &[Vector3<f64>],
-        h: f64,
-    ) {
-        let Self { positions, held: [held, _], kicked, known, .. } = self;
-        held.clear();
-        held.extend(start_points.list.iter().filter(|point| !given.free[point.pair as usize]).cloned());
-        *known = held.len();
-        positions.set(given.view, kicked, held.iter());
-        let separations: Vec<Vector3<f64>> = given.view.links.iter().map(|link| separation_of(link, start)).collect();
-        self.jammed = positions.jammed(held.iter().map(|point| (point, point.velocity(start))));
-        positions.impulses.contacts.clear();
-        positions.impulses.contacts.extend(held.iter().map(|point| start_force(point) * (0.5 * h)));
-        positions.impulses.joints.clear();
-        positions.impulses.joints.extend(joint_start.iter().map(|force| force * (0.5 * h)));
+    fn hold_places(&mut self, given: &SmoothTerms, bodies: &mut [Body], search: &mut PointSearch) {
         // An error that cannot be closed, as of a chain that is stretched too far, is left as it is.
-        let is_open = held.iter().any(|point| point.gap < -STALLED_ERROR)
-            || separations.iter().any(|gap| gap.amax() > STALLED_ERROR);
-        self.is_true = self.forecast(given, bodies, search, &separations, 1.0, h)
-            || is_open && !given.is_rough && self.forecast(given, bodies, search, &separations, 0.0, h);
+        let is_open = self.held[0].iter().any(|point| point.gap < -STALLED_ERROR)
+            || rigid(&self.positions.rows).any(|(_, row)| row.error.abs() > STALLED_ERROR);
+        self.is_true = self.forecast(given, bodies, search, 1.0)
+            || is_open && !given.is_rough && self.forecast(given, bodies, search, 0.0);
     }
 
     /// Solves for positions until the forecast is what free motion makes of it. `closed` is the share of the errors at
     /// the start that is closed. Whether the forecast came true.
-    fn forecast(
-        &mut self,
-        given: &SmoothTerms,
-        bodies: &mut [Body],
-        search: &mut PointSearch,
-        separations: &[Vector3<f64>],
-        closed: f64,
-        h: f64,
-    ) -> bool {
+    fn forecast(&mut self, given: &SmoothTerms, bodies: &mut [Body], search: &mut PointSearch, closed: f64) -> bool {
+        let h = given.h;
         let Self {
-            positions, held: [held, _], known, end, points, kicked, gains, joint_gains, openings, partings, ..
+            positions,
+            held: [held, _],
+            known,
+            end,
+            points,
+            kicked,
+            gains,
+            row_gains,
+            openings,
+            rates,
+            rows,
+            ..
         } = self;
         let first_gain = |point: &GapPoint| {
             if point.gap > 0.0 {
@@ -159,21 +169,22 @@ impl SmoothStep {
         };
         gains.clear();
         gains.extend(held.iter().map(first_gain));
-        joint_gains.clear();
-        joint_gains.extend(separations.iter().map(|separation| separation * (closed / given.closing)));
+        let share = closed / given.closing;
+        row_gains.clear();
+        row_gains.extend(positions.rows.iter().map(|row| row.error * share));
         let mut before = f64::INFINITY;
         for _ in 0..MOST_FORECASTS {
             end.clone_from(kicked);
-            positions.solve(end, gains, joint_gains);
+            positions.solve(end, gains, row_gains);
             if positions.residual * h > UNSOLVED && !given.is_rough {
                 return false;
             }
             openings.clear();
             openings.extend(held.iter().map(|point| point.opening(end)));
-            partings.clear();
-            partings.extend(given.view.links.iter().map(|link| stretch(link, &arms_of(link, end), end)[1]));
+            rates.clear();
+            given.view.links.iter().for_each(|link| rates.extend(link.rates(&positions.rows, end)));
             for (member, state) in given.view.members.iter().zip(&mut *end) {
-                move_freely(member, state, h);
+                member.move_freely(state, h);
             }
             place(bodies, end);
             points.find(given.pairs, bodies, |pair| margin(pair, bodies), search);
@@ -201,15 +212,16 @@ impl SmoothStep {
             }
             if held.len() > count {
                 worst = f64::INFINITY;
-                positions.set(given.view, kicked, held.iter());
+                positions.set(given.view, kicked, given.time, held.iter());
                 gains.extend(held[count..].iter().map(first_gain));
                 positions.impulses.contacts.resize(held.len(), Vector3::zeros());
             }
-            for (index, link) in given.view.links.iter().enumerate() {
-                let bent = separation_of(link, end) - (separations[index] + partings[index] * h);
-                let mended = separations[index] * (closed / given.closing) + bent / h;
-                worst = worst.max((mended - joint_gains[index]).amax() * h);
-                joint_gains[index] = mended;
+            place_rows(given.view.links, end, given.time + h, rows);
+            for (index, start) in rigid(&positions.rows) {
+                let bent = rows[index].error - (start.error + rates[index] * h);
+                let mended = start.error * share + bent / h;
+                worst = worst.max((mended - row_gains[index]).abs() * h);
+                row_gains[index] = mended;
             }
             if worst <= FORECAST_ERROR || worst >= 0.5 * before && worst < STALLED_ERROR {
                 return true;
@@ -226,22 +238,22 @@ impl SmoothStep {
     }
 
     fn hold_velocities(&mut self, given: &SmoothTerms) {
-        let Self { velocities, positions, held: [before, held], known, end, points, gains, joint_gains, .. } = self;
+        let Self { velocities, positions, held: [before, held], known, end, points, gains, row_gains, .. } = self;
         held.clear();
         let is_held = |point: &&GapPoint| !given.free[point.pair as usize] && point.gap <= TOUCHING;
         held.extend(points.list.iter().filter(is_held).cloned());
-        velocities.set(given.view, end, held.iter());
+        velocities.set(given.view, end, given.time + given.h, held.iter());
         gains.clear();
         gains.resize(held.len(), 0.0);
-        joint_gains.clear();
-        joint_gains.resize(given.view.links.len(), Vector3::zeros());
+        row_gains.clear();
+        row_gains.resize(velocities.rows.len(), 0.0);
         let start_force = |point: &GapPoint| {
             find(before, *known, point).map_or_else(Vector3::zeros, |known| positions.impulses.contacts[known])
         };
         velocities.impulses.contacts.clear();
         velocities.impulses.contacts.extend(held.iter().map(start_force));
-        velocities.impulses.joints.clone_from(&positions.impulses.joints);
-        velocities.solve(end, gains, joint_gains);
+        velocities.row_impulses.clone_from(&positions.row_impulses);
+        velocities.solve(end, gains, row_gains);
     }
 }
 
@@ -269,28 +281,12 @@ pub(super) fn place(bodies: &mut [Body], states: &[MemberState]) {
     }
 }
 
-fn apply(member: &Member, state: &mut MemberState, impulse: &Vector3<f64>, turning: &Vector3<f64>) {
-    if !member.moves() {
-        return;
-    }
-    state.linear += member.inverse_mass.component_mul(impulse);
-    if *turning != Vector3::zeros() {
-        let rotation = state.rotation.to_rotation_matrix().into_inner();
-        state.angular += member.inverse_inertia(&rotation, None) * turning;
-    }
+/// J M⁻¹ Jᵀ of one row.
+fn mobility(row: &RowPair<f64>, [a, b]: &[InverseMass; 2]) -> f64 {
+    row.dot(&a.of(&row.of_a()), &b.of(&row.of_b()))
 }
 
-/// Mean force of a spring on B over a kick of that time, s, in N, for the masses of its two bodies alone.
-fn spring_force(link: &MechanismLink, members: &[Member], states: &[MemberState], time: f64) -> Vector3<f64> {
-    let Some(spring) = &link.spring else { return Vector3::zeros() };
-    let arms = arms_of(link, states);
-    let mut mobility = Vector3::zeros();
-    for (end, arm) in [(link.a, &arms[0]), (link.b, &arms[1])] {
-        let member = &members[end as usize];
-        let turning = arm.cross_matrix();
-        let rotation = states[end as usize].rotation.to_rotation_matrix().into_inner();
-        mobility += member.inverse_mass - (turning * member.inverse_inertia(&rotation, None) * turning).diagonal();
-    }
-    let [apart, speed] = stretch(link, &arms, states);
-    spring.give(&spring.ask_in_kick(&apart, &speed, time), &mobility)
+/// The rows that are no springs, with their indices.
+fn rigid(rows: &[JointRow<f64>]) -> impl Iterator<Item = (usize, &JointRow<f64>)> {
+    rows.iter().enumerate().filter(|(_, row)| row.spring.is_none())
 }
