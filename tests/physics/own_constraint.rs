@@ -206,7 +206,8 @@ fn the_exact_method_holds_it_with_the_order_of_its_integrator() {
             [hz, 2.0 * hz].map(|hz| error_after(SolverSettings { hz, exact, ..SolverSettings::accurate() }, 0.5));
         let found = (errors[0] / errors[1]).log2();
         println!("{integrator:?}: {errors:?} m");
-        assert!((found - order).abs() < 0.4, "{integrator:?}: order {found} from {errors:?} m");
+        // Steps long enough for that are too long for the order to a digit.
+        assert!((found - order).abs() < 0.6, "{integrator:?}: order {found} from {errors:?} m");
     }
     // As the preset comes, at 60 Hz.
     let error = error_after(SolverSettings { hz: 60.0, ..SolverSettings::accurate() }, 0.5);
