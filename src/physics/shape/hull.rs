@@ -75,7 +75,10 @@ impl Hull {
         }
         let faces: Vec<_> = loops.into_iter().map(|corners| Face::new(&vertices, corners)).collect();
         let inner_radius = faces.iter().map(|face| face.offset).fold(f64::INFINITY, f64::min);
-        let lanes = vertices.chunks(LANES).map(|some| lanes_of(some, &vertices[0])).collect();
+        let lanes = vertices.chunks(LANES).map(|some| {
+            std::array::from_fn(|axis| std::array::from_fn(|lane| some.get(lane).unwrap_or(&vertices[0])[axis]))
+        });
+        let lanes = lanes.collect();
         Self { vertices, faces, edges, edge_directions: directions.vectors().to_vec(), inner_radius, lanes }
     }
 
@@ -92,11 +95,6 @@ impl Hull {
         }
         farthest.into_iter().fold(f64::NEG_INFINITY, f64::max)
     }
-}
-
-/// Some vertices by components, filled up with another.
-fn lanes_of(some: &[Vector3<f64>], filler: &Vector3<f64>) -> [[f64; LANES]; 3] {
-    std::array::from_fn(|axis| std::array::from_fn(|lane| some.get(lane).unwrap_or(filler)[axis]))
 }
 
 impl Face {

@@ -292,15 +292,11 @@ impl<'a> Builder<'a> {
         let facets = &mut self.facets[first..];
         for index in points {
             let point = &self.points[index as usize];
-            let mut best = (0, self.flatness);
-            for (facet, candidate) in facets.iter().enumerate() {
-                let height = candidate.height(point);
-                if height > best.1 {
-                    best = (facet, height);
-                }
-            }
-            if best.1 > self.flatness {
-                facets[best.0].hold(index, best.1);
+            let heights = facets.iter().map(|facet| facet.height(point)).enumerate();
+            let flat = (0, self.flatness);
+            let (facet, height) = heights.fold(flat, |best, next| if next.1 > best.1 { next } else { best });
+            if height > self.flatness {
+                facets[facet].hold(index, height);
             }
         }
     }

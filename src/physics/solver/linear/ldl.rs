@@ -8,11 +8,9 @@ use std::marker::PhantomData;
 
 use nalgebra::{SMatrix, SMatrixViewMut};
 
-use super::elimination::{Sizes, Target, with_layout};
-use super::layout::{BlockVector, Layout, MOST_ROWS, Uniform};
+use super::elimination::{Elimination, Sizes, Target, with_layout};
+use super::layout::{BlockVector, Layout, MOST_ROWS, Number, Uniform};
 use super::pivot::Pivot;
-use super::{Elimination, Number};
-use crate::physics::Refill;
 
 /// The matrix, and then its factor.
 #[derive(Clone, Debug, Default)]
@@ -30,8 +28,10 @@ impl<N: Number, P: Pivot<N>> BlockLdl<N, P> {
     /// Sets all blocks to zero.
     pub fn clear(&mut self, elimination: &Elimination) {
         let (diagonal, below) = elimination.values();
-        self.diagonal.reset(diagonal, N::zero());
-        self.below.reset(below, N::zero());
+        for (blocks, values) in [(&mut self.diagonal, diagonal), (&mut self.below, below)] {
+            blocks.clear();
+            blocks.resize(values, N::zero());
+        }
     }
 
     /// The block on the diagonal at a place in the order, where all blocks have R rows.

@@ -2,7 +2,7 @@
 //!
 //! Blocks are slices, columns one after the other.
 
-use super::Number;
+use super::layout::Number;
 
 /// A way to factor a block on the diagonal and to divide by it.
 pub(crate) trait Pivot<N> {
