@@ -58,8 +58,8 @@ pub use prepare::AddConstraint;
 pub use readings::{ContactForce, ContactForces, Diagnostics, JointForce, JointForces};
 pub use schedule::{PhysicsSchedule, PhysicsSystems};
 pub use settings::{
-    BroadPhase, Choice, Choices, ContactModel, ExactIntegrator, ExactSettings, FrictionModel, Gravity, ImpulseSettings,
-    Integrator, Method, Precision, SETTINGS, Setting, SettingsError, SolverSettings, SweepSettings, WrittenSettings,
+    Choice, Choices, ContactModel, ExactIntegrator, ExactSettings, FrictionModel, Gravity, ImpulseSettings, Integrator,
+    Method, Precision, SETTINGS, Setting, SettingsError, SolverSettings, SweepSettings, WrittenSettings,
 };
 pub use shape::{Collider, ConvexHull, HullError, MassProperties, Shape};
 pub use state_hash::hash_state;

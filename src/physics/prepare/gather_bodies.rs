@@ -7,8 +7,7 @@ use bevy::prelude::*;
 use super::gather_body::{freeze, gather_body, teleport};
 use super::table::{BodyQuery, BodyTable, Watch};
 use crate::physics::body::{Bodies, Body, BodySlot, QuarantineReason, RenderOrigin, RigidBody, Sleeping};
-use crate::physics::collision::{CandidateTree, ContactGraph, LaggedContacts, NearPairs};
-use crate::physics::contact::ContactCache;
+use crate::physics::collision::{ContactGraph, LaggedContacts, NearPairs};
 use crate::physics::joint::Joints;
 use crate::physics::messages::{BodyQuarantined, set_aside};
 use crate::physics::settings::{Gravity, SolverSettings};
@@ -32,9 +31,7 @@ pub(super) struct Gathering {
 /// What a jump of a body's pose, or its end, makes worthless.
 struct Known<'a> {
     lagged: &'a mut LaggedContacts,
-    cache: &'a mut ContactCache,
     near: &'a mut NearPairs,
-    candidates: &'a mut CandidateTree,
     graph: &'a mut ContactGraph,
     joints: &'a mut Joints,
     sleep: &'a mut Sleep,
@@ -44,8 +41,7 @@ pub(super) fn gather_bodies(
     mut query: Query<BodyQuery>,
     mut bodies: ResMut<Bodies>,
     mut lagged: ResMut<LaggedContacts>,
-    mut cache: ResMut<ContactCache>,
-    (mut near, mut candidates, mut graph): (ResMut<NearPairs>, ResMut<CandidateTree>, ResMut<ContactGraph>),
+    (mut near, mut graph): (ResMut<NearPairs>, ResMut<ContactGraph>),
     (mut joints, mut sleep): (ResMut<Joints>, ResMut<Sleep>),
     gravity: Res<Gravity>,
     settings: Res<SolverSettings>,
@@ -60,15 +56,8 @@ pub(super) fn gather_bodies(
     let bodies = &mut *bodies;
     bodies.renewed.clear();
     if !is_list_complete(&query, bodies, new) {
-        let mut known = Known {
-            lagged: &mut lagged,
-            cache: &mut cache,
-            near: &mut near,
-            candidates: &mut candidates,
-            graph: &mut graph,
-            joints: &mut joints,
-            sleep: &mut sleep,
-        };
+        let mut known =
+            Known { lagged: &mut lagged, near: &mut near, graph: &mut graph, joints: &mut joints, sleep: &mut sleep };
         update_list(&mut query, bodies, new, &mut known, &mut commands);
     }
     stats.bodies = bodies.list.len() as u32;
@@ -90,7 +79,6 @@ pub(super) fn gather_bodies(
             let index = table.slot.as_ref()[row].index;
             if teleport(&mut table, row, origin.0) {
                 lagged.drop_body(index);
-                cache.drop_body(index);
                 bodies.renewed.push(index);
             }
             if table.sleeping && !bodies.asleep.contains(index) {
@@ -181,7 +169,6 @@ fn update_list(
         .map(|(index, body)| query.get(body.entity).is_ok_and(|item| item.slot.index == index))
         .collect();
     if seen.contains(&false) {
-        known.cache.clear();
         drop_gone_bodies(&seen, bodies, known, query, commands);
     }
     new.sort_unstable();
@@ -214,7 +201,6 @@ fn drop_gone_bodies(
         .collect();
     known.lagged.remap(&new_index);
     known.near.remap(&new_index);
-    known.candidates.remap(&new_index);
     known.graph.remap(&new_index);
     known.joints.remap(&new_index);
     known.sleep.remap(&new_index, bodies);

@@ -8,11 +8,11 @@ mod gravity;
 mod solver_settings;
 mod written;
 
-pub use choices::{BroadPhase, ContactModel, ExactIntegrator, FrictionModel, Integrator, Method, Precision};
+pub use choices::{ContactModel, ExactIntegrator, FrictionModel, Integrator, Method, Precision};
 pub use described::{Choice, Choices};
 pub use gravity::Gravity;
-pub(crate) use solver_settings::contacts_last;
 pub use solver_settings::{
     ExactSettings, ImpulseSettings, SETTINGS, Setting, SettingsError, SolverSettings, SweepSettings,
 };
+pub(crate) use solver_settings::{contacts_are_of_2009, contacts_last};
 pub use written::WrittenSettings;

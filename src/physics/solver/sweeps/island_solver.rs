@@ -9,9 +9,9 @@ use super::rows::{body_terms, contact_rows, joint_rows};
 use super::step_terms::StepTerms;
 use super::{cg_pgs, joint_space, nncg, pgs};
 use crate::physics::body::{Bodies, Body};
-use crate::physics::collision::Contacts;
+use crate::physics::collision::{ContactGraph, Contacts};
 use crate::physics::constraint::row::{BodyTerms, Row, RowPair, Twist};
-use crate::physics::contact::{ContactCache, KEPT_SHARE};
+use crate::physics::contact::KEPT_SHARE;
 use crate::physics::island::Islands;
 use crate::physics::joint::{Joint, JointRow, Joints};
 use crate::physics::scalar::Scalar;
@@ -84,7 +84,7 @@ impl IslandSolver {
         bodies: &Bodies,
         joints: &Joints,
         contacts: &Contacts,
-        cache: &ContactCache,
+        graph: &ContactGraph,
     ) {
         let group = self.group;
         self.bodies.clear();
@@ -113,7 +113,7 @@ impl IslandSolver {
                     body_arm_b: body_b.rotation.inverse() * arm_b,
                     found_offset: body_b.position - body_a.position + arm_b - arm_a,
                     first_row: 0,
-                    force: cache.force(manifold.pair, found.feature),
+                    force: graph.force(manifold.slot, found.feature),
                     impulse: Vector3::zeros(),
                 });
             }
@@ -264,12 +264,12 @@ impl IslandSolver {
     }
 
     /// Puts the forces of the last substep where the next step finds them.
-    pub fn store_forces(&self, contacts: &Contacts, cache: &mut ContactCache) {
+    pub fn store_forces(&self, contacts: &Contacts, graph: &mut ContactGraph) {
         for (manifold, &source) in self.manifolds.iter().zip(&self.manifold_source) {
             let found = &contacts.manifolds[source as usize];
             let points = &self.points[manifold.first_point..manifold.end_point];
             let features = contacts.points_of(found).iter().map(|point| point.feature);
-            cache.insert(found.pair, features.zip(points.iter().map(|point| point.force)));
+            graph.keep_forces(found.slot, features.zip(points.iter().map(|point| point.force)));
         }
     }
 

@@ -24,8 +24,8 @@ use super::group_solver::{GroupSolver, GroupView};
 use super::impacts::{Impacts, approach};
 use super::smooth_step::{SmoothStep, SmoothTerms, place};
 use crate::physics::body::{Bodies, Body, SurfaceMaterial};
-use crate::physics::collision::{FeatureId, Pair, closing_distance};
-use crate::physics::contact::{ContactCache, surface};
+use crate::physics::collision::{ContactGraph, FeatureId, Pair, closing_distance};
+use crate::physics::contact::surface;
 use crate::physics::joint::{Joint, Joints};
 use crate::physics::settings::FrictionModel;
 
@@ -115,13 +115,14 @@ impl Stride {
 
 impl ContactGroup {
     /// Of those bodies that move, joints and pairs, by their indices in the world.
-    pub fn new(moving: Vec<u32>, joints: Vec<u32>, pairs: &[Pair], all_joints: &Joints) -> Self {
+    pub fn new(moving: Vec<u32>, joints: Vec<u32>, pairs: &[(Option<u32>, Pair)], all_joints: &Joints) -> Self {
         let mut bodies = moving;
         let moving = bodies.len();
         let mut place = |body: u32| place_in(&mut bodies, moving, body);
-        let pair = |&pair: &Pair| {
+        let pair = |&(slot, bodies): &(Option<u32>, Pair)| {
             // What their surfaces are like is taken in with the state.
-            ReachablePair { bodies: pair, ends: [place(pair.a), place(pair.b)], surface: SurfaceMaterial::default() }
+            let ends = [place(bodies.a), place(bodies.b)];
+            ReachablePair { slot, bodies, ends, surface: SurfaceMaterial::default() }
         };
         let pairs = pairs.iter().map(pair).collect();
         let (rigid, soft): (Vec<u32>, Vec<u32>) =
@@ -157,14 +158,14 @@ impl ContactGroup {
         self.smooth.positions.is_spent() || self.smooth.velocities.is_spent() || self.impacts.solver.is_spent()
     }
 
-    /// Takes the group through a step. `cache` has the forces of the step before.
-    pub fn step(&mut self, terms: &ContactTerms, cache: &ContactCache) {
+    /// Takes the group through a step. `graph` has the forces of the step before.
+    pub fn step(&mut self, terms: &ContactTerms, graph: &ContactGraph) {
         self.effort = StepEffort::default();
         self.loads.clear();
         let last_forces = std::mem::take(&mut self.joint_forces);
         self.joint_forces.resize(last_forces.len(), Vector3::zeros());
         for _ in 0..terms.parts {
-            self.advance(terms, cache, &last_forces);
+            self.advance(terms, graph, &last_forces);
         }
         let step = terms.h * f64::from(terms.parts);
         self.joint_forces.iter_mut().for_each(|impulse| *impulse /= step);
@@ -177,7 +178,7 @@ impl ContactGroup {
         }
     }
 
-    fn advance(&mut self, terms: &ContactTerms, cache: &ContactCache, last_forces: &[Vector3<f64>]) {
+    fn advance(&mut self, terms: &ContactTerms, graph: &ContactGraph, last_forces: &[Vector3<f64>]) {
         let least = terms.restitution_speed.max(LEAST_BOUNCE);
         let (mut left, mut stride) = (terms.h, Stride { longest: terms.h, growth: FIRST_GROWTH });
         let mut events = 0;
@@ -193,7 +194,7 @@ impl ContactGroup {
                 pair.surface.restitution > 0.0 && may_bounce && !rests
             };
             self.free.extend(self.pairs.iter().enumerate().map(free));
-            let h = self.step_until_landing(&mut stride, left, terms, cache, last_forces);
+            let h = self.step_until_landing(&mut stride, left, terms, graph, last_forces);
             self.commit(h);
             left -= h;
             if self.lands {
@@ -233,29 +234,29 @@ impl ContactGroup {
         stride: &mut Stride,
         left: f64,
         terms: &ContactTerms,
-        cache: &ContactCache,
+        graph: &ContactGraph,
         last_forces: &[Vector3<f64>],
     ) -> f64 {
         let mut most = left.min(stride.longest);
         if self.is_spent() {
             most = left.min(ROUGH_STEP * terms.h);
-            self.smooth_step(most, true, terms, cache, last_forces);
+            self.smooth_step(most, true, terms, graph, last_forces);
             self.lands = false;
             return most;
         }
         let cuts = self.effort.cuts;
-        let mut overlap = self.smooth_step(most, false, terms, cache, last_forces);
+        let mut overlap = self.smooth_step(most, false, terms, graph, last_forces);
         while !self.smooth.is_true || self.missed() > MISSED || self.gains_energy() {
             if most <= terms.h * SHORTEST_STEP || self.is_spent() {
                 if !self.smooth.is_true {
                     most = most.min(ROUGH_STEP * terms.h);
-                    overlap = self.smooth_step(most, true, terms, cache, last_forces);
+                    overlap = self.smooth_step(most, true, terms, graph, last_forces);
                 }
                 break;
             }
             most *= 0.5;
             self.effort.cuts += 1;
-            overlap = self.smooth_step(most, false, terms, cache, last_forces);
+            overlap = self.smooth_step(most, false, terms, graph, last_forces);
         }
         stride.note(most, self.effort.cuts > cuts);
         self.lands = overlap > LANDED;
@@ -272,7 +273,7 @@ impl ContactGroup {
             if h <= low || h >= high || self.is_spent() {
                 break;
             }
-            overlap = self.smooth_step(h, false, terms, cache, last_forces);
+            overlap = self.smooth_step(h, false, terms, graph, last_forces);
             if (0.0..=LANDED).contains(&overlap) {
                 return h;
             }
@@ -286,7 +287,7 @@ impl ContactGroup {
             }
         }
         // As near as rounding, or the work that it may take, lets it come, on the far side.
-        self.smooth_step(high, false, terms, cache, last_forces);
+        self.smooth_step(high, false, terms, graph, last_forces);
         high
     }
 
@@ -296,7 +297,7 @@ impl ContactGroup {
         h: f64,
         is_rough: bool,
         terms: &ContactTerms,
-        cache: &ContactCache,
+        graph: &ContactGraph,
         last_forces: &[Vector3<f64>],
     ) -> f64 {
         let is_spent = self.is_spent();
@@ -305,7 +306,7 @@ impl ContactGroup {
         let view = GroupView { members, moving: *moving, links };
         let (correction_speed, closing) = (terms.correction_speed, terms.h);
         let given = SmoothTerms { view, springs, pairs, free, correction_speed, closing, is_rough };
-        let start_force = |point: &GapPoint| cache.force(pairs[point.pair as usize].bodies, point.feature);
+        let start_force = |point: &GapPoint| graph.force(pairs[point.pair as usize].slot, point.feature);
         smooth.step(&given, states, points, shapes, search, start_force, &last_forces[..links.len()], h);
         let landed = smooth.points.list.iter().filter(|point| free[point.pair as usize]);
         landed.map(|point| -point.gap).fold(f64::NEG_INFINITY, f64::max)
@@ -399,12 +400,12 @@ impl ContactGroup {
     }
 
     /// Keeps the forces for the next step.
-    pub fn store(&self, cache: &mut ContactCache) {
+    pub fn store(&self, graph: &mut ContactGraph) {
         for (index, pair) in self.pairs.iter().enumerate() {
             let last = |point: &GapPoint| self.loads.get(&(index as u32, point.feature)).map(|load| load.last);
             let points = self.smooth.points.of(index);
-            cache.insert(
-                pair.bodies,
+            graph.keep_forces(
+                pair.slot,
                 points.iter().map(|point| (point.feature, last(point).unwrap_or_else(Vector3::zeros))),
             );
         }

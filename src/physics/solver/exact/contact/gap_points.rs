@@ -10,6 +10,7 @@ use crate::physics::contact::namesake;
 /// Two bodies in reach of each other.
 #[derive(Clone, Debug)]
 pub(super) struct ReachablePair {
+    pub slot: Option<u32>,
     /// By their indices in the world.
     pub bodies: Pair,
     /// By their places here.
