@@ -39,13 +39,6 @@ pub(crate) struct PairSearch {
     pub axes: u32,
 }
 
-impl PairSearch {
-    /// Forgets the axis of the last step: another pair is next.
-    pub fn forget(&mut self) {
-        self.last = None;
-    }
-}
-
 /// Adds the contact points of two bodies in world axes, if they touch or are apart by no more than
 /// the gap, m. With a gap of zero no depth is negative.
 pub(crate) fn touch(

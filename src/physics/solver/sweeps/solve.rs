@@ -65,8 +65,8 @@ fn solve_islands(
     stats.rows = 0;
     stats.row_updates = 0;
     for solver in &solvers.list[..count] {
-        stats.rows += solver.row_count();
-        stats.row_updates += solver.row_updates();
+        stats.rows += solver.row_count;
+        stats.row_updates += solver.row_updates;
         solver.scatter(&mut bodies.list, &mut joints.list);
     }
     graph.forget_forces();

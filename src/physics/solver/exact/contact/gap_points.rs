@@ -86,7 +86,7 @@ impl GapPoints {
         for (index, pair) in (0..).zip(pairs) {
             self.starts.push(self.list.len() as u32);
             let [a, b] = pair.ends.map(|end| &bodies[end as usize]);
-            search.search.forget();
+            search.search.last = None;
             search.points.clear();
             let Some(overlap) = touch(a, b, gap(pair), &mut search.search, &mut search.points) else { continue };
             self.list.extend(search.points.iter().map(|point| GapPoint {
