@@ -55,10 +55,8 @@ pub use body::{
 };
 pub use collision::PlacedCollider;
 pub(crate) use collision::{
-    CandidateTree, ContactGraph, ContactPoint, Contacts, FeatureId, GONE, LaggedContacts, Manifold, NearPairs, Pair,
-    VectorSet,
+    ContactGraph, ContactPoint, Contacts, FeatureId, GONE, LaggedContacts, Manifold, NearPairs, Pair, VectorSet,
 };
-pub(crate) use contact::ContactCache;
 pub(crate) use island::Islands;
 pub use joint::{BallJoint, BodyState, Constraint, ConstraintRow, ConstraintRows, JointLoad, Softness};
 pub(crate) use joint::{JoinedPairs, Joint, JointDefinition, JointSlot, Joints};
@@ -72,8 +70,8 @@ pub(crate) use scalar::Scalar;
 pub use schedule::{PhysicsSchedule, PhysicsSystems};
 pub(crate) use settings::contacts_last;
 pub use settings::{
-    BroadPhase, Choice, Choices, ContactModel, ExactIntegrator, ExactSettings, FrictionModel, Gravity, ImpulseSettings,
-    Integrator, Method, Precision, SETTINGS, Setting, SettingsError, SolverSettings, SweepSettings, WrittenSettings,
+    Choice, Choices, ContactModel, ExactIntegrator, ExactSettings, FrictionModel, Gravity, ImpulseSettings, Integrator,
+    Method, Precision, SETTINGS, Setting, SettingsError, SolverSettings, SweepSettings, WrittenSettings,
 };
 pub use shape::{Collider, ConvexHull, HullError, MassProperties, Shape};
 pub(crate) use shape::{Geometry, Hull};

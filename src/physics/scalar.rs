@@ -3,7 +3,7 @@
 use nalgebra::SimdRealField;
 
 /// A scalar in which one island can be solved at a time.
-pub(crate) trait Scalar: SimdRealField + Copy + PartialOrd {
+pub(crate) trait Scalar: SimdRealField + Copy + PartialOrd + Default {
     /// The gap between 1 and the next number.
     const EPSILON: f64;
 

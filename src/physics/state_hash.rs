@@ -4,11 +4,11 @@ use std::hash::Hasher;
 
 use bevy::prelude::*;
 
-use super::{Bodies, ContactCache, ContactGraph, ExactGroups, LaggedContacts, Position, Rotation, Velocity};
+use super::{Bodies, ContactGraph, ExactGroups, LaggedContacts, Position, Rotation, Velocity};
 
 /// Feeds every bit that the next step depends on to a hasher: poses and velocities of all bodies
-/// in the order in which they became bodies, who sleeps (not how long others have been calm), the
-/// warm-start cache, and contacts that wait for a lagged solve.
+/// in the order in which they became bodies, who sleeps (not how long others have been calm), what
+/// contacts carried, and those that wait for a lagged solve.
 pub fn hash_state<H: Hasher>(world: &World, hasher: &mut H) {
     let mut feed = |value: f64| hasher.write_u64(value.to_bits());
     let Some(bodies) = world.get_resource::<Bodies>() else { return };
@@ -23,13 +23,11 @@ pub fn hash_state<H: Hasher>(world: &World, hasher: &mut H) {
         }
     }
     bodies.asleep.iter().map(f64::from).for_each(&mut feed);
-    if let Some(cache) = world.get_resource::<ContactCache>() {
-        cache.points().iter().flat_map(|(_, force)| force.iter().copied()).for_each(&mut feed);
-    }
     if let Some(groups) = world.get_resource::<ExactGroups>() {
         groups.memory().for_each(&mut feed);
     }
     if let Some(graph) = world.get_resource::<ContactGraph>() {
+        graph.forces().flat_map(|force| force.iter().copied()).for_each(&mut feed);
         for (slot, state) in graph.slots.iter().zip(&graph.states).filter(|(slot, _)| slot.touching) {
             feed(f64::from(slot.pair.a));
             state.impulses.0.iter().map(|&impulse| f64::from(impulse)).for_each(&mut feed);

@@ -13,17 +13,7 @@ fn both_preludes_can_be_glob_imported() {
     }
     let sizes = [
         named::<(BallJoint, BodyQuarantined, Collider, Collision, CollisionLayers, ContactEnded)>(),
-        named::<(
-            BroadPhase,
-            ContactModel,
-            ContactStarted,
-            ConvexHull,
-            Damping,
-            Density,
-            ExternalForce,
-            FrictionModel,
-            Gravity,
-        )>(),
+        named::<(ContactModel, ContactStarted, ConvexHull, Damping, Density, ExternalForce, FrictionModel, Gravity)>(),
         named::<(GravityScale, Inertia, Integrator, JointLoad, LockedAxes, Mass, Method, ObserveContacts)>(),
         named::<(Position, Precision, Quarantined, RenderOrigin, ReportCollisions, RigidBody, Rotation)>(),
         named::<(Sleeping, Softness, SolverSettings, StepStats, SurfaceMaterial, Velocity, PhysicsPlugin)>(),

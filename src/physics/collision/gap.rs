@@ -38,12 +38,16 @@ pub(super) fn contact_gap(a: &Body, b: &Body, settings: &SolverSettings) -> f64 
     ((a.linear - b.linear).dot(&normal).max(0.0) + b.angular.norm() * b.radius) * h
 }
 
-/// A body's own part of the gap of the exact method, m: those of two bodies together are no less than what they can
-/// come together in a step, at their velocities and under the forces on them.
+/// A body's own part of the gap of force-level and exact methods, m: those of two bodies together are no less than the
+/// gap. With `exact` they are no less than what the two can come together in a step under the forces on them.
 pub(super) fn own_reach(body: &Body, settings: &SolverSettings) -> f64 {
     let h = settings.step();
+    let moved = (body.linear.norm() + turning_speed(body)) * h;
+    if settings.method != Method::Exact {
+        return moved;
+    }
     let margin = if body.radius.is_finite() { SPECULATIVE_MARGIN * body.radius } else { 0.0 };
-    margin + (body.linear.norm() + turning_speed(body)) * h + pull(body) * h * h
+    margin + moved + pull(body) * h * h
 }
 
 /// The most that two bodies can come together in a time h, s, at their velocities and under the forces on them, m.

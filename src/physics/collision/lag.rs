@@ -4,6 +4,7 @@
 use bevy::prelude::*;
 
 use super::manifold::Contacts;
+use super::slots::graph::ContactGraph;
 use crate::physics::settings::SolverSettings;
 
 /// What the step before found, and what the solver is to use now, with a lag of one step.
@@ -42,7 +43,12 @@ impl LaggedContacts {
     }
 }
 
-pub(super) fn swap_contacts(settings: Res<SolverSettings>, present: Res<Contacts>, mut lagged: ResMut<LaggedContacts>) {
+pub(super) fn swap_contacts(
+    settings: Res<SolverSettings>,
+    present: Res<Contacts>,
+    graph: Res<ContactGraph>,
+    mut lagged: ResMut<LaggedContacts>,
+) {
     let LaggedContacts { active, next } = &mut *lagged;
     if settings.contact_lag() == 0 {
         if !next.manifolds.is_empty() {
@@ -51,6 +57,10 @@ pub(super) fn swap_contacts(settings: Res<SolverSettings>, present: Res<Contacts
         return;
     }
     std::mem::swap(active, next);
+    for manifold in &mut active.manifolds {
+        // Another pair may have the slot by now.
+        manifold.slot = manifold.slot.filter(|&slot| graph.slots[slot as usize].pair == manifold.pair);
+    }
     next.manifolds.clone_from(&present.manifolds);
     next.points.clone_from(&present.points);
     next.time = present.time;

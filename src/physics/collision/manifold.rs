@@ -3,9 +3,9 @@
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-/// Two bodies that may touch, as indices into [`crate::physics::body::Bodies`]. A is the half-space if
-/// one is, else the one of lower index: the same from step to step, as normals and feature ids
-/// are told from A.
+/// Two bodies that may touch, as indices into [`crate::physics::body::Bodies`]. A is the half-space if one is, or in a
+/// slot what does not move if one does not; else the one of lower index. It is the same from step to step, as normals
+/// and feature ids are told from A.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) struct Pair {
     pub a: u32,
@@ -71,6 +71,8 @@ pub(crate) struct ContactPoint {
 /// How two bodies touch: a normal and a run of points in [`Contacts::points`].
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Manifold {
+    /// The pair's slot; those of the 2009 way have none.
+    pub slot: Option<u32>,
     pub pair: Pair,
     /// Unit, from A to B, world axes.
     pub normal: Vector3<f64>,
@@ -83,8 +85,8 @@ pub(crate) struct Manifold {
     pub restitution: f64,
 }
 
-/// The contacts of one step, in the order in which the broad phase found the pairs (half-space
-/// pairs first).
+/// The contacts of one step: those of half-spaces first, then along x, as the 2009 sweep finds them; of impulse methods
+/// by slot.
 #[derive(Resource, Default, Clone)]
 pub(crate) struct Contacts {
     pub manifolds: Vec<Manifold>,
@@ -98,10 +100,4 @@ impl Contacts {
         let first = manifold.first_point as usize;
         &self.points[first..first + manifold.point_count as usize]
     }
-}
-
-/// The pairs that the narrow phase looks at, half-space pairs first.
-#[derive(Resource, Default)]
-pub(crate) struct CandidatePairs {
-    pub pairs: Vec<Pair>,
 }

@@ -1,12 +1,11 @@
 //! Collision detection: which bodies may touch, where, along which normal and how deep.
 //!
-//! 1. [`broad`] keeps the pairs whose boxes in a tree overlap. Force-level methods may have the sweep and sort of
-//!    [`classic`] instead, and the exact method has it, which finds the pairs whose bounding spheres overlap.
-//!    Where contacts do not last, either lists [`CandidatePairs`].
-//! 2. A pair's contact points come from [`narrow`], with a routine for each kind of pair, or from [`classic`]: one
-//!    separating axis test over a set of axes, and extreme vertices.
-//! 3. Contacts that last stay in [`slots`]; others are found anew in each step by the [`narrow_phase`].
-//! 4. [`continuous`] finds where fast bodies first touch, and holds back what got through.
+//! 1. [`broad`] keeps the pairs whose boxes in a tree overlap, and [`slots`] what each pair has between steps.
+//! 2. A pair's contact points come from [`narrow`], with a routine for each kind of pair. Impulse methods have them in
+//!    the slot until the pair moves; for all others the [`narrow_phase`] lists [`Contacts`] anew in each step.
+//! 3. [`continuous`] finds where fast bodies first touch, and holds back what got through.
+//! 4. Force-level sweeps may have the 2009 way of [`classic`] instead of 1 and 2: sweep and sort, one separating axis
+//!    test over a set of axes, and extreme vertices.
 //!
 //! Everything is `f64` and computed relative to body A of each pair, so that it does not depend
 //! on the distance from the origin. What contacts do to bodies is the constraints' business, and
@@ -27,7 +26,7 @@ mod slots;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use broad::near_pairs::{CandidateTree, NearPairs};
+pub(crate) use broad::near_pairs::NearPairs;
 pub(crate) use classic::vector_set::VectorSet;
 pub(crate) use gap::{closing_distance, fastest_approach};
 pub(crate) use lag::LaggedContacts;
@@ -43,28 +42,22 @@ use bevy::prelude::*;
 use super::body::ReportCollisions;
 use super::readings::{ContactForces, Diagnostics};
 use super::schedule::PhysicsSystems;
-use super::settings::{BroadPhase, Method, SolverSettings, contacts_last};
+use super::settings::{contacts_are_of_2009, contacts_last};
 use broad::near_pairs;
 use classic::sweep_and_sort;
 use continuous::hold_back;
-use manifold::CandidatePairs;
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<CandidatePairs>()
+    app.init_resource::<sweep_and_sort::SweptPairs>()
         .init_resource::<Contacts>()
         .init_resource::<ContactGraph>()
         .init_resource::<NearPairs>()
         .init_resource::<LaggedContacts>()
-        .init_resource::<CandidateTree>()
         .add_systems(
             crate::physics::schedule::PhysicsSchedule,
             (
-                sweep_and_sort::find_candidate_pairs.in_set(PhysicsSystems::BroadPhase).run_if(pairs_are_swept),
-                near_pairs::find_candidate_pairs
-                    .in_set(PhysicsSystems::BroadPhase)
-                    .run_if(not(contacts_last))
-                    .run_if(not(pairs_are_swept)),
-                near_pairs::update_pairs.in_set(PhysicsSystems::BroadPhase).run_if(contacts_last),
+                sweep_and_sort::sweep.in_set(PhysicsSystems::BroadPhase).run_if(contacts_are_of_2009),
+                near_pairs::update_pairs.in_set(PhysicsSystems::BroadPhase).run_if(not(contacts_are_of_2009)),
                 narrow_phase::find_contacts.in_set(PhysicsSystems::NarrowPhase).run_if(not(contacts_last)),
                 slots::graph::update_graph.in_set(PhysicsSystems::NarrowPhase).run_if(contacts_last),
                 hold_back::hold_back
@@ -79,15 +72,6 @@ pub(super) fn plugin(app: &mut App) {
                     .run_if(contacts_are_read),
             ),
         );
-}
-
-/// Whether pairs are found by sweep and sort. The exact method's contacts reach as far as forces take a body in a step,
-/// which boxes of the tree do not.
-fn pairs_are_swept(settings: Res<SolverSettings>) -> bool {
-    match settings.method {
-        Method::Exact => true,
-        method => !method.keeps_contacts() && settings.sweeps.broad_phase == BroadPhase::SweepAndSort,
-    }
 }
 
 /// Whether somebody reads [`Contacts`] of contacts that last.

@@ -1,19 +1,19 @@
-//! Narrow phase: takes each candidate pair through the routine that the contact model names.
+//! Contacts found anew in each step, of what is in slots or what the 2009 way found.
 //!
 //! Pairs are split into blocks of a fixed number, each with buffers of its own, which are joined
-//! in order: the contacts do not depend on the number of threads. The axis that each pair's
-//! test ended with is kept for the next step's test to begin with; the contacts do not
-//! depend on it.
+//! in order: the contacts do not depend on the number of threads.
 
-use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
+use super::broad::near_pairs::NearPairs;
 use super::classic::extreme_vertices;
 use super::classic::sat::AxisBuffers;
+use super::classic::sweep_and_sort::{SweptPairs, begin};
 use super::gap::contact_gap;
-use super::manifold::{CandidatePairs, ContactPoint, Contacts, Manifold, Overlap, Pair};
+use super::manifold::{ContactPoint, Contacts, Manifold, Overlap, Pair};
 use super::narrow::contact_pair::{self, PairSearch};
 use super::narrow::feature_sat::Feature;
+use super::slots::graph::{Carried, ContactGraph};
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::constants::{CONTACT_TOLERANCE, PAIRS_A_BLOCK};
 use crate::physics::contact::surface;
@@ -27,7 +27,8 @@ use crate::physics::threads::for_each_of;
 pub(super) struct Block {
     manifolds: Vec<Manifold>,
     points: Vec<ContactPoint>,
-    last_axes: Vec<(Pair, Feature)>,
+    /// The axis that the test of each slot's pair ended with.
+    axes: Vec<(u32, Option<Feature>)>,
     buffers: Buffers,
 }
 
@@ -38,38 +39,47 @@ pub(super) struct Buffers {
     pub search: PairSearch,
 }
 
-/// The axis that the test of each pair ended with. A pair that is no candidate any more leaves; one whose bodies were
-/// replaced may find the axis of another, which costs one measurement.
-#[derive(Default)]
-pub(super) struct LastAxes(HashMap<Pair, Feature>);
+/// A pair to be looked at, with its slot.
+type Candidate = (Option<u32>, Pair);
 
 /// Fills [`Contacts`] for the present poses.
 pub(super) fn find_contacts(
     bodies: Res<Bodies>,
-    candidates: Res<CandidatePairs>,
+    near: Res<NearPairs>,
+    swept: Res<SweptPairs>,
     settings: Res<SolverSettings>,
+    mut graph: ResMut<ContactGraph>,
+    mut candidates: Local<Vec<Candidate>>,
     mut blocks: Local<Vec<Block>>,
-    mut last_axes: Local<LastAxes>,
     mut contacts: ResMut<Contacts>,
     mut stats: ResMut<StepStats>,
 ) {
-    let contacts = contacts.bypass_change_detection();
+    let (contacts, graph) = (contacts.bypass_change_detection(), graph.bypass_change_detection());
+    candidates.clear();
+    if settings.contact_model() == ContactModel::Clipping {
+        graph.take_pairs(&near, &bodies.list);
+        graph.carried.resize(graph.slots.len(), Carried::default());
+        candidates.extend(graph.active().map(|slot| (Some(slot), graph.slots[slot as usize].pair)));
+        sort_along_x(&mut candidates, &bodies.list);
+        stats.pairs = candidates.len() as u32;
+    } else {
+        candidates.extend(swept.0.iter().map(|&pair| (None, pair)));
+    }
     contacts.time = stats.time;
     contacts.manifolds.clear();
     contacts.points.clear();
-    let pairs = &candidates.pairs;
-    let block_count = pairs.len().div_ceil(PAIRS_A_BLOCK);
+    let block_count = candidates.len().div_ceil(PAIRS_A_BLOCK);
     if blocks.len() < block_count {
         blocks.resize_with(block_count, Block::default);
     }
     let blocks = &mut blocks[..block_count];
-    let work = pairs.chunks(PAIRS_A_BLOCK).zip(blocks.iter_mut());
-    for_each_of(settings.threads, work, |(pairs, block)| block.find(&bodies.list, pairs, &settings, &last_axes));
-    last_axes.0.clear();
+    let work = candidates.chunks(PAIRS_A_BLOCK).zip(blocks.iter_mut());
+    let carried = &graph.carried;
+    for_each_of(settings.threads, work, |(pairs, block)| block.find(&bodies.list, pairs, &settings, carried));
     stats.axes_tested = 0;
     for block in blocks {
         stats.axes_tested += u64::from(block.buffers.axes.axes) + u64::from(block.buffers.search.axes);
-        last_axes.0.extend(block.last_axes.iter().copied());
+        block.axes.iter().for_each(|&(slot, axis)| graph.carried[slot as usize].axis = axis);
         let first = contacts.points.len() as u32;
         contacts.points.extend_from_slice(&block.points);
         contacts.manifolds.extend(
@@ -80,28 +90,38 @@ pub(super) fn find_contacts(
     stats.contact_points = contacts.points.len() as u32;
 }
 
+/// Half-spaces first, then as the 2009 sweep finds them: rows are swept in this order, and it does not depend on the
+/// slots, which depend on the past.
+fn sort_along_x(candidates: &mut [Candidate], bodies: &[Body]) {
+    candidates.sort_unstable_by_key(|&(_, Pair { a, b })| {
+        if matches!(bodies[a as usize].geometry, Some(Geometry::HalfSpace)) {
+            return [(i64::MIN, a), (i64::MIN, b)];
+        }
+        let (a, b) = (begin(bodies, a), begin(bodies, b));
+        [a.min(b), a.max(b)]
+    });
+}
+
 impl Block {
-    fn find(&mut self, bodies: &[Body], pairs: &[Pair], settings: &SolverSettings, last_axes: &LastAxes) {
+    fn find(&mut self, bodies: &[Body], candidates: &[Candidate], settings: &SolverSettings, carried: &[Carried]) {
         self.manifolds.clear();
         self.points.clear();
-        self.last_axes.clear();
+        self.axes.clear();
         self.buffers.axes.axes = 0;
         self.buffers.search.axes = 0;
-        for &pair in pairs {
+        for &(slot, pair) in candidates {
             let (a, b) = (&bodies[pair.a as usize], &bodies[pair.b as usize]);
             if are_spheres_apart(a, b, contact_gap(a, b, settings)) {
                 continue;
             }
             let first = self.points.len();
-            let keeps_axis = settings.contact_model() == ContactModel::Clipping && are_searched(a, b);
-            self.buffers.search.last = if keeps_axis { last_axes.0.get(&pair).copied() } else { None };
+            self.buffers.search.last = slot.and_then(|slot| carried[slot as usize].axis);
             let touching = touch(a, b, settings, &mut self.buffers, &mut self.points);
-            if keeps_axis {
-                self.last_axes.extend(self.buffers.search.last.map(|axis| (pair, axis)));
-            }
+            self.axes.extend(slot.map(|slot| (slot, self.buffers.search.last)));
             let Some(overlap) = touching else { continue };
             let surface = surface(a, b, settings.friction);
             self.manifolds.push(Manifold {
+                slot,
                 pair,
                 normal: overlap.normal,
                 first_point: first as u32,
@@ -118,18 +138,6 @@ impl Block {
 fn are_spheres_apart(a: &Body, b: &Body, gap: f64) -> bool {
     let reach = (a.radius + b.radius) * (1.0 + CONTACT_TOLERANCE) + gap;
     (b.position - a.position).norm_squared() > reach * reach
-}
-
-/// Whether the pair's test goes from feature to feature, so that it is worth to remember where it
-/// ended. Half-spaces and balls have no such test, and two boxes are tested faster than that is
-/// found.
-fn are_searched(a: &Body, b: &Body) -> bool {
-    let [is_box_a, is_box_b] = [a, b].map(|body| match &body.geometry {
-        Some(Geometry::Cuboid { .. }) => Some(true),
-        Some(Geometry::Hull(_) | Geometry::Cone { .. }) => Some(false),
-        _ => None,
-    });
-    is_box_a.zip(is_box_b).is_some_and(|boxes| boxes != (true, true))
 }
 
 /// Adds the contact points of two bodies in world axes, if they touch.

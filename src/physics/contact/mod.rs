@@ -7,4 +7,4 @@ mod warm_start;
 
 pub(crate) use laws::{may_bounce, rebound, restitution_threshold, surface};
 pub(crate) use rows::{PointConstraint, penetration_bias, tangents};
-pub(crate) use warm_start::{ContactCache, KEPT_SHARE, namesake, predecessors};
+pub(crate) use warm_start::{KEPT_SHARE, namesake, predecessors};

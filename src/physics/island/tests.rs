@@ -12,7 +12,15 @@ fn joint(a: u32, b: u32) -> Joint {
 
 fn touch(a: u32, b: u32) -> Manifold {
     let normal = Vector3::y();
-    Manifold { pair: Pair { a, b }, normal, first_point: 0, point_count: 0, friction: 0.0, restitution: 0.0 }
+    Manifold {
+        slot: None,
+        pair: Pair { a, b },
+        normal,
+        first_point: 0,
+        point_count: 0,
+        friction: 0.0,
+        restitution: 0.0,
+    }
 }
 
 /// A world after `find_islands`.

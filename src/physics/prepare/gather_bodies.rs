@@ -6,9 +6,8 @@ use bevy::prelude::*;
 use super::gather_body::{Terms, freeze, gather_body, teleport};
 use super::table::{BodyQuery, BodyTable, Watch};
 use crate::physics::{
-    Bodies, Body, BodyQuarantined, BodySlot, CandidateTree, ContactCache, ContactGraph, Gravity, Joints,
-    LaggedContacts, NearPairs, QuarantineReason, Refill, RenderOrigin, RigidBody, Sleep, Sleeping, SolverSettings,
-    StepStats, set_aside,
+    Bodies, Body, BodyQuarantined, BodySlot, ContactGraph, Gravity, Joints, LaggedContacts, NearPairs,
+    QuarantineReason, Refill, RenderOrigin, RigidBody, Sleep, Sleeping, SolverSettings, StepStats, set_aside,
 };
 
 /// Why contiguous iteration cannot fail: all components of a body are stored in tables.
@@ -31,9 +30,7 @@ pub(super) struct Known<'w, 's> {
     query: Query<'w, 's, BodyQuery>,
     commands: Commands<'w, 's>,
     lagged: ResMut<'w, LaggedContacts>,
-    cache: ResMut<'w, ContactCache>,
     near: ResMut<'w, NearPairs>,
-    candidates: ResMut<'w, CandidateTree>,
     graph: ResMut<'w, ContactGraph>,
     joints: ResMut<'w, Joints>,
     sleep: ResMut<'w, Sleep>,
@@ -73,7 +70,6 @@ pub(super) fn gather_bodies(
             let index = table.slot.as_ref()[row].index;
             if teleport(&mut table, row, origin.0) {
                 known.lagged.drop_body(index);
-                known.cache.drop_body(index);
                 bodies.renewed.push(index);
             }
             if table.sleeping && !bodies.asleep.contains(index) {
@@ -153,7 +149,6 @@ fn update_list(known: &mut Known, bodies: &mut Bodies, new: &mut [(u64, Entity)]
     let is_at = |body: &Body, index| known.query.get(body.entity).is_ok_and(|item| item.slot.index == index);
     let seen: Vec<bool> = (0..).zip(&bodies.list).map(|(index, body)| is_at(body, index)).collect();
     if seen.contains(&false) {
-        known.cache.clear();
         drop_gone_bodies(&seen, bodies, known);
     }
     new.sort_unstable();
@@ -172,7 +167,6 @@ fn drop_gone_bodies(seen: &[bool], bodies: &mut Bodies, known: &mut Known) {
     let new_index: Vec<Option<u32>> = seen.iter().map(|&alive| if alive { places.next() } else { None }).collect();
     known.lagged.remap(&new_index);
     known.near.remap(&new_index);
-    known.candidates.remap(&new_index);
     known.graph.remap(&new_index);
     known.joints.remap(&new_index);
     known.sleep.remap(&new_index, bodies);

@@ -35,15 +35,6 @@ choices! {
         Exact = "exact",
     }
 
-    /// How pairs of bodies that may touch are found.
-    pub enum BroadPhase {
-        /// Bounding spheres swept along x and sorted, in each step: the 2009 engine's. Its cost follows the number of
-        /// bodies, and of those side by side along x and z.
-        SweepAndSort = "sweep_and_sort",
-        /// A tree of boxes a little larger than their bodies: its cost follows what moves.
-        BoundingTree = "bounding_tree",
-    }
-
     /// How force-level methods make poses of velocities.
     pub enum Integrator {
         /// v += h a, then x += h v with the new v. One solve a (sub)step.
@@ -61,13 +52,15 @@ choices! {
         Rattle = "rattle",
     }
 
-    /// How the points of a contact are found once the separating axis test has given a normal.
+    /// How contacts are found.
     pub enum ContactModel {
-        /// The extreme vertices of each shape toward the other, moved onto the contact plane, all with the same depth:
-        /// the 2009 engine's.
+        /// As in the 2009 engine, anew in each step: bounding spheres swept along x and sorted, one separating axis test
+        /// over a set of axes, and for points the extreme vertices of each shape toward the other, moved onto the
+        /// contact plane, all with the same depth.
         ExtremeVertices = "extreme_vertices",
-        /// The incident face clipped to the reference face, each point with its own depth; at most 4 points, chosen to
-        /// keep the deepest one and the area.
+        /// Pairs from a tree of boxes a little larger than their bodies, each in a slot for as long as it is near; for
+        /// points the incident face clipped to the reference face, each with its own depth; at most 4, chosen to keep
+        /// the deepest one and the area.
         Clipping = "clipping",
     }
 

@@ -7,10 +7,10 @@ mod described;
 mod solver_settings;
 mod written;
 
-pub use choices::{BroadPhase, ContactModel, ExactIntegrator, FrictionModel, Integrator, Method, Precision};
+pub use choices::{ContactModel, ExactIntegrator, FrictionModel, Integrator, Method, Precision};
 pub use described::{Choice, Choices};
-pub(crate) use solver_settings::contacts_last;
 pub use solver_settings::{
     ExactSettings, Gravity, ImpulseSettings, SETTINGS, Setting, SettingsError, SolverSettings, SweepSettings,
 };
+pub(crate) use solver_settings::{contacts_are_of_2009, contacts_last};
 pub use written::WrittenSettings;

@@ -7,7 +7,7 @@ use serde::de::MapAccess;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 use super::described::{one_line, settings};
-use super::{BroadPhase, Choice, Choices, ContactModel, ExactIntegrator, FrictionModel, Integrator, Method, Precision};
+use super::{Choice, Choices, ContactModel, ExactIntegrator, FrictionModel, Integrator, Method, Precision};
 
 const EVERY: Readers = Readers { methods: |_| true, with: None };
 const ALL_BUT_EXACT: Readers = Readers { methods: |method| method != Method::Exact, with: None };
@@ -19,8 +19,8 @@ const AT_EXTREMES: Readers = Readers {
     with: Some(("contacts: extreme_vertices", |settings| settings.sweeps.contacts == ContactModel::ExtremeVertices)),
     ..SWEEPS
 };
-const SWEPT: Readers = Readers {
-    with: Some(("broad_phase: sweep_and_sort", |settings| settings.sweeps.broad_phase == BroadPhase::SweepAndSort)),
+const AT_CLIPPING: Readers = Readers {
+    with: Some(("contacts: clipping", |settings| settings.sweeps.contacts == ContactModel::Clipping)),
     ..SWEEPS
 };
 
@@ -62,20 +62,18 @@ settings! {
             integrator: Integrator => SWEEPS;
             /// Whether contact rows start from the forces of the (sub)step before, points found again by feature,
             /// instead of from zero.
-            warm_starting: bool => SWEEPS;
+            warm_starting: bool => AT_CLIPPING;
             /// Share of a position error that one (sub)step aims to remove, 0 to 1 (Baumgarte's β·h, or ODE's error
             /// reduction parameter).
             baumgarte: f64 => SWEEPS;
-            /// How contact points are found.
+            /// How contacts are found.
             contacts: ContactModel => SWEEPS;
             /// L1 distance within which two candidate axes of the separating axis test count as one, 0 to 0.5.
             axis_epsilon: f64 => AT_EXTREMES;
             /// Whether n and −n count as one candidate axis.
             merge_opposite_axes: bool => AT_EXTREMES;
-            /// How pairs that may touch are found.
-            broad_phase: BroadPhase => SWEEPS;
             /// Whether sweep and sort also prunes on y.
-            prune_y: bool => SWEPT;
+            prune_y: bool => AT_EXTREMES;
             /// Steps by which the solver's contacts lag behind the poses: 0, or 1 as in the 2009 engine's threaded loop.
             contact_lag: u32 => SWEEPS;
         }
@@ -196,7 +194,6 @@ impl SolverSettings {
                 contacts: ContactModel::ExtremeVertices,
                 axis_epsilon: 1e-3,
                 merge_opposite_axes: false,
-                broad_phase: BroadPhase::SweepAndSort,
                 prune_y: false,
                 contact_lag: 0,
             },
@@ -236,7 +233,6 @@ impl SolverSettings {
             method: Method::SoftStep,
             iterations: 1,
             slop: 0.0,
-            sweeps: SweepSettings { broad_phase: BroadPhase::BoundingTree, ..steady.sweeps },
             impulse: ImpulseSettings { fitted_effort: true, sleep_speed: Some(0.02) },
             ..steady
         }
@@ -322,6 +318,11 @@ impl SolverSettings {
 /// Run condition of systems for contacts that last.
 pub(crate) fn contacts_last(settings: Res<SolverSettings>) -> bool {
     settings.method.keeps_contacts()
+}
+
+/// Run condition of what is for contacts of the 2009 way alone.
+pub(crate) fn contacts_are_of_2009(settings: Res<SolverSettings>) -> bool {
+    settings.contact_model() == ContactModel::ExtremeVertices
 }
 
 /// Why settings make no sense.

@@ -33,7 +33,7 @@ pub(crate) struct Placement {
     pub rotation: UnitQuaternion<f64>,
     /// Way within the step at the present velocity, m; zero where contacts are not sought ahead.
     pub travel: Vector3<f64>,
-    /// Angle turned within the step, rad, ≥ 0; likewise.
+    /// Angle turned within the step, rad, ≥ 0; likewise. Infinite: the box is that of the sphere, and no room holds it.
     pub turn: f64,
 }
 

@@ -1,7 +1,6 @@
-//! The broad phase by a bounding tree: keeps the [`PersistentPairs`] of the bodies, for contacts that last and, if the
-//! settings ask for it, for those of force-level methods.
-//!
-//! Tells them what a change of a body or joint means, and bounds each shape by its own box.
+//! The broad phase: keeps the [`PersistentPairs`] of the bodies, tells them what a change of a body or joint means, and
+//! bounds each shape: for impulse methods by its own box, for others, whose gap is told for each body, by its sphere and
+//! that gap.
 
 use bevy::prelude::*;
 use nalgebra::Vector3;
@@ -12,7 +11,8 @@ use super::pair_slots::PairSlot;
 use super::persistent_pairs::{BoundedBodies, Bounds, PairChanges, PersistentPairs};
 use crate::physics::body::{Bodies, Body, RigidBody};
 use crate::physics::collision::constants::CONTACT_TOLERANCE;
-use crate::physics::collision::manifold::{CandidatePairs, Pair};
+use crate::physics::collision::gap::own_reach;
+use crate::physics::collision::manifold::Pair;
 use crate::physics::joint::{JoinedPairs, Joints};
 use crate::physics::settings::SolverSettings;
 use crate::physics::shape::Geometry;
@@ -25,8 +25,9 @@ pub(crate) struct NearPairs {
     pub changes: PairChanges,
     /// Pairs of bodies that are gone, under the indices they had.
     dropped: Vec<(PairSlot, Pair)>,
-    /// Steps up to which the pairs are known; bodies that changed in a step without are not.
-    known_steps: Option<u64>,
+    /// Steps up to which the pairs are known, and whether for contacts that last; bodies that changed in a step without
+    /// are not, and what slots keep is of no use to the other.
+    known: Option<(u64, bool)>,
     joined: JoinedPairs,
     joints_version: u64,
 }
@@ -39,34 +40,23 @@ impl NearPairs {
     }
 }
 
-/// The same for contacts that do not last: a tree of its own, since those that last take in every change of theirs.
-#[derive(Resource, Default)]
-pub(crate) struct CandidateTree(NearPairs);
-
-impl CandidateTree {
-    /// Follows bodies to their new indices.
-    pub fn remap(&mut self, new_index: &[Option<u32>]) {
-        self.0.remap(new_index);
-    }
-}
-
 /// The bodies as the broad phase asks for them.
 pub(crate) struct InStep<'a> {
     pub bodies: &'a [Body],
     pub joined: &'a JoinedPairs,
     /// s.
     pub h: f64,
+    /// Of methods that look for contacts up to a gap told for each body.
+    pub reach: Option<&'a SolverSettings>,
 }
 
 impl BoundedBodies for InStep<'_> {
     fn placement(&self, body: u32) -> Placement {
-        let body = &self.bodies[body as usize];
-        Placement {
-            position: body.position,
-            rotation: body.rotation,
-            travel: body.linear * self.h,
-            turn: body.angular.norm() * self.h,
+        let Body { position, rotation, linear, angular, .. } = self.bodies[body as usize];
+        if self.reach.is_some() {
+            return Placement { position, rotation, travel: Vector3::zeros(), turn: f64::INFINITY };
         }
+        Placement { position, rotation, travel: linear * self.h, turn: angular.norm() * self.h }
     }
 
     fn bounds(&self, body: u32) -> Bounds {
@@ -75,9 +65,13 @@ impl BoundedBodies for InStep<'_> {
             return Bounds::None;
         }
         let axes = body.rotation.to_rotation_matrix().into_inner();
+        let gap = self.reach.map_or(0.0, |settings| own_reach(body, settings));
         let reach = match &body.geometry {
             None => return Bounds::None,
-            Some(Geometry::HalfSpace) => return Bounds::HalfSpace { normal: axes.column(1).into_owned() },
+            Some(Geometry::HalfSpace) => {
+                let normal = axes.column(1).into_owned();
+                return Bounds::HalfSpace { normal, point: body.position + normal * gap };
+            }
             Some(Geometry::Sphere { radius }) => [Vector3::repeat(-radius), Vector3::repeat(*radius)],
             Some(Geometry::Cuboid { half }) => {
                 let reach = axes.abs() * half;
@@ -101,7 +95,7 @@ impl BoundedBodies for InStep<'_> {
         let slack = Vector3::repeat(CONTACT_TOLERANCE * body.radius);
         let [low, high] = [body.position + reach[0] - slack, body.position + reach[1] + slack];
         let moves = body.kind != RigidBody::Static;
-        Bounds::Within(Extent { bounds: BoundingBox { low, high }, radius: body.radius, moves })
+        Bounds::Within(Extent { bounds: BoundingBox { low, high }, radius: body.radius + gap, moves })
     }
 
     fn may_pair(&self, a: u32, b: u32) -> bool {
@@ -110,7 +104,7 @@ impl BoundedBodies for InStep<'_> {
     }
 }
 
-/// Brings the pairs of contacts that last up to date with the bodies.
+/// Brings the pairs up to date with the bodies.
 pub(crate) fn update_pairs(
     bodies: Res<Bodies>,
     joints: Res<Joints>,
@@ -119,58 +113,29 @@ pub(crate) fn update_pairs(
     mut near: ResMut<NearPairs>,
     stats: Res<StepStats>,
 ) {
-    near.bypass_change_detection().update(&bodies, &joints, &joined, &settings, stats.steps);
-}
-
-/// Brings the pairs of contacts that do not last up to date with the bodies, and lists them: half-spaces first, then by
-/// index, so that contacts do not depend on the slots, which depend on the past.
-pub(crate) fn find_candidate_pairs(
-    bodies: Res<Bodies>,
-    joints: Res<Joints>,
-    joined: Res<JoinedPairs>,
-    settings: Res<SolverSettings>,
-    mut tree: ResMut<CandidateTree>,
-    mut candidates: ResMut<CandidatePairs>,
-    mut stats: ResMut<StepStats>,
-) {
-    let tree = &mut tree.bypass_change_detection().0;
-    tree.update(&bodies, &joints, &joined, &settings, stats.steps);
-    let is_half_space = |body: u32| matches!(bodies.list[body as usize].geometry, Some(Geometry::HalfSpace));
-    let pairs = &mut candidates.bypass_change_detection().pairs;
-    pairs.clear();
-    pairs.extend(tree.pairs.pairs().iter().map(|(_, pair)| pair));
-    pairs.sort_unstable_by_key(|pair| (!is_half_space(pair.a), *pair));
-    stats.pairs = pairs.len() as u32;
+    let NearPairs { pairs, changes, dropped, known, joined: joined_before, joints_version } =
+        near.bypass_change_detection();
+    let lasts = settings.method.keeps_contacts();
+    if known.replace((stats.steps + 1, lasts)) == Some((stats.steps, lasts)) {
+        bodies.renewed.iter().for_each(|&body| pairs.renew(body));
+    } else {
+        (0..bodies.list.len() as u32).for_each(|body| pairs.renew(body));
+    }
+    if *joints_version != joints.version {
+        *joints_version = joints.version;
+        joined.differences(joined_before, |a, b| pairs.reconsider(a, b));
+        joined_before.clone_from(&joined);
+    }
+    let reach = (!lasts).then_some(&*settings);
+    let in_step = InStep { bodies: &bodies.list, joined: &joined, h: settings.step(), reach };
+    pairs.update(&in_step, bodies.awake(), changes);
+    if !dropped.is_empty() {
+        dropped.append(&mut changes.removed);
+        std::mem::swap(dropped, &mut changes.removed);
+    }
 }
 
 impl NearPairs {
-    fn update(
-        &mut self,
-        bodies: &Bodies,
-        joints: &Joints,
-        joined: &JoinedPairs,
-        settings: &SolverSettings,
-        steps: u64,
-    ) {
-        let Self { pairs, changes, dropped, known_steps, joined: joined_before, joints_version } = self;
-        if known_steps.replace(steps + 1) == Some(steps) {
-            bodies.renewed.iter().for_each(|&body| pairs.renew(body));
-        } else {
-            (0..bodies.list.len() as u32).for_each(|body| pairs.renew(body));
-        }
-        if *joints_version != joints.version {
-            *joints_version = joints.version;
-            joined.differences(joined_before, |a, b| pairs.reconsider(a, b));
-            joined_before.clone_from(joined);
-        }
-        let in_step = InStep { bodies: &bodies.list, joined, h: settings.step() };
-        pairs.update(&in_step, bodies.awake(), changes);
-        if !dropped.is_empty() {
-            dropped.append(&mut changes.removed);
-            std::mem::swap(dropped, &mut changes.removed);
-        }
-    }
-
     /// The pair of a slot.
     pub fn pair(&self, slot: PairSlot) -> Option<Pair> {
         self.pairs.pairs().get(slot)

@@ -58,12 +58,6 @@ impl PairSlots {
         self.pairs.get(slot.0 as usize).copied().filter(|pair| pair.a != NONE)
     }
 
-    /// All pairs in the order of their slots.
-    pub fn iter(&self) -> impl Iterator<Item = (PairSlot, Pair)> {
-        let all = self.pairs.iter().enumerate().filter(|(_, pair)| pair.a != NONE);
-        all.map(|(slot, pair)| (PairSlot(slot as u32), *pair))
-    }
-
     /// The slots of the pairs of one body, and the bodies at the other end; the youngest pair first.
     pub fn of_body(&self, body: u32) -> impl Iterator<Item = (PairSlot, u32)> {
         let first = self.first_of(body);

@@ -47,10 +47,12 @@ pub(crate) enum Bounds {
     /// It touches nothing.
     None,
     Within(Extent),
-    /// All that is below a plane; its body's position is on it.
+    /// All that is below a plane.
     HalfSpace {
         /// Unit, outwards.
         normal: Vector3<f64>,
+        /// On it.
+        point: Vector3<f64>,
     },
 }
 
@@ -224,9 +226,9 @@ impl PersistentPairs {
         let index = body as usize;
         match bounds {
             Bounds::None => self.rooms[index] = Room::UNBOUNDED,
-            Bounds::HalfSpace { normal } => {
+            Bounds::HalfSpace { normal, point } => {
                 self.rooms[index] = Room::NONE;
-                let new = HalfSpace { body, normal, point: placement.position, moved: true };
+                let new = HalfSpace { body, normal, point, moved: true };
                 match self.half_spaces.iter_mut().find(|plane| plane.body == body) {
                     Some(old) if old.normal == new.normal && old.point == new.point => {}
                     Some(old) => *old = new,

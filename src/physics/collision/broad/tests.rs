@@ -1,8 +1,9 @@
 //! What tests look at inside the broad phase.
 
 use super::bounding_tree::{BoundingBox, BoundingTree, NONE};
-use super::pair_slots::PairSlots;
+use super::pair_slots::{PairSlot, PairSlots};
 use super::persistent_pairs::PersistentPairs;
+use crate::physics::collision::manifold::Pair;
 
 impl BoundingTree {
     /// Checks every link and box; gives the number of leaves and the depth.
@@ -67,6 +68,12 @@ impl PersistentPairs {
 }
 
 impl PairSlots {
+    /// All pairs in the order of their slots.
+    pub fn iter(&self) -> impl Iterator<Item = (PairSlot, Pair)> {
+        let slots = (0..self.slot_count() as u32).map(PairSlot);
+        slots.filter_map(|slot| self.get(slot).map(|pair| (slot, pair)))
+    }
+
     /// The number of pairs.
     pub fn len(&self) -> usize {
         self.iter().count()

@@ -10,37 +10,24 @@
 //! dynamic body whose sphere reaches its plane. Bodies that share a joint, whose layers do not
 //! interact, or of which neither is dynamic make no pair.
 //!
-//! Spheres of the exact method reach as far as the body can get in the step.
-//!
 //! The order is kept from step to step and mended by insertion, for bodies move little in a
 //! step; it is always the one order by (begin, body), so that nothing depends on the past.
-
-use std::cmp::Ordering;
 
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
 use crate::physics::collision::constants::{BUCKETS_A_BLOCK, CONTACT_TOLERANCE, MOVES_A_BODY};
-use crate::physics::collision::gap::{contact_gap, own_reach};
-use crate::physics::collision::manifold::CandidatePairs;
 use crate::physics::{
-    Bodies, Body, CollisionLayers, Geometry, JoinedPairs, Method, Pair, Refill, SolverSettings, StepStats, for_each_of,
+    Bodies, Body, CollisionLayers, Geometry, JoinedPairs, Pair, Refill, SolverSettings, StepStats, for_each_of,
 };
 
 /// What the sweep keeps from step to step: the order of the bodies, and buffers.
 #[derive(Default)]
 pub(crate) struct SweepAndSort {
-    order: Vec<Begin>,
+    order: Vec<(i64, u32)>,
     spheres: Vec<Projection>,
     /// Pairs of each run of buckets.
     found: Vec<Vec<Pair>>,
-}
-
-/// Where a body's sphere begins on x.
-#[derive(Clone, Copy)]
-struct Begin {
-    x: f64,
-    body: u32,
 }
 
 /// A bounding sphere, projected. Intervals are closed: touching is overlapping.
@@ -54,16 +41,20 @@ struct Projection {
     layers: CollisionLayers,
 }
 
-/// Finds the candidate pairs of this step.
-pub(crate) fn find_candidate_pairs(
+/// The pairs that the sweep found in this step, half-space pairs first.
+#[derive(Resource, Default)]
+pub(crate) struct SweptPairs(pub Vec<Pair>);
+
+/// Finds the pairs of this step.
+pub(crate) fn sweep(
     bodies: Res<Bodies>,
     joined: Res<JoinedPairs>,
     settings: Res<SolverSettings>,
     mut sweep: Local<SweepAndSort>,
-    mut candidates: ResMut<CandidatePairs>,
+    mut pairs: ResMut<SweptPairs>,
     mut stats: ResMut<StepStats>,
 ) {
-    let pairs = &mut candidates.bypass_change_detection().pairs;
+    let pairs = &mut pairs.bypass_change_detection().0;
     pairs.clear();
     sweep.find_pairs(&bodies.list, &joined, &settings, pairs);
     stats.pairs = pairs.len() as u32;
@@ -76,14 +67,16 @@ fn is_swept(body: &Body) -> bool {
 }
 
 /// The bounding radius, and what rounding may take from a gap of zero.
-fn touching_reach(body: &Body) -> f64 {
+fn reach(body: &Body) -> f64 {
     body.radius * (1.0 + CONTACT_TOLERANCE)
 }
 
-/// The same, for the exact method with the body's part of the gap up to which pairs get contact points.
-fn reach(body: &Body, settings: &SolverSettings) -> f64 {
-    let touching = touching_reach(body);
-    if settings.method == Method::Exact { touching + own_reach(body, settings) } else { touching }
+/// Where a body's sphere begins on x, by a number that sorts like it; then the body.
+pub(in crate::physics::collision) fn begin(bodies: &[Body], body: u32) -> (i64, u32) {
+    let at = &bodies[body as usize];
+    let bits = (at.position.x - reach(at)).to_bits() as i64;
+    // Of what is below zero, all bits but the sign count the other way.
+    (bits ^ ((bits >> 63) as u64 >> 1) as i64, body)
 }
 
 impl SweepAndSort {
@@ -98,13 +91,13 @@ impl SweepAndSort {
         if swept == 0 {
             return;
         }
-        half_space_pairs(bodies, joined, settings, pairs);
-        self.sort(bodies, swept, settings);
-        self.project(bodies, settings);
+        half_space_pairs(bodies, joined, pairs);
+        self.sort(bodies, swept);
+        self.project(bodies);
         let block_count = self.spheres.len().div_ceil(BUCKETS_A_BLOCK);
         self.found.resize_with(block_count, Vec::new);
         let spheres = &self.spheres;
-        let prune_y = settings.method == Method::Exact || settings.sweeps.prune_y;
+        let prune_y = settings.sweeps.prune_y;
         for_each_of(settings.threads, self.found.iter_mut().enumerate(), |(block, found)| {
             found.clear();
             let first = block * BUCKETS_A_BLOCK;
@@ -118,32 +111,29 @@ impl SweepAndSort {
     }
 
     /// Brings the order of the bodies on x up to date.
-    fn sort(&mut self, bodies: &[Body], swept: usize, settings: &SolverSettings) {
-        self.order.retain(|begin| bodies.get(begin.body as usize).is_some_and(is_swept));
+    fn sort(&mut self, bodies: &[Body], swept: usize) {
+        self.order.retain(|&(_, body)| bodies.get(body as usize).is_some_and(is_swept));
         if self.order.len() != swept {
             self.order.clear();
-            let all = bodies.iter().enumerate().filter(|(_, body)| is_swept(body));
-            self.order.extend(all.map(|(index, _)| Begin { x: 0.0, body: index as u32 }));
+            let all = (0..).zip(bodies).filter(|(_, body)| is_swept(body));
+            self.order.extend(all.map(|(index, _)| (0, index)));
         }
-        for begin in &mut self.order {
-            let body = &bodies[begin.body as usize];
-            begin.x = body.position.x - reach(body, settings);
-        }
+        self.order.iter_mut().for_each(|at| *at = begin(bodies, at.1));
         if !sort_by_insertion(&mut self.order, MOVES_A_BODY * bodies.len()) {
-            self.order.sort_unstable_by(Begin::compare);
+            self.order.sort_unstable();
         }
     }
 
-    fn project(&mut self, bodies: &[Body], settings: &SolverSettings) {
-        self.spheres.refill(self.order.iter().map(|begin| {
-            let body = &bodies[begin.body as usize];
-            let reach = reach(body, settings);
+    fn project(&mut self, bodies: &[Body]) {
+        self.spheres.refill(self.order.iter().map(|&(_, index)| {
+            let body = &bodies[index as usize];
+            let reach = reach(body);
             let interval = |middle: f64| [middle - reach, middle + reach];
             Projection {
                 x: interval(body.position.x),
                 z: interval(body.position.z),
                 y: interval(body.position.y),
-                body: begin.body,
+                body: index,
                 dynamic: body.is_dynamic(),
                 layers: body.layers,
             }
@@ -151,15 +141,14 @@ impl SweepAndSort {
     }
 }
 
-fn half_space_pairs(bodies: &[Body], joined: &JoinedPairs, settings: &SolverSettings, pairs: &mut Vec<Pair>) {
+fn half_space_pairs(bodies: &[Body], joined: &JoinedPairs, pairs: &mut Vec<Pair>) {
     let is_half_space = |body: &Body| matches!(body.geometry, Some(Geometry::HalfSpace));
     for (a, plane) in (0..).zip(bodies).filter(|(_, body)| is_half_space(body)) {
         let normal = plane.rotation * Vector3::y();
         for (b, body) in (0..).zip(bodies) {
             if is_swept(body)
                 && body.is_dynamic()
-                && normal.dot(&(body.position - plane.position))
-                    <= touching_reach(body) + contact_gap(plane, body, settings)
+                && normal.dot(&(body.position - plane.position)) <= reach(body)
                 && plane.layers.interact(body.layers)
                 && !joined.contains(a, b)
             {
@@ -185,18 +174,12 @@ fn pair_bucket(spheres: &[Projection], first: usize, prune_y: bool, joined: &Joi
     }
 }
 
-impl Begin {
-    fn compare(&self, other: &Self) -> Ordering {
-        self.x.total_cmp(&other.x).then(self.body.cmp(&other.body))
-    }
-}
-
 /// Sorts what is nearly sorted; gives up, with false, after more than that many moves.
-fn sort_by_insertion(order: &mut [Begin], mut moves_left: usize) -> bool {
+fn sort_by_insertion(order: &mut [(i64, u32)], mut moves_left: usize) -> bool {
     for sorted in 1..order.len() {
         let begin = order[sorted];
         let mut place = sorted;
-        while place > 0 && order[place - 1].compare(&begin) == Ordering::Greater {
+        while place > 0 && order[place - 1] > begin {
             if moves_left == 0 {
                 order[place] = begin;
                 return false;

@@ -127,11 +127,6 @@ pub(crate) struct PairSearch {
 }
 
 impl PairSearch {
-    /// Forgets the axis of the last step: another pair is next.
-    pub fn forget(&mut self) {
-        self.last = None;
-    }
-
     /// What a test has found; of shapes that are apart, keeps the feature along whose axis they are.
     pub fn near<T>(&mut self, found: Result<T, Feature>) -> Option<T> {
         found.map_err(|feature| self.last = Some(feature)).ok()

@@ -1,5 +1,7 @@
 //! The contacts that last as [`Contacts`], and their forces, for whoever reads them.
 
+use std::iter::repeat;
+
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
@@ -48,9 +50,10 @@ pub(in crate::physics::collision) fn export_contacts(
             });
         }
         if let Some(recording) = &mut recording {
-            recording.tangents.push((a.rotation * state.geometry.tangent(), index as u32));
+            recording.tangents.push(a.rotation * state.geometry.tangent());
         }
         contacts.manifolds.push(Manifold {
+            slot: Some(index as u32),
             pair: slot.pair,
             normal,
             first_point: first as u32,
@@ -78,16 +81,14 @@ impl ContactGraph {
         h_last: f64,
     ) -> impl Iterator<Item = (u32, usize, [Vector3<f64>; 2])> {
         let recording =
-            self.recording.iter().flat_map(|recording| recording.tangents.iter().map(move |t| (recording, t)));
-        recording.zip(&contacts.manifolds).enumerate().flat_map(
-            move |(index, ((recording, &(tangent, slot)), manifold))| {
-                let frame = [manifold.normal, tangent, manifold.normal.cross(&tangent)];
-                let forces = [(&recording.totals[slot as usize], h), (&self.states[slot as usize].impulses, h_last)];
-                (0..manifold.point_count as usize).map(move |point| {
-                    (index as u32, point, forces.map(|(impulses, h)| point_force(impulses, &frame, point) / h))
-                })
-            },
-        )
+            self.recording.iter().flat_map(|Recording { totals, tangents }| tangents.iter().zip(repeat(totals)));
+        (0..).zip(&contacts.manifolds).zip(recording).flat_map(move |((index, manifold), (tangent, totals))| {
+            let slot = manifold.slot.expect("exported from one") as usize;
+            let frame = [manifold.normal, *tangent, manifold.normal.cross(tangent)];
+            let forces = [(&totals[slot], h), (&self.states[slot].impulses, h_last)];
+            (0..manifold.point_count as usize)
+                .map(move |point| (index, point, forces.map(|(impulses, h)| point_force(impulses, &frame, point) / h)))
+        })
     }
 }
 

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use super::record::ContactState;
+use super::record::{ContactState, POINTS};
 use super::slot::{RelativePose, Slot};
 use crate::physics::bit_set::{BitSet, ones};
 use crate::physics::body::{Bodies, Body};
@@ -11,8 +11,10 @@ use crate::physics::collision::broad::near_pairs::NearPairs;
 use crate::physics::collision::broad::pair_slots::PairSlot;
 use crate::physics::collision::constants::SLOTS_A_CHUNK;
 use crate::physics::collision::continuous::fast_pair::FastPair;
-use crate::physics::collision::manifold::{ContactPoint, Pair};
+use crate::physics::collision::manifold::{ContactPoint, FeatureId, Pair};
 use crate::physics::collision::narrow::contact_pair::PairSearch;
+use crate::physics::collision::narrow::feature_sat::Feature;
+use crate::physics::contact::namesake;
 use crate::physics::joint::Joints;
 use crate::physics::lanes::Record;
 use crate::physics::settings::SolverSettings;
@@ -27,6 +29,8 @@ pub(crate) const GONE: u32 = u32::MAX;
 pub(crate) struct ContactGraph {
     pub slots: Vec<Slot>,
     pub states: Vec<ContactState>,
+    /// Instead of states, where manifolds are found anew in each step.
+    pub carried: Vec<Carried>,
     /// Counts every change of which pairs touch.
     pub version: u64,
     /// Counts updates.
@@ -49,13 +53,22 @@ pub(crate) struct ContactGraph {
     pub recording: Option<Recording>,
 }
 
+/// What a slot keeps of a manifold that is found anew in each step: which features touch, and the forces.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Carried {
+    /// The axis that the pair's test ended with: the next one begins there. Contacts do not depend on it.
+    pub(in crate::physics::collision) axis: Option<Feature>,
+    /// Contact points of the last solve, and the forces on B there, N, world axes.
+    points: [(FeatureId, Vector3<f64>); POINTS],
+}
+
 /// What the forces at contact points are computed from.
 #[derive(Default)]
 pub(crate) struct Recording {
     /// What each slot's contact pushed in all substeps, N·s.
     pub totals: Vec<Record<f32>>,
-    /// The first tangent, world axes, and the slot of each manifold that was exported.
-    pub(super) tangents: Vec<(Vector3<f64>, u32)>,
+    /// The first tangent of each manifold that was exported, world axes.
+    pub(super) tangents: Vec<Vector3<f64>>,
 }
 
 /// What one thread needs to find contacts, and what it counts.
@@ -82,6 +95,7 @@ pub(in crate::physics::collision) fn update_graph(
     mut stats: ResMut<StepStats>,
 ) {
     let graph = graph.bypass_change_detection();
+    graph.carried.clear();
     graph.take_pairs(&near, &bodies.list);
     graph.forget_renewed(&bodies.renewed);
     if settings.is_changed() {
@@ -158,6 +172,29 @@ impl ContactGraph {
         (self.point_count - self.points_asleep) as u32
     }
 
+    /// The force that a point carried, zero where it is new.
+    pub fn force(&self, slot: Option<u32>, feature: FeatureId) -> Vector3<f64> {
+        let Some(carried) = slot.and_then(|slot| self.carried.get(slot as usize)) else { return Vector3::zeros() };
+        let known = carried.points.iter().map(|(feature, _)| *feature);
+        namesake(known, feature).map_or_else(Vector3::zeros, |at| carried.points[at].1)
+    }
+
+    /// Keeps the forces of a pair's points for the next step.
+    pub fn keep_forces(&mut self, slot: Option<u32>, points: impl Iterator<Item = (FeatureId, Vector3<f64>)>) {
+        let Some(carried) = slot.and_then(|slot| self.carried.get_mut(slot as usize)) else { return };
+        carried.points.iter_mut().zip(points).for_each(|(kept, point)| *kept = point);
+    }
+
+    /// Forgets all forces.
+    pub fn forget_forces(&mut self) {
+        self.carried.iter_mut().for_each(|carried| carried.points = Default::default());
+    }
+
+    /// All forces kept, by slot.
+    pub fn forces(&self) -> impl Iterator<Item = &Vector3<f64>> {
+        self.carried.iter().flat_map(|carried| carried.points.iter().map(|(_, force)| force))
+    }
+
     /// Has contacts found anew of bodies of which something else than their motion changed.
     fn forget_renewed(&mut self, renewed: &[u32]) {
         if renewed.is_empty() {
@@ -172,7 +209,8 @@ impl ContactGraph {
         }
     }
 
-    fn take_pairs(&mut self, near: &NearPairs, bodies: &[Body]) {
+    /// Takes in which pairs came and went.
+    pub(in crate::physics::collision) fn take_pairs(&mut self, near: &NearPairs, bodies: &[Body]) {
         for (PairSlot(index), _) in &near.changes.removed {
             self.set_active(PairSlot(*index), true);
             self.active.set(*index, false);
@@ -199,6 +237,9 @@ impl ContactGraph {
             let index = slot.0 as usize;
             self.slots[index] = Slot::new(pair, a, b);
             self.states[index] = ContactState::default();
+            if let Some(carried) = self.carried.get_mut(index) {
+                *carried = Carried::default();
+            }
             self.active.set(slot.0, true);
         }
     }

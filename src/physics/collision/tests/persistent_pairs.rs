@@ -46,7 +46,7 @@ impl BoundedBodies for World {
         let TestBody { shape, dynamic, at, .. } = &self.bodies[body as usize];
         match shape {
             Shape::Nothing => Bounds::None,
-            Shape::HalfSpace => Bounds::HalfSpace { normal: at.rotation * Vector3::y() },
+            Shape::HalfSpace => Bounds::HalfSpace { normal: at.rotation * Vector3::y(), point: at.position },
             Shape::Cuboid(half) => {
                 let reach = at.rotation.to_rotation_matrix().into_inner().abs() * half;
                 let bounds = BoundingBox { low: at.position - reach, high: at.position + reach };

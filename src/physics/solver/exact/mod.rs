@@ -32,8 +32,8 @@ use self::contact::{ContactGroup, ContactTerms};
 use self::exact_group::ExactGroup;
 pub(super) use self::mechanism::{Coupling, Couplings, links_at};
 use crate::physics::body::Bodies;
-use crate::physics::collision::Contacts;
-use crate::physics::contact::{ContactCache, restitution_threshold};
+use crate::physics::collision::{ContactGraph, Contacts};
+use crate::physics::contact::restitution_threshold;
 use crate::physics::island::Islands;
 use crate::physics::joint::Joints;
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
@@ -77,7 +77,7 @@ fn solve_exactly(
     mut joints: ResMut<Joints>,
     contacts: Res<Contacts>,
     islands: Res<Islands>,
-    mut cache: ResMut<ContactCache>,
+    mut graph: ResMut<ContactGraph>,
     mut groups: ResMut<ExactGroups>,
     settings: Res<SolverSettings>,
     mut stats: ResMut<StepStats>,
@@ -97,13 +97,13 @@ fn solve_exactly(
         restitution_speed: restitution_threshold(&settings),
     };
     {
-        let (bodies, joints, cache) = (&*bodies, &*joints, &*cache);
+        let (bodies, joints, graph) = (&*bodies, &*joints, &*graph);
         threads::for_each_block(settings.threads, list, |group| {
             group.gather(&islands, bodies, joints, &contacts, settings.friction, terms.time);
-            group.step(bodies, settings.exact.integrator, &terms, cache);
+            group.step(bodies, settings.exact.integrator, &terms, graph);
         });
     }
-    cache.clear();
+    graph.forget_forces();
     (stats.resting, stats.rows, stats.row_updates) = (0, 0, 0);
     (stats.cuts, stats.unsettled, stats.jammed) = (0, 0, 0);
     for group in &*list {
@@ -115,6 +115,6 @@ fn solve_exactly(
             stats.unsettled += effort.unsettled;
             stats.jammed += effort.jammed;
         }
-        group.contact_groups().iter().for_each(|group| group.store(&mut cache));
+        group.contact_groups().iter().for_each(|group| group.store(&mut graph));
     }
 }

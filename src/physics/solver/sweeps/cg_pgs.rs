@@ -28,18 +28,13 @@ const LEAST_PASSES: u32 = 4;
 const SLOW: f64 = 0.5;
 
 /// Buffers of [`solve`].
+#[derive(Default)]
 pub(super) struct Primer<N> {
     sides: Vec<Side>,
     face: Face<N>,
     /// λ and a before the last attempt.
     lambdas: Vec<N>,
     accelerations: Vec<Twist<N>>,
-}
-
-impl<N> Default for Primer<N> {
-    fn default() -> Self {
-        Self { sides: Vec::new(), face: Face::default(), lambdas: Vec::new(), accelerations: Vec::new() }
-    }
 }
 
 /// Where a row's λ is.

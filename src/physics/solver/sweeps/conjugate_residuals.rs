@@ -16,6 +16,7 @@ use crate::physics::constraint::row::{Row, Twist};
 use crate::physics::scalar::Scalar;
 
 /// The free rows with the method's vectors; in `of_z` and `response` as many twists as bodies.
+#[derive(Default)]
 pub(super) struct Face<N> {
     free: Vec<FreeRow<N>>,
     /// M⁻¹Jᵀz.
@@ -39,12 +40,6 @@ struct FreeRow<N> {
     product: N,
     /// q.
     image: N,
-}
-
-impl<N> Default for Face<N> {
-    fn default() -> Self {
-        Self { free: Vec::new(), of_z: Vec::new(), response: Vec::new() }
-    }
 }
 
 /// zᵀr and zᵀw.
@@ -117,8 +112,7 @@ impl<N: Scalar> Face<N> {
     /// p, q and t. Returns qᵀD⁻¹q.
     fn turn(&mut self, rows: &[Row<N>], beta: N) -> f64 {
         for (response, of_z) in self.response.iter_mut().zip(&self.of_z) {
-            response.linear = of_z.linear + response.linear * beta;
-            response.angular = of_z.angular + response.angular * beta;
+            *response = of_z.plus(response, beta);
         }
         let mut square = 0.0;
         for free in &mut self.free {
@@ -132,8 +126,7 @@ impl<N: Scalar> Face<N> {
     /// λ, r and a, by α along p. Returns whether a row came to a bound.
     fn advance(&mut self, rows: &mut [Row<N>], accelerations: &mut [Twist<N>], alpha: N) -> bool {
         for (acceleration, response) in accelerations.iter_mut().zip(&self.response) {
-            acceleration.linear += response.linear * alpha;
-            acceleration.angular += response.angular * alpha;
+            *acceleration = acceleration.plus(response, alpha);
         }
         let mut bounded = false;
         for free in &mut self.free {

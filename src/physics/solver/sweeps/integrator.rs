@@ -44,19 +44,21 @@ pub(super) fn verlet(system: &mut impl System, h: f64) {
 }
 
 /// v ← (v + h (M⁻¹F_ext + a))/(1 + c h), ω likewise, with a = M⁻¹Jᵀλ and c the drag.
-pub(super) fn kick(body: &mut LocalBody, constraint: &Twist<f64>, h: f64) {
-    let free = body.free_acceleration();
+pub(super) fn kick(local: &mut LocalBody, constraint: &Twist<f64>, h: f64) {
+    let free = local.free_acceleration();
+    let body = &mut local.body;
     body.linear = (body.linear + (free.linear + constraint.linear) * h) / (1.0 + body.drag.0 * h);
     body.angular = (body.angular + (free.angular + constraint.angular) * h) / (1.0 + body.drag.1 * h);
 }
 
 /// x ← x + h v, q ← normalize(q + ½ h ω q).
-pub(super) fn drift(body: &mut LocalBody, h: f64) {
+pub(super) fn drift(local: &mut LocalBody, h: f64) {
+    let body = &mut local.body;
     body.position += body.linear * h;
     if body.angular != Vector3::zeros() {
         let omega = Quaternion::from_imag(body.angular);
         let q = body.rotation.into_inner();
         body.rotation = UnitQuaternion::new_normalize(q + omega * q * (0.5 * h));
-        body.update_inverse_inertia();
+        local.update_inverse_inertia();
     }
 }

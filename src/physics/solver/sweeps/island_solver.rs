@@ -9,9 +9,9 @@ use super::rows::{body_terms, contact_rows, joint_rows};
 use super::step_terms::StepTerms;
 use super::{cg_pgs, joint_space, nncg, pgs};
 use crate::physics::body::{Bodies, Body};
-use crate::physics::collision::Contacts;
+use crate::physics::collision::{ContactGraph, Contacts};
 use crate::physics::constraint::row::{BodyTerms, Row, RowPair, Twist};
-use crate::physics::contact::{ContactCache, KEPT_SHARE};
+use crate::physics::contact::KEPT_SHARE;
 use crate::physics::island::Islands;
 use crate::physics::joint::{Joint, JointRow, Joints};
 use crate::physics::scalar::Scalar;
@@ -52,29 +52,20 @@ pub(crate) struct IslandSolver {
     own: usize,
     manifolds: Vec<LocalManifold>,
     points: Vec<LocalPoint>,
-    /// Index of each local manifold among the step's contacts.
-    manifold_source: Vec<u32>,
     joints: Vec<LocalJoint>,
     joint_rows: Vec<JointRow<f64>>,
     guests: HashMap<u32, u32>,
     single: Workspace<f32>,
     double: Workspace<f64>,
-    row_count: u32,
-    row_updates: u64,
+    /// Rows of the last solve, and their updates in the step.
+    pub row_count: u32,
+    pub row_updates: u64,
     h_total: f64,
 }
 
 impl IslandSolver {
     pub fn begin(&mut self, group: usize) {
         self.group = group;
-    }
-
-    pub fn row_count(&self) -> u32 {
-        self.row_count
-    }
-
-    pub fn row_updates(&self) -> u64 {
-        self.row_updates
     }
 
     /// Copies the group's bodies and constraints.
@@ -84,7 +75,7 @@ impl IslandSolver {
         bodies: &Bodies,
         joints: &Joints,
         contacts: &Contacts,
-        cache: &ContactCache,
+        graph: &ContactGraph,
     ) {
         let group = self.group;
         self.bodies.clear();
@@ -93,14 +84,13 @@ impl IslandSolver {
         self.guests.clear();
         self.manifolds.clear();
         self.points.clear();
-        self.manifold_source.clear();
         self.joints.clear();
         for &index in islands.manifolds(group) {
             let manifold = &contacts.manifolds[index as usize];
             let a = self.local(manifold.pair.a, islands, bodies);
             let b = self.local(manifold.pair.b, islands, bodies);
             let first_point = self.points.len();
-            let (body_a, body_b) = (&self.bodies[a as usize], &self.bodies[b as usize]);
+            let [body_a, body_b] = [a, b].map(|body| &self.bodies[body as usize].body);
             for found in contacts.points_of(manifold) {
                 let arm_a = found.point - body_a.position;
                 let arm_b = found.point - body_b.position;
@@ -113,20 +103,12 @@ impl IslandSolver {
                     body_arm_b: body_b.rotation.inverse() * arm_b,
                     found_offset: body_b.position - body_a.position + arm_b - arm_a,
                     first_row: 0,
-                    force: cache.force(manifold.pair, found.feature),
+                    force: graph.force(manifold.slot, found.feature),
                     impulse: Vector3::zeros(),
                 });
             }
-            self.manifold_source.push(index);
-            self.manifolds.push(LocalManifold {
-                a,
-                b,
-                normal: manifold.normal,
-                friction: manifold.friction,
-                restitution: manifold.restitution,
-                first_point,
-                end_point: self.points.len(),
-            });
+            let points = first_point..self.points.len();
+            self.manifolds.push(LocalManifold { place: index, a, b, found: manifold.clone(), points });
         }
         for &index in islands.joints(group) {
             let joint = &joints.list[index as usize];
@@ -153,8 +135,8 @@ impl IslandSolver {
     pub fn step(&mut self, terms: &StepTerms) {
         self.row_updates = 0;
         self.row_count = 0;
-        self.h_total = terms.h * f64::from(terms.substeps);
-        match terms.precision {
+        self.h_total = terms.h * f64::from(terms.settings.substeps);
+        match terms.settings.precision {
             Precision::F32 => {
                 let mut work = std::mem::take(&mut self.single);
                 self.substeps(terms, &mut work);
@@ -169,13 +151,13 @@ impl IslandSolver {
     }
 
     fn substeps<N: Scalar>(&mut self, terms: &StepTerms, work: &mut Workspace<N>) {
-        for index in 0..terms.substeps {
+        for index in 0..terms.settings.substeps {
             if index > 0 {
                 self.move_points();
             }
             let time = terms.start + f64::from(index) * terms.h;
             let mut island = IslandInStep { solver: self, work, terms, time };
-            match terms.integrator {
+            match terms.settings.sweeps.integrator {
                 Integrator::VelocityVerlet => integrator::verlet(&mut island, terms.h),
                 Integrator::Euler => integrator::euler(&mut island, terms.h),
             }
@@ -187,11 +169,11 @@ impl IslandSolver {
     /// there would drive the body on (a ball at 0.3 m/s had twice its speed after 5 s).
     fn move_points(&mut self) {
         for manifold in &self.manifolds {
-            let (a, b) = (&self.bodies[manifold.a as usize], &self.bodies[manifold.b as usize]);
-            for point in &mut self.points[manifold.first_point..manifold.end_point] {
+            let [a, b] = [manifold.a, manifold.b].map(|body| &self.bodies[body as usize].body);
+            for point in &mut self.points[manifold.points.clone()] {
                 let turned = b.rotation * point.body_arm_b - a.rotation * point.body_arm_a;
                 let offset = b.position - a.position + turned;
-                point.depth = point.found_depth - manifold.normal.dot(&(offset - point.found_offset));
+                point.depth = point.found_depth - manifold.found.normal.dot(&(offset - point.found_offset));
             }
         }
     }
@@ -206,17 +188,17 @@ impl IslandSolver {
         }
         body_terms(&self.bodies, h, &mut work.terms);
         for manifold in &self.manifolds {
-            let points = &mut self.points[manifold.first_point..manifold.end_point];
+            let points = &mut self.points[manifold.points.clone()];
             contact_rows(&self.bodies, &work.terms, manifold, points, terms, h, &mut work.rows);
         }
         let joints_from = work.rows.len();
         for joint in &mut self.joints {
             joint_rows(&self.bodies, &work.terms, joint, terms, [time, h], &mut self.joint_rows, &mut work.rows);
         }
-        if terms.warm_starting {
+        if terms.settings.sweeps.warm_starting {
             self.warm_start(&mut work.rows[..joints_from], &mut work.accelerations);
         }
-        let passes = work.solve(terms.method, terms.iterations);
+        let passes = work.solve(terms.settings.method, terms.settings.iterations);
         self.row_count = work.rows.len() as u32;
         self.row_updates += u64::from(self.row_count) * u64::from(passes);
         self.keep_forces(&work.rows, joints_from, h, terms);
@@ -249,7 +231,7 @@ impl IslandSolver {
                 joint.turn += (angular_b - arm.cross(&linear_b)).map(Scalar::to_f64) * impulse;
             }
         }
-        if !terms.warm_starting && !terms.record_forces {
+        if !terms.settings.sweeps.warm_starting && !terms.record_forces {
             return;
         }
         let mut end = joints_from;
@@ -264,12 +246,10 @@ impl IslandSolver {
     }
 
     /// Puts the forces of the last substep where the next step finds them.
-    pub fn store_forces(&self, contacts: &Contacts, cache: &mut ContactCache) {
-        for (manifold, &source) in self.manifolds.iter().zip(&self.manifold_source) {
-            let found = &contacts.manifolds[source as usize];
-            let points = &self.points[manifold.first_point..manifold.end_point];
+    pub fn store_forces(&self, contacts: &Contacts, graph: &mut ContactGraph) {
+        for LocalManifold { found, points, .. } in &self.manifolds {
             let features = contacts.points_of(found).iter().map(|point| point.feature);
-            cache.insert(found.pair, features.zip(points.iter().map(|point| point.force)));
+            graph.keep_forces(found.slot, features.zip(self.points[points.clone()].iter().map(|point| point.force)));
         }
     }
 
@@ -292,11 +272,9 @@ impl IslandSolver {
     /// Writes the group's own bodies and joint forces back.
     pub fn scatter(&self, bodies: &mut [Body], joints: &mut [Joint]) {
         for local in &self.bodies[..self.own] {
-            let body = &mut bodies[local.global as usize];
-            body.position = local.position;
-            body.rotation = local.rotation;
-            body.linear = local.linear;
-            body.angular = local.angular;
+            let (from, to) = (&local.body, &mut bodies[local.global as usize]);
+            (to.position, to.rotation, to.linear, to.angular) =
+                (from.position, from.rotation, from.linear, from.angular);
         }
         for joint in &self.joints {
             let to = &mut joints[joint.global as usize];
@@ -308,12 +286,9 @@ impl IslandSolver {
     /// The force on B at each contact point, as (manifold, point within it, its mean over the step
     /// and that of the last solve in N).
     pub fn contact_forces(&self) -> impl Iterator<Item = (u32, usize, [Vector3<f64>; 2])> + '_ {
-        self.manifolds.iter().zip(&self.manifold_source).flat_map(move |(manifold, &source)| {
-            let points = &self.points[manifold.first_point..manifold.end_point];
-            points
-                .iter()
-                .enumerate()
-                .map(move |(index, point)| (source, index, [point.impulse / self.h_total, point.force]))
+        self.manifolds.iter().flat_map(move |manifold| {
+            let points = self.points[manifold.points.clone()].iter().enumerate();
+            points.map(move |(index, point)| (manifold.place, index, [point.impulse / self.h_total, point.force]))
         })
     }
 }
@@ -322,7 +297,7 @@ impl IslandSolver {
 struct IslandInStep<'a, N> {
     solver: &'a mut IslandSolver,
     work: &'a mut Workspace<N>,
-    terms: &'a StepTerms,
+    terms: &'a StepTerms<'a>,
     /// Of the present poses, s.
     time: f64,
 }

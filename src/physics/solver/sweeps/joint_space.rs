@@ -39,6 +39,7 @@ const HELD: f64 = 1e-9;
 const NONE: u32 = u32::MAX;
 
 /// Mechanisms and the responses of rows with bounds, with their buffers.
+#[derive(Default)]
 pub(super) struct JointSpace<N> {
     /// First row of each joint that nothing bounds.
     firsts: Vec<usize>,
@@ -52,20 +53,6 @@ pub(super) struct JointSpace<N> {
     swept: Vec<Swept<N>>,
     /// K Jᵀ of the swept rows, one after the other: body and acceleration.
     responses: Vec<(u32, Twist<N>)>,
-}
-
-impl<N> Default for JointSpace<N> {
-    fn default() -> Self {
-        Self {
-            firsts: Vec::new(),
-            ends: Vec::new(),
-            ends_before: Vec::new(),
-            mechanisms: Vec::new(),
-            place: Vec::new(),
-            swept: Vec::new(),
-            responses: Vec::new(),
-        }
-    }
 }
 
 /// A row with bounds.
@@ -142,13 +129,8 @@ fn end<N: Scalar>(row: &Row<N>, end: usize) -> (u32, Twist<f64>, Twist<f64>) {
     }
 }
 
-fn dot(one: &Twist<f64>, other: &Twist<f64>) -> f64 {
-    one.linear.dot(&other.linear) + one.angular.dot(&other.angular)
-}
-
 fn add<N: Scalar>(sum: &mut Twist<N>, more: &Twist<N>, times: N) {
-    sum.linear += more.linear * times;
-    sum.angular += more.angular * times;
+    *sum = sum.plus(more, times);
 }
 
 impl<N: Scalar> JointSpace<N> {
@@ -162,7 +144,7 @@ impl<N: Scalar> JointSpace<N> {
             let is_joint = rows.len() >= first + 3 && rows[first..first + 3].iter().all(is_free);
             if is_joint {
                 let moves = |side: usize| {
-                    rows[first..first + 3].iter().any(|row| dot(&end(row, side).1, &end(row, side).2) > 0.0)
+                    rows[first..first + 3].iter().any(|row| Twist::dot(&end(row, side).1, &end(row, side).2) > 0.0)
                 };
                 let ends = [row.a, row.b];
                 self.firsts.push(first);
@@ -246,10 +228,10 @@ impl<N: Scalar> JointSpace<N> {
             }
             let moved = |(body, jacobian, _): &(u32, Twist<f64>, Twist<f64>)| {
                 let found = self.responses[first..].iter().find(|(other, _)| other == body);
-                found.map_or(0.0, |(_, response)| dot(jacobian, &widen(response)))
+                found.map_or(0.0, |(_, response)| jacobian.dot(&widen(response)))
             };
             let diagonal: f64 = own.iter().map(moved).sum();
-            let alone: f64 = own.iter().map(|(_, jacobian, response)| dot(jacobian, response)).sum();
+            let alone: f64 = own.iter().map(|(_, jacobian, response)| jacobian.dot(response)).sum();
             let softness = rows[row].softness.to_f64();
             let inverse = if diagonal > HELD * alone { 1.0 / (diagonal + softness) } else { 0.0 };
             self.swept.push(Swept { row, end: self.responses.len(), inverse_diagonal: N::of(inverse) });
@@ -351,7 +333,7 @@ impl Mechanism {
     /// A and its factor.
     fn factor<N: Scalar>(&mut self, rows: &[Row<N>]) {
         let block = |one: usize, side: usize, other: usize, other_side: usize| {
-            Matrix3::from_fn(|i, j| dot(&end(&rows[one + i], side).1, &end(&rows[other + j], other_side).2))
+            Matrix3::from_fn(|i, j| Twist::dot(&end(&rows[one + i], side).1, &end(&rows[other + j], other_side).2))
         };
         self.factor.clear(&self.elimination);
         self.diagonal.clear();
@@ -418,7 +400,8 @@ impl Mechanism {
             for (side, place) in joint.sides() {
                 let motion = &self.motion[place];
                 if motion.linear != Vector3::zeros() || motion.angular != Vector3::zeros() {
-                    *right -= Vector3::from_fn(|axis, _| dot(&end(&rows[joint.first_row + axis], side).1, motion));
+                    *right -=
+                        Vector3::from_fn(|axis, _| Twist::dot(&end(&rows[joint.first_row + axis], side).1, motion));
                 }
             }
         }

@@ -2,75 +2,50 @@
 
 use std::ops::Range;
 
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 use crate::physics::body::{Body, world_inverse_inertia};
+use crate::physics::collision::Manifold;
 use crate::physics::constraint::row::Twist;
 use crate::physics::joint::JointDefinition;
 
-/// A body as its island's substeps see it.
+/// A body as its island's substeps move it.
 #[derive(Clone, Debug)]
 pub(crate) struct LocalBody {
     pub global: u32,
-    pub position: Vector3<f64>,
-    pub rotation: UnitQuaternion<f64>,
-    pub linear: Vector3<f64>,
-    pub angular: Vector3<f64>,
-    pub force: Vector3<f64>,
-    pub torque: Vector3<f64>,
-    pub mass: f64,
-    pub inverse_mass: Vector3<f64>,
-    pub inverse_inertia_body: Vector3<f64>,
+    pub body: Body,
+    /// World axes.
     pub inverse_inertia: Matrix3<f64>,
-    pub rotation_freedom: Vector3<f64>,
-    pub drag: (f64, f64),
 }
 
 impl LocalBody {
     pub fn new(global: u32, body: &Body) -> Self {
-        let inverse_inertia = world_inverse_inertia(&body.inverse_inertia_body, &body.rotation, &body.rotation_freedom);
-        Self {
-            global,
-            position: body.position,
-            rotation: body.rotation,
-            linear: body.linear,
-            angular: body.angular,
-            force: body.force,
-            torque: body.torque,
-            mass: body.mass,
-            inverse_mass: body.inverse_mass,
-            inverse_inertia_body: body.inverse_inertia_body,
-            inverse_inertia,
-            rotation_freedom: body.rotation_freedom,
-            drag: body.drag,
-        }
-    }
-
-    pub fn point_velocity(&self, arm: &Vector3<f64>) -> Vector3<f64> {
-        self.linear + self.angular.cross(arm)
+        let mut local = Self { global, body: body.clone(), inverse_inertia: Matrix3::zeros() };
+        local.update_inverse_inertia();
+        local
     }
 
     /// M⁻¹ F_ext. No gyroscopic torque, as in the 2009 engine.
     pub fn free_acceleration(&self) -> Twist<f64> {
-        Twist { linear: self.inverse_mass.component_mul(&self.force), angular: self.inverse_inertia * self.torque }
+        let Body { inverse_mass, force, torque, .. } = &self.body;
+        Twist { linear: inverse_mass.component_mul(force), angular: self.inverse_inertia * torque }
     }
 
     pub fn update_inverse_inertia(&mut self) {
-        self.inverse_inertia =
-            world_inverse_inertia(&self.inverse_inertia_body, &self.rotation, &self.rotation_freedom);
+        let Body { inverse_inertia_body, rotation, rotation_freedom, .. } = &self.body;
+        self.inverse_inertia = world_inverse_inertia(inverse_inertia_body, rotation, rotation_freedom);
     }
 }
 
 /// A manifold between two local bodies, with a run of the island's points.
 #[derive(Clone, Debug)]
 pub(crate) struct LocalManifold {
+    /// Its place among the step's contacts.
+    pub place: u32,
     pub a: u32,
     pub b: u32,
-    pub normal: Vector3<f64>,
-    pub friction: f64,
-    pub restitution: f64,
-    pub first_point: usize,
-    pub end_point: usize,
+    pub found: Manifold,
+    pub points: Range<usize>,
 }
 
 /// A contact point that moves along with its bodies through the substeps.

@@ -18,6 +18,7 @@ use crate::physics::constraint::row::{Row, Twist};
 use crate::physics::scalar::Scalar;
 
 /// The conjugate direction and what the last sweep did, in rows and in bodies.
+#[derive(Default)]
 pub(super) struct Directions<N> {
     /// s.
     steps: Vec<N>,
@@ -27,12 +28,6 @@ pub(super) struct Directions<N> {
     before: Vec<Twist<N>>,
     /// M⁻¹Jᵀp.
     response: Vec<Twist<N>>,
-}
-
-impl<N> Default for Directions<N> {
-    fn default() -> Self {
-        Self { steps: Vec::new(), direction: Vec::new(), before: Vec::new(), response: Vec::new() }
-    }
 }
 
 /// Iterates from the λ that the rows hold, with `accelerations` as in [`pgs::solve`], until nothing changes or

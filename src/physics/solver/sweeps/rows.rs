@@ -2,12 +2,14 @@
 //! point), joints after, as the 2009 engine ordered them.
 
 use crate::physics::scalar::Scalar;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::local::{LocalBody, LocalJoint, LocalManifold, LocalPoint};
 use super::step_terms::StepTerms;
+use crate::physics::body::Body;
+use crate::physics::collision::Manifold;
 use crate::physics::constraint::row::{BodyTerms, Bounds, Row, Spring, Twist};
-use crate::physics::contact::{PointConstraint, penetration_bias, rebound, tangents};
+use crate::physics::contact::{PointConstraint, penetration_bias, rebound, restitution_threshold, tangents};
 use crate::physics::joint::{BodyState, Bound, JointRow, Softness};
 use crate::physics::settings::FrictionModel;
 
@@ -19,21 +21,17 @@ const LEAST_SLIP: f64 = 1e-6;
 const LEAST_SLIDE: f64 = 1e-3;
 
 fn vector<N: Scalar>(v: &Vector3<f64>) -> Vector3<N> {
-    Vector3::new(N::of(v.x), N::of(v.y), N::of(v.z))
-}
-
-fn matrix<N: Scalar>(m: &Matrix3<f64>) -> Matrix3<N> {
-    m.map(N::of)
+    v.map(N::of)
 }
 
 /// What rows need of each body; `h` is the time over which the forces of this solve act.
 pub(super) fn body_terms<N: Scalar>(bodies: &[LocalBody], h: f64, terms: &mut Vec<BodyTerms<N>>) {
     terms.clear();
-    terms.extend(bodies.iter().map(|body| {
-        let free = body.free_acceleration();
+    terms.extend(bodies.iter().map(|local| {
+        let (body, free) = (&local.body, local.free_acceleration());
         BodyTerms {
             inverse_mass: vector(&body.inverse_mass),
-            inverse_inertia: matrix(&body.inverse_inertia),
+            inverse_inertia: local.inverse_inertia.map(N::of),
             free: Twist {
                 linear: vector(&(body.linear / h + free.linear)),
                 angular: vector(&(body.angular / h + free.angular)),
@@ -52,9 +50,9 @@ pub(super) fn contact_rows<N: Scalar>(
     h: f64,
     rows: &mut Vec<Row<N>>,
 ) {
-    let (body_a, body_b) = (&bodies[manifold.a as usize], &bodies[manifold.b as usize]);
+    let [a, b] = [manifold.a, manifold.b].map(|body| &bodies[body as usize]);
     let h_scalar = N::of(h);
-    let normal = &manifold.normal;
+    let Manifold { normal, friction, restitution, .. } = &manifold.found;
     for point in points {
         point.first_row = rows.len();
         let (arm_a, arm_b) = (&point.arm_a, &point.arm_b);
@@ -65,33 +63,33 @@ pub(super) fn contact_rows<N: Scalar>(
             arm_b: vector(arm_b),
             normal: vector(normal),
         };
-        let velocity = body_b.point_velocity(arm_b) - body_a.point_velocity(arm_a);
-        let mut bias =
-            penetration_bias(point.depth, step.slop, step.error_rate, step.greatest_push(point.depth), step.h);
+        let velocity = b.body.point_velocity(arm_b) - a.body.point_velocity(arm_a);
+        let greatest = step.greatest_push(point.depth);
+        let mut bias = penetration_bias(point.depth, step.settings.slop, step.error_rate, greatest, step.h);
         let approach = -normal.dot(&velocity);
-        let parting = rebound(manifold.restitution, approach, step.restitution_speed);
+        let parting = rebound(*restitution, approach, restitution_threshold(step.settings));
         if parting > 0.0 {
             bias = bias.max(parting);
         }
         rows.push(site.normal_row(N::of(bias), h_scalar, N::of(f64::MAX)));
-        if manifold.friction == 0.0 {
+        if *friction == 0.0 {
             continue;
         }
-        match step.friction {
+        match step.settings.friction {
             FrictionModel::Off => {}
             FrictionModel::OneTangent => {
                 let slip = velocity - normal * normal.dot(&velocity);
                 let speed = slip.norm();
                 if speed >= LEAST_SLIP {
-                    let limit = N::of(manifold.friction * mean_mass(body_a, body_b) * step.gravity);
+                    let limit = N::of(friction * mean_mass(&a.body, &b.body) * step.gravity);
                     let tangent = vector(&(slip / speed));
                     rows.push(site.friction_row(tangent, h_scalar, Bounds::Fixed(-limit, limit)));
                 }
             }
             FrictionModel::TwoTangents => {
-                let directions = slip_frame(body_a, body_b, arm_a, arm_b, &velocity, normal, h);
+                let directions = slip_frame([a, b], [arm_a, arm_b], &velocity, normal, h);
                 for (back, tangent) in (1..).zip(&directions) {
-                    let coefficient = N::of(manifold.friction);
+                    let coefficient = N::of(*friction);
                     let bounds = Bounds::Friction { coefficient, normal_rows_back: back };
                     rows.push(site.friction_row(vector(tangent), h_scalar, bounds));
                 }
@@ -102,7 +100,7 @@ pub(super) fn contact_rows<N: Scalar>(
 
 /// m_c of the 2009 engine's friction bound; a partner that does not move counts as heavy as the
 /// other.
-fn mean_mass(a: &LocalBody, b: &LocalBody) -> f64 {
+fn mean_mass(a: &Body, b: &Body) -> f64 {
     match (a.mass > 0.0, b.mass > 0.0) {
         (true, true) => 0.5 * (a.mass + b.mass),
         (true, false) => a.mass,
@@ -114,16 +112,14 @@ fn mean_mass(a: &LocalBody, b: &LocalBody) -> f64 {
 /// bound μ λ_n then holds exactly along a slide, whatever its direction, and a body pushed from
 /// rest starts the way it is pushed.
 fn slip_frame(
-    a: &LocalBody,
-    b: &LocalBody,
-    arm_a: &Vector3<f64>,
-    arm_b: &Vector3<f64>,
+    bodies: [&LocalBody; 2],
+    arms: [&Vector3<f64>; 2],
     velocity: &Vector3<f64>,
     normal: &Vector3<f64>,
     h: f64,
 ) -> [Vector3<f64>; 2] {
-    let (free_a, free_b) = (a.free_acceleration(), b.free_acceleration());
-    let gained = free_b.linear + free_b.angular.cross(arm_b) - free_a.linear - free_a.angular.cross(arm_a);
+    let [a, b] = bodies.map(LocalBody::free_acceleration);
+    let gained = b.linear + b.angular.cross(arms[1]) - a.linear - a.angular.cross(arms[0]);
     let free = velocity + gained * h;
     let slip = free - normal * normal.dot(&free);
     let speed = slip.norm();
@@ -144,7 +140,7 @@ pub(super) fn joint_rows<N: Scalar>(
     scratch: &mut Vec<JointRow<f64>>,
     rows: &mut Vec<Row<N>>,
 ) {
-    let ends = [&bodies[joint.a as usize], &bodies[joint.b as usize]];
+    let ends = [joint.a, joint.b].map(|body| &bodies[body as usize].body);
     let states = ends.map(|body| BodyState::new(&body.position, &body.rotation, [&body.linear, &body.angular]));
     scratch.clear();
     joint.definition.rows_at(&states, time, scratch);

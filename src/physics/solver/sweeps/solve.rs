@@ -5,8 +5,7 @@ use bevy::prelude::*;
 use super::island_solver::IslandSolver;
 use super::step_terms::StepTerms;
 use crate::physics::body::Bodies;
-use crate::physics::collision::{Contacts, LaggedContacts};
-use crate::physics::contact::ContactCache;
+use crate::physics::collision::{ContactGraph, Contacts, LaggedContacts};
 use crate::physics::island::Islands;
 use crate::physics::joint::Joints;
 use crate::physics::readings::ContactForces;
@@ -16,8 +15,7 @@ use crate::physics::stats::StepStats;
 use crate::physics::threads;
 
 pub(in crate::physics::solver) fn plugin(app: &mut App) {
-    app.init_resource::<ContactCache>()
-        .init_resource::<IslandSolvers>()
+    app.init_resource::<IslandSolvers>()
         .add_systems(PhysicsSchedule, solve_islands.in_set(PhysicsSystems::Solve).run_if(sweeps_force_rows));
 }
 
@@ -39,7 +37,7 @@ fn solve_islands(
     contacts: Res<Contacts>,
     lagged: Res<LaggedContacts>,
     islands: Res<Islands>,
-    mut cache: ResMut<ContactCache>,
+    mut graph: ResMut<ContactGraph>,
     mut solvers: ResMut<IslandSolvers>,
     settings: Res<SolverSettings>,
     gravity: Res<Gravity>,
@@ -57,9 +55,9 @@ fn solve_islands(
         solver.begin(island);
     }
     {
-        let (bodies, joints, cache) = (&*bodies, &*joints, &*cache);
+        let (bodies, joints, graph) = (&*bodies, &*joints, &*graph);
         threads::for_each_block(settings.threads, &mut solvers.list[..count], |solver| {
-            solver.gather(&islands, bodies, joints, contacts, cache);
+            solver.gather(&islands, bodies, joints, contacts, graph);
             solver.step(&terms);
         });
     }
@@ -67,14 +65,14 @@ fn solve_islands(
     stats.rows = 0;
     stats.row_updates = 0;
     for solver in &solvers.list[..count] {
-        stats.rows += solver.row_count();
-        stats.row_updates += solver.row_updates();
+        stats.rows += solver.row_count;
+        stats.row_updates += solver.row_updates;
         solver.scatter(&mut bodies.list, &mut joints.list);
     }
-    cache.clear();
+    graph.forget_forces();
     if settings.sweeps.warm_starting {
         for solver in &solvers.list[..count] {
-            solver.store_forces(contacts, &mut cache);
+            solver.store_forces(contacts, &mut graph);
         }
     }
 }

@@ -24,9 +24,9 @@ use super::group_solver::{GroupSolver, GroupView};
 use super::impacts::{Impacts, approach};
 use super::smooth_step::{SmoothStep, SmoothTerms, place};
 use crate::physics::body::{Bodies, Body, SurfaceMaterial};
-use crate::physics::collision::{FeatureId, Pair, closing_distance};
+use crate::physics::collision::{ContactGraph, FeatureId, Pair, closing_distance};
 use crate::physics::constraint::row::Wrench;
-use crate::physics::contact::{ContactCache, surface};
+use crate::physics::contact::surface;
 use crate::physics::joint::{Joint, Joints};
 use crate::physics::settings::FrictionModel;
 
@@ -103,7 +103,7 @@ pub(crate) struct ContactGroup {
 struct StepStart<'a> {
     terms: ContactTerms,
     /// Contact forces of the step before.
-    cache: &'a ContactCache,
+    graph: &'a ContactGraph,
     /// Loads of the links in the step before.
     loads: &'a [Wrench<f64>],
 }
@@ -130,7 +130,7 @@ impl ContactGroup {
     pub fn new(
         moving: Vec<u32>,
         joints: Vec<u32>,
-        pairs: &[Pair],
+        pairs: &[(Option<u32>, Pair)],
         all_bodies: &Bodies,
         all_joints: &Joints,
         time: f64,
@@ -138,9 +138,10 @@ impl ContactGroup {
         let mut bodies = moving;
         let moving = bodies.len();
         let mut place = |body: u32| place_in(&mut bodies, moving, body);
-        let pair = |&pair: &Pair| {
+        let pair = |&(slot, bodies): &(Option<u32>, Pair)| {
             // What their surfaces are like is taken in with the state.
-            ReachablePair { bodies: pair, ends: [place(pair.a), place(pair.b)], surface: SurfaceMaterial::default() }
+            let ends = [place(bodies.a), place(bodies.b)];
+            ReachablePair { slot, bodies, ends, surface: SurfaceMaterial::default() }
         };
         let pairs = pairs.iter().map(pair).collect();
         let (joints, mut links) = links_of(&joints, all_joints, all_bodies, time, place);
@@ -172,15 +173,15 @@ impl ContactGroup {
         self.smooth.positions.is_spent() || self.smooth.velocities.is_spent() || self.impacts.solver.is_spent()
     }
 
-    /// Takes the group through a step. `cache` has the forces of the step before.
-    pub fn step(&mut self, terms: &ContactTerms, cache: &ContactCache) {
+    /// Takes the group through a step. `graph` has the forces of the step before.
+    pub fn step(&mut self, terms: &ContactTerms, graph: &ContactGraph) {
         self.effort = StepEffort::default();
         self.loads.clear();
         let last_loads = std::mem::take(&mut self.joint_loads);
         self.joint_loads.resize(last_loads.len(), Wrench::zero());
         for part in 0..terms.parts {
             let time = terms.time + terms.h * f64::from(part);
-            self.advance(&StepStart { terms: ContactTerms { time, ..*terms }, cache, loads: &last_loads });
+            self.advance(&StepStart { terms: ContactTerms { time, ..*terms }, graph, loads: &last_loads });
         }
         let step = terms.h * f64::from(terms.parts);
         self.joint_loads.iter_mut().for_each(|load| *load = Wrench::zero().plus(load, 1.0 / step));
@@ -305,7 +306,7 @@ impl ContactGroup {
 
     /// A smooth step of h, s, from `now`, s. The deepest overlap of free pairs at its end, m; negative: the least gap of those found.
     fn smooth_step(&mut self, h: f64, is_rough: bool, now: f64, start: &StepStart) -> f64 {
-        let StepStart { terms, cache, loads } = start;
+        let StepStart { terms, graph, loads } = start;
         let is_spent = self.is_spent();
         let Self { smooth, members, moving, links, pairs, free, states, points, shapes, search, .. } = self;
         (smooth.positions.is_rough, smooth.velocities.is_rough) = (is_spent, is_spent);
@@ -322,7 +323,7 @@ impl ContactGroup {
             closing: terms.h,
             is_rough,
         };
-        let start_force = |point: &GapPoint| cache.force(pairs[point.pair as usize].bodies, point.feature);
+        let start_force = |point: &GapPoint| graph.force(pairs[point.pair as usize].slot, point.feature);
         smooth.step(&given, states, points, shapes, search, start_force);
         let landed = smooth.points.list.iter().filter(|point| free[point.pair as usize]);
         landed.map(|point| -point.gap).fold(f64::NEG_INFINITY, f64::max)
@@ -416,12 +417,12 @@ impl ContactGroup {
     }
 
     /// Keeps the forces for the next step.
-    pub fn store(&self, cache: &mut ContactCache) {
+    pub fn store(&self, graph: &mut ContactGraph) {
         for (index, pair) in self.pairs.iter().enumerate() {
             let last = |point: &GapPoint| self.loads.get(&(index as u32, point.feature)).map(|load| load.last);
             let points = self.smooth.points.of(index);
-            cache.insert(
-                pair.bodies,
+            graph.keep_forces(
+                pair.slot,
                 points.iter().map(|point| (point.feature, last(point).unwrap_or_else(Vector3::zeros))),
             );
         }

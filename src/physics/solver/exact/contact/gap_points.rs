@@ -10,6 +10,7 @@ use crate::physics::contact::namesake;
 /// Two bodies in reach of each other.
 #[derive(Clone, Debug)]
 pub(super) struct ReachablePair {
+    pub slot: Option<u32>,
     /// By their indices in the world.
     pub bodies: Pair,
     /// By their places here.
@@ -85,7 +86,7 @@ impl GapPoints {
         for (index, pair) in (0..).zip(pairs) {
             self.starts.push(self.list.len() as u32);
             let [a, b] = pair.ends.map(|end| &bodies[end as usize]);
-            search.search.forget();
+            search.search.last = None;
             search.points.clear();
             let Some(overlap) = touch(a, b, gap(pair), &mut search.search, &mut search.points) else { continue };
             self.list.extend(search.points.iter().map(|point| GapPoint {

@@ -33,7 +33,7 @@ impl Oscillator {
 impl System for Oscillator {
     fn solve(&mut self, _h: f64) {
         self.solves += 1;
-        self.pull.linear = -self.body.position * self.stiffness;
+        self.pull.linear = -self.body.body.position * self.stiffness;
     }
     fn kick(&mut self, h: f64) {
         kick(&mut self.body, &self.pull, h);
@@ -51,9 +51,9 @@ const VERLET: Substep = |system, h| verlet(system, h);
 /// Distance from cos ωt after 0.7 s.
 fn oscillator_error(substep: Substep, steps: u32) -> f64 {
     let mut system = Oscillator::new(9.0);
-    system.body.position.x = 1.0;
+    system.body.body.position.x = 1.0;
     system.run(substep, steps, 0.7);
-    (system.body.position.x - (3.0_f64 * 0.7).cos()).abs()
+    (system.body.body.position.x - (3.0_f64 * 0.7).cos()).abs()
 }
 
 #[test]
@@ -67,38 +67,38 @@ fn euler_is_of_first_order_and_verlet_of_second() {
 #[test]
 fn verlet_is_exact_under_constant_force_and_solves_twice() {
     let mut system = Oscillator::new(0.0);
-    system.body.force = Vector3::new(3.0, -19.62, 1.0);
-    system.body.linear = Vector3::new(1.0, 2.0, 3.0);
+    system.body.body.force = Vector3::new(3.0, -19.62, 1.0);
+    system.body.body.linear = Vector3::new(1.0, 2.0, 3.0);
     system.run(VERLET, 10, 1.0);
-    let expected = Vector3::new(1.0, 2.0, 3.0) + system.body.force * 0.5 * 0.5;
-    assert!((system.body.position - expected).norm() < 1e-13, "{}", system.body.position);
+    let expected = Vector3::new(1.0, 2.0, 3.0) + system.body.body.force * 0.5 * 0.5;
+    assert!((system.body.body.position - expected).norm() < 1e-13, "{}", system.body.body.position);
     assert_eq!(system.solves, 20);
 }
 
 #[test]
 fn euler_moves_with_the_new_velocity() {
     let mut system = Oscillator::new(0.0);
-    system.body.force = Vector3::y() * 2.0;
-    system.body.torque = Vector3::z() * 3.0;
+    system.body.body.force = Vector3::y() * 2.0;
+    system.body.body.torque = Vector3::z() * 3.0;
     system.run(EULER, 1, 0.1);
     // a = F/m = 1: v = 0.1, x = 0.1 · 0.1. α = I⁻¹τ = 12: ω = 1.2, and half the turn has the
     // tangent ½ h ω.
-    assert!((system.body.position.y - 0.01).abs() < 1e-16);
+    assert!((system.body.body.position.y - 0.01).abs() < 1e-16);
     let expected = UnitQuaternion::from_scaled_axis(Vector3::z() * (2.0 * 0.06_f64.atan()));
-    assert!(system.body.rotation.angle_to(&expected) < 1e-7, "{}", system.body.rotation);
-    assert!((system.body.rotation.k - expected.k).abs() < 1e-15);
+    assert!(system.body.body.rotation.angle_to(&expected) < 1e-7, "{}", system.body.body.rotation);
+    assert!((system.body.body.rotation.k - expected.k).abs() < 1e-15);
 }
 
 #[test]
 fn drag_divides_the_velocity_after_forces() {
     let mut system = Oscillator::new(0.0);
-    system.body.drag = (0.5, 2.0);
-    system.body.linear.x = 4.0;
-    system.body.angular.y = 4.0;
-    system.body.force.x = 2.0;
+    system.body.body.drag = (0.5, 2.0);
+    system.body.body.linear.x = 4.0;
+    system.body.body.angular.y = 4.0;
+    system.body.body.force.x = 2.0;
     system.run(EULER, 1, 0.1);
-    assert!((system.body.linear.x - 4.1 / 1.05).abs() < 1e-15);
-    assert!((system.body.angular.y - 4.0 / 1.2).abs() < 1e-15);
+    assert!((system.body.body.linear.x - 4.1 / 1.05).abs() < 1e-15);
+    assert!((system.body.body.angular.y - 4.0 / 1.2).abs() < 1e-15);
 }
 
 #[test]
@@ -106,10 +106,10 @@ fn rotation_is_of_second_order_and_stays_unit() {
     let spin = Vector3::new(1.0, -2.0, 0.5);
     let error = |steps| {
         let mut system = Oscillator::new(0.0);
-        system.body.angular = spin;
+        system.body.body.angular = spin;
         system.run(EULER, steps, 1.0);
-        assert!((system.body.rotation.norm() - 1.0).abs() < 1e-14);
-        (system.body.rotation.into_inner() - UnitQuaternion::from_scaled_axis(spin).into_inner()).norm()
+        assert!((system.body.body.rotation.norm() - 1.0).abs() < 1e-14);
+        (system.body.body.rotation.into_inner() - UnitQuaternion::from_scaled_axis(spin).into_inner()).norm()
     };
     let order = (error(100) / error(200)).log2();
     assert!((order - 2.0).abs() < 0.05, "order {order}");
