@@ -56,6 +56,7 @@ pub(super) fn find_contacts(
 ) {
     let (contacts, graph) = (contacts.bypass_change_detection(), graph.bypass_change_detection());
     candidates.clear();
+    graph.forget_renewed(&bodies.renewed);
     if settings.contact_model() == ContactModel::Clipping {
         graph.take_pairs(&near, &bodies.list);
         graph.carried.resize(graph.slots.len(), Carried::default());

@@ -19,10 +19,6 @@ const AT_EXTREMES: Readers = Readers {
     with: Some(("contacts: extreme_vertices", |settings| settings.sweeps.contacts == ContactModel::ExtremeVertices)),
     ..SWEEPS
 };
-const AT_CLIPPING: Readers = Readers {
-    with: Some(("contacts: clipping", |settings| settings.sweeps.contacts == ContactModel::Clipping)),
-    ..SWEEPS
-};
 
 settings! {
     /// Every setting of the step. [`SolverSettings::default`] is [`SolverSettings::game`]. What belongs to an engine that
@@ -62,7 +58,7 @@ settings! {
             integrator: Integrator => SWEEPS;
             /// Whether contact rows start from the forces of the (sub)step before, points found again by feature,
             /// instead of from zero.
-            warm_starting: bool => AT_CLIPPING;
+            warm_starting: bool => SWEEPS;
             /// Share of a position error that one (sub)step aims to remove, 0 to 1 (Baumgarte's β·h, or ODE's error
             /// reduction parameter).
             baumgarte: f64 => SWEEPS;

@@ -31,6 +31,8 @@ pub(crate) struct ContactGraph {
     pub states: Vec<ContactState>,
     /// Instead of states, where manifolds are found anew in each step.
     pub carried: Vec<Carried>,
+    /// What points of pairs without a slot carried in the last solve, by pair, and the forces on B there, N, world axes.
+    without_slot: Vec<(Pair, FeatureId, Vector3<f64>)>,
     /// Counts every change of which pairs touch.
     pub version: u64,
     /// Counts updates.
@@ -135,6 +137,7 @@ pub(in crate::physics::collision) fn update_graph(
 impl ContactGraph {
     /// Follows bodies to their new indices. Pairs of the gone are dropped in the next step.
     pub fn remap(&mut self, new_index: &[Option<u32>]) {
+        self.without_slot.clear();
         for slot in self.slots.iter_mut().filter(|slot| slot.entities.is_some()) {
             let of = |body: u32| new_index.get(body as usize).copied().flatten();
             slot.pair = Pair { a: of(slot.pair.a).unwrap_or(GONE), b: of(slot.pair.b).unwrap_or(GONE) };
@@ -172,41 +175,57 @@ impl ContactGraph {
         (self.point_count - self.points_asleep) as u32
     }
 
-    /// The force that a point carried, zero where it is new.
-    pub fn force(&self, slot: Option<u32>, feature: FeatureId) -> Vector3<f64> {
-        let Some(carried) = slot.and_then(|slot| self.carried.get(slot as usize)) else { return Vector3::zeros() };
-        let known = carried.points.iter().map(|(feature, _)| *feature);
-        namesake(known, feature).map_or_else(Vector3::zeros, |at| carried.points[at].1)
+    /// The force that a pair's point carried, zero where it is new.
+    pub fn force(&self, slot: Option<u32>, pair: Pair, feature: FeatureId) -> Vector3<f64> {
+        if let Some(slot) = slot {
+            let Some(carried) = self.carried.get(slot as usize) else { return Vector3::zeros() };
+            let known = carried.points.iter().map(|(feature, _)| *feature);
+            return namesake(known, feature).map_or_else(Vector3::zeros, |at| carried.points[at].1);
+        }
+        let first = self.without_slot.partition_point(|(known, ..)| *known < pair);
+        let known = self.without_slot[first..].iter().take_while(|(known, ..)| *known == pair);
+        let found = namesake(known.map(|&(_, feature, _)| feature), feature);
+        found.map_or_else(Vector3::zeros, |at| self.without_slot[first + at].2)
     }
 
-    /// Keeps the forces of a pair's points for the next step.
-    pub fn keep_forces(&mut self, slot: Option<u32>, points: impl Iterator<Item = (FeatureId, Vector3<f64>)>) {
-        let Some(carried) = slot.and_then(|slot| self.carried.get_mut(slot as usize)) else { return };
-        carried.points.iter_mut().zip(points).for_each(|(kept, point)| *kept = point);
-    }
-
-    /// Forgets all forces.
-    pub fn forget_forces(&mut self) {
+    /// Keeps the forces of pairs' points for the next step, and no others.
+    pub fn keep_forces<P: Iterator<Item = (FeatureId, Vector3<f64>)>>(
+        &mut self,
+        pairs: impl Iterator<Item = (Option<u32>, Pair, P)>,
+    ) {
         self.carried.iter_mut().for_each(|carried| carried.points = Default::default());
+        self.without_slot.clear();
+        for (slot, pair, points) in pairs {
+            match slot.map(|slot| self.carried.get_mut(slot as usize)) {
+                Some(Some(carried)) => carried.points.iter_mut().zip(points).for_each(|(kept, point)| *kept = point),
+                Some(None) => {}
+                None => self.without_slot.extend(points.map(|(feature, force)| (pair, feature, force))),
+            }
+        }
+        // Of one pair, points stay in their order.
+        self.without_slot.sort_by_key(|&(pair, ..)| pair);
     }
 
-    /// All forces kept, by slot.
+    /// All forces kept, by slot or pair.
     pub fn forces(&self) -> impl Iterator<Item = &Vector3<f64>> {
-        self.carried.iter().flat_map(|carried| carried.points.iter().map(|(_, force)| force))
+        let in_slots = self.carried.iter().flat_map(|carried| carried.points.iter().map(|(_, force)| force));
+        in_slots.chain(self.without_slot.iter().map(|(.., force)| force))
     }
 
     /// Has contacts found anew of bodies of which something else than their motion changed.
-    fn forget_renewed(&mut self, renewed: &[u32]) {
+    pub(in crate::physics::collision) fn forget_renewed(&mut self, renewed: &[u32]) {
         if renewed.is_empty() {
             return;
         }
         let mut among = BitSet::default();
         renewed.iter().for_each(|&body| among.set(body, true));
-        for slot in self.slots.iter_mut().filter(|slot| slot.entities.is_some()) {
+        for (index, slot) in self.slots.iter_mut().enumerate().filter(|(_, slot)| slot.entities.is_some()) {
             if among.contains(slot.pair.a) || among.contains(slot.pair.b) {
                 slot.forget();
+                self.carried.get_mut(index).into_iter().for_each(|carried| *carried = Carried::default());
             }
         }
+        self.without_slot.retain(|(pair, ..)| !among.contains(pair.a) && !among.contains(pair.b));
     }
 
     /// Takes in which pairs came and went.

@@ -103,7 +103,6 @@ fn solve_exactly(
             group.step(bodies, settings.exact.integrator, &terms, graph);
         });
     }
-    graph.forget_forces();
     (stats.resting, stats.rows, stats.row_updates) = (0, 0, 0);
     (stats.cuts, stats.unsettled, stats.jammed) = (0, 0, 0);
     for group in &*list {
@@ -115,6 +114,6 @@ fn solve_exactly(
             stats.unsettled += effort.unsettled;
             stats.jammed += effort.jammed;
         }
-        group.contact_groups().iter().for_each(|group| group.store(&mut graph));
     }
+    graph.keep_forces(list.iter().flat_map(ExactGroup::contact_groups).flat_map(ContactGroup::last_forces));
 }

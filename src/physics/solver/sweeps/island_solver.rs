@@ -9,7 +9,7 @@ use super::rows::{body_terms, contact_rows, joint_rows};
 use super::step_terms::StepTerms;
 use super::{cg_pgs, joint_space, nncg, pgs};
 use crate::physics::body::{Bodies, Body};
-use crate::physics::collision::{ContactGraph, Contacts};
+use crate::physics::collision::{ContactGraph, Contacts, FeatureId, Pair};
 use crate::physics::constraint::row::{BodyTerms, Row, RowPair, Twist};
 use crate::physics::contact::KEPT_SHARE;
 use crate::physics::island::Islands;
@@ -103,7 +103,7 @@ impl IslandSolver {
                     body_arm_b: body_b.rotation.inverse() * arm_b,
                     found_offset: body_b.position - body_a.position + arm_b - arm_a,
                     first_row: 0,
-                    force: graph.force(manifold.slot, found.feature),
+                    force: graph.force(manifold.slot, manifold.pair, found.feature),
                     impulse: Vector3::zeros(),
                 });
             }
@@ -245,12 +245,15 @@ impl IslandSolver {
         }
     }
 
-    /// Puts the forces of the last substep where the next step finds them.
-    pub fn store_forces(&self, contacts: &Contacts, graph: &mut ContactGraph) {
-        for LocalManifold { found, points, .. } in &self.manifolds {
+    /// The forces of the last substep on each pair's points.
+    pub fn forces<'c>(
+        &'c self,
+        contacts: &'c Contacts,
+    ) -> impl Iterator<Item = (Option<u32>, Pair, impl Iterator<Item = (FeatureId, Vector3<f64>)>)> {
+        self.manifolds.iter().map(|LocalManifold { found, points, .. }| {
             let features = contacts.points_of(found).iter().map(|point| point.feature);
-            graph.keep_forces(found.slot, features.zip(self.points[points.clone()].iter().map(|point| point.force)));
-        }
+            (found.slot, found.pair, features.zip(self.points[points.clone()].iter().map(|point| point.force)))
+        })
     }
 
     fn kick<N: Scalar>(&mut self, work: &Workspace<N>, h: f64) {

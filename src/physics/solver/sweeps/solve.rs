@@ -69,10 +69,6 @@ fn solve_islands(
         stats.row_updates += solver.row_updates;
         solver.scatter(&mut bodies.list, &mut joints.list);
     }
-    graph.forget_forces();
-    if settings.sweeps.warm_starting {
-        for solver in &solvers.list[..count] {
-            solver.store_forces(contacts, &mut graph);
-        }
-    }
+    let warm = if settings.sweeps.warm_starting { count } else { 0 };
+    graph.keep_forces(solvers.list[..warm].iter().flat_map(|solver| solver.forces(contacts)));
 }

@@ -323,7 +323,10 @@ impl ContactGroup {
             closing: terms.h,
             is_rough,
         };
-        let start_force = |point: &GapPoint| graph.force(pairs[point.pair as usize].slot, point.feature);
+        let start_force = |point: &GapPoint| {
+            let pair = &pairs[point.pair as usize];
+            graph.force(pair.slot, pair.bodies, point.feature)
+        };
         smooth.step(&given, states, points, shapes, search, start_force);
         let landed = smooth.points.list.iter().filter(|point| free[point.pair as usize]);
         landed.map(|point| -point.gap).fold(f64::NEG_INFINITY, f64::max)
@@ -416,16 +419,16 @@ impl ContactGroup {
         forces
     }
 
-    /// Keeps the forces for the next step.
-    pub fn store(&self, graph: &mut ContactGraph) {
-        for (index, pair) in self.pairs.iter().enumerate() {
-            let last = |point: &GapPoint| self.loads.get(&(index as u32, point.feature)).map(|load| load.last);
-            let points = self.smooth.points.of(index);
-            graph.keep_forces(
-                pair.slot,
-                points.iter().map(|point| (point.feature, last(point).unwrap_or_else(Vector3::zeros))),
-            );
-        }
+    /// The last forces on each pair's points.
+    pub fn last_forces(
+        &self,
+    ) -> impl Iterator<Item = (Option<u32>, Pair, impl Iterator<Item = (FeatureId, Vector3<f64>)>)> {
+        self.pairs.iter().enumerate().map(move |(index, pair)| {
+            let last = move |point: &GapPoint| self.loads.get(&(index as u32, point.feature)).map(|load| load.last);
+            let points = self.smooth.points.of(index).iter();
+            let points = points.map(move |point| (point.feature, last(point).unwrap_or_else(Vector3::zeros)));
+            (pair.slot, pair.bodies, points)
+        })
     }
 }
 
