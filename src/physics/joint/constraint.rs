@@ -54,8 +54,8 @@ pub struct ConstraintRows {
 /// Every method holds it, the exact one (`accurate`) with the order of its integrator; where λ of some row is bounded that
 /// one does not, and its entity is quarantined. Derive `Component` with `map_entities` where scenes are copied.
 ///
-/// A bead on a hoop that turns about the vertical axis. On one of 0.8 m that turns with 6 rad/s it is 1e-3 m off after
-/// half a second of `classic` at 240 Hz, and 4e-11 m of `accurate` at 60 Hz:
+/// A bead on a hoop that turns about the vertical axis. On one of 0.8 m that turns with 6 rad/s it is 0.9 mm off after
+/// half a second of `classic`, 0.6 mm of `game`, both at 240 Hz, and 4e-11 m of `accurate` at 60 Hz:
 ///
 /// ```
 /// use bevy::math::DVec3;
