@@ -94,7 +94,7 @@ impl Default for JointDefinition {
 impl JointDefinition {
     /// Whether it holds all translations and nothing else.
     pub fn is_ball(&self) -> bool {
-        self.function.is_none() && self.translation.hold == Laws::LOCKED.hold && self.rotation.locked() == 0
+        self.function.is_none() && [self.translation.hold, self.rotation.hold] == [Laws::LOCKED.hold, Laws::FREE.hold]
     }
 
     /// How many rows engines solve at once, at most three, and how many after them: translations, then rotations.

@@ -7,11 +7,14 @@
 //! In release builds all of it is empty.
 
 use std::cell::Cell;
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+#[cfg(debug_assertions)]
+use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Levels of division: blocks, chunks.
 const LEVELS: usize = 2;
 /// In the place of a claimant: several claimants read the element.
+#[cfg(debug_assertions)]
 const READERS: u32 = u32::MAX - 1;
 
 /// Who works in the present division of each level: the division's number, then the claimant's. 0: nobody.

@@ -130,7 +130,10 @@ impl<L: Lanes> Walk<'_, L> {
                     let first = self.blocks(color).0 as usize;
                     for block in items {
                         match color {
-                            Color::Joints(_) => self.joint_stage(stage, first + block),
+                            Color::Joints(_) if first + block < self.joint_blocks.len() => {
+                                self.joint_stage(stage, first + block);
+                            }
+                            Color::Joints(_) => self.row_stage(stage, first + block),
                             Color::Contacts(_) => self.contact_stage(stage, first + block),
                         }
                     }
@@ -202,39 +205,48 @@ impl<L: Lanes> Walk<'_, L> {
 
     /// # Safety
     /// As of [`Self::work`].
+    #[inline(always)]
     unsafe fn joint_stage(&self, stage: Stage, index: usize) {
         let joints = self.joint_colors.lanes(index).iter().map(|&joint| self.joints[joint as usize]);
-        let h = self.terms.h;
         // SAFETY: as the caller promises.
         unsafe {
-            let Some(index) = index.checked_sub(self.joint_blocks.len()) else {
-                let block = self.joint_blocks.element(index);
-                if let Stage::Prepare { .. } = stage {
-                    let mut inputs = [JointInput::default(); WIDTH];
-                    let lanes = inputs.iter_mut().zip(joints.clone());
-                    lanes.for_each(|(input, joint)| *input = self.joint_input(joint));
-                    block.ends = block_ends(joints.clone().map(|joint| [joint.a, joint.b]));
-                    block.take_in(&inputs[..joints.len()], &self.bodies.claim_pairs(block.ends), h);
-                } else if let Stage::Store(_) = stage {
-                    for (lane, joint) in joints.enumerate() {
-                        self.world.joints.element(joint.global as usize).force = block.impulse(lane) / h;
-                    }
-                } else {
-                    self.sweep_joints(stage, block);
+            let block = self.joint_blocks.element(index);
+            if let Stage::Prepare { .. } = stage {
+                let mut inputs = [JointInput::default(); WIDTH];
+                let lanes = inputs.iter_mut().zip(joints.clone());
+                lanes.for_each(|(input, joint)| *input = self.joint_input(joint));
+                block.ends = block_ends(joints.clone().map(|joint| [joint.a, joint.b]));
+                block.take_in(&inputs[..joints.len()], &self.bodies.claim_pairs(block.ends), self.terms.h);
+            } else if let Stage::Store(_) = stage {
+                for (lane, joint) in joints.enumerate() {
+                    self.world.joints.element(joint.global as usize).force = block.impulse(lane) / self.terms.h;
                 }
-                return;
-            };
-            let block = self.row_blocks.element(index);
+            } else {
+                self.sweep_joints(stage, block);
+            }
+        }
+    }
+
+    /// As [`Self::joint_stage`], of joints that hold no point at a point.
+    ///
+    /// # Safety
+    /// As of [`Self::work`].
+    #[inline(never)]
+    unsafe fn row_stage(&self, stage: Stage, index: usize) {
+        let joints = self.joint_colors.lanes(index).iter().map(|&joint| self.joints[joint as usize]);
+        // SAFETY: as the caller promises.
+        unsafe {
+            let block = self.row_blocks.element(index - self.joint_blocks.len());
             if let Stage::Prepare { done, .. } = stage {
                 let mut inputs = [RowsInput::default(); WIDTH];
                 let lanes = inputs.iter_mut().zip(joints.clone());
                 lanes.for_each(|(input, joint)| *input = self.rows_input(joint, done, block.scratch()));
                 block.ends = block_ends(joints.clone().map(|joint| [joint.a, joint.b]));
-                block.take_in_rows(&inputs[..joints.len()], &self.bodies.claim_pairs(block.ends), h);
+                block.take_in_rows(&inputs[..joints.len()], &self.bodies.claim_pairs(block.ends), self.terms.h);
             } else if let Stage::Store(_) = stage {
                 for (lane, GroupJoint { global, part, .. }) in joints.enumerate() {
                     let joint = self.world.joints.element(global as usize);
-                    joint.store(part.half(), &block.wrench(lane), &block.impulse(lane), h);
+                    joint.store(part.half(), &block.wrench(lane), &block.impulse(lane), self.terms.h);
                 }
             } else {
                 self.sweep_joints(stage, block);
