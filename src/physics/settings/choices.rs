@@ -71,7 +71,9 @@ choices! {
         /// One row along the slip at the start of the step, |λ| ≤ μ m_c g: the 2009 engine's. Of force-level methods:
         /// the others take it for the next one.
         OneTangent = "one_tangent",
-        /// Two rows, each bounded by μ times the contact's own normal force, which is updated each sweep.
+        /// Of force-level methods two rows, each bounded by μ times the contact's own normal force, which is updated each
+        /// sweep; of impulse methods a disc of μ times the manifold's normal impulse, and a twist; of the exact one
+        /// Coulomb's cone.
         TwoTangents = "two_tangents",
     }
 

@@ -29,8 +29,8 @@ settings! {
             hz: f64 => EVERY;
             /// How contacts and joints are solved.
             method: Method => EVERY;
-            /// Equal parts a step is cut into, at least 1. Collision is found once a step; contact depths, joints and
-            /// rows are brought up to date each substep.
+            /// Equal parts a step is cut into, at least 1. Collision is found once a step. Force-level methods make rows
+            /// anew in each substep; impulse methods bring errors up to date, and rows where bodies on joints turn far.
             substeps: u32 => EVERY;
             /// Sweeps over all rows in each (sub)step, at least 1; what conjugate directions cost besides counts among
             /// them.
