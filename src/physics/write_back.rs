@@ -109,9 +109,10 @@ fn restore_state(table: &mut StateTable, row: usize, body: &mut Body) {
     columns::set(&mut table.velocity, row, Velocity::default());
 }
 
-pub(super) fn write_joint_loads(joints: Res<Joints>, mut loads: Query<(&JointSlot, &mut JointLoad)>) {
-    for (slot, mut load) in &mut loads {
-        if let Some(joint) = joints.list.get(slot.index as usize) {
+pub(super) fn write_joint_loads(joints: Res<Joints>, mut loads: Query<(Entity, &JointSlot, &mut JointLoad)>) {
+    for (entity, slot, mut load) in &mut loads {
+        // One that was taken off its entity leaves its slot.
+        if let Some(joint) = joints.list.get(slot.index as usize).filter(|joint| joint.entity == entity) {
             let (force, torque) = (DVec3::from(joint.force), DVec3::from(joint.torque));
             load.set_if_neq(JointLoad { force, torque, lambda: force.length().hypot(torque.length()) });
         }

@@ -60,6 +60,17 @@ impl Joint {
         }
     }
 
+    /// Whether what it carried are numbers.
+    pub fn is_finite(&self) -> bool {
+        let Self { force, torque, multipliers, .. } = self;
+        force.iter().chain(torque.iter()).chain(multipliers).all(|number| number.is_finite())
+    }
+
+    /// Takes in its force on B and torque about B's anchor, means over a step, without what each row carried.
+    pub fn set_load(&mut self, force: Vector3<f64>, torque: Vector3<f64>) {
+        (self.force, self.torque, self.multipliers) = (force, torque, [0.0; 6]);
+    }
+
     /// Its points on A and B, from the centres of mass, body axes.
     pub fn anchors(&self) -> [Vector3<f64>; 2] {
         self.definition.frames.map(|frame| frame.anchor)

@@ -314,7 +314,11 @@ fn add_rows_of(function: &RowFunction, bodies: &[BodyState; 2], time: f64, rows:
             let [before, after] = around.each_ref().map(|rows| rows.get(index).map_or(0.0, |row| row.rate(bodies)));
             (after - before) / (2.0 * ConstraintRow::DIFFERENCE)
         };
-        let (lower, upper) = row.bounds;
+        // What is no number bounds nothing; of bounds that contradict each other their mean is both.
+        let lower = if row.bounds.0.is_nan() { f64::NEG_INFINITY } else { row.bounds.0 };
+        let upper = if row.bounds.1.is_nan() { f64::INFINITY } else { row.bounds.1 };
+        let mean = 0.5 * (lower + upper);
+        let (lower, upper) = if lower > upper { (mean, mean) } else { (lower, upper) };
         let is_bounded = lower.is_finite() || upper.is_finite();
         JointRow {
             jacobian: RowPair { linear_a, angular_a, linear_b, angular_b },

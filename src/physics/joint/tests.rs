@@ -1,4 +1,4 @@
-//! Joints of any definition under every method that takes them.
+//! Joints of any definition under every method.
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
@@ -20,7 +20,7 @@ const LENGTH: f64 = 0.6;
 
 /// Each with how far a row may be off where bodies are thrown about, m or rad, and a pendulum of 240 Hz after a second,
 /// rad: twice what was measured.
-fn methods() -> [(SolverSettings, f64, f64); 5] {
+fn methods() -> [(SolverSettings, f64, f64); 6] {
     let f64_of = |settings: SolverSettings| SolverSettings { precision: Precision::F64, ..settings };
     [
         (f64_of(SolverSettings::classic()), 1.3e-2, 3.6e-3),
@@ -28,6 +28,7 @@ fn methods() -> [(SolverSettings, f64, f64); 5] {
         (SolverSettings::game(), 3e-4, 2.2e-3),
         (SolverSettings::sequential_impulses(), 1e-3, 4e-2),
         (f64_of(SolverSettings::xpbd()), 6e-4, 4e-4),
+        (SolverSettings::accurate(), 1e-10, 1e-9),
     ]
 }
 

@@ -92,7 +92,7 @@ pub(super) fn gather_joints(
         // A joint that stays goes on from what it carried.
         let known = joints.list.get(index_before as usize).filter(|known| known.entity == entity);
         let mut joint = Joint::new(entity, [a, b], (*definition).clone());
-        if let Some(known) = known {
+        if let Some(known) = known.filter(|known| known.is_finite()) {
             (joint.force, joint.torque, joint.multipliers) = (known.force, known.torque, known.multipliers);
         }
         if known.is_some() && !definition.is_changed() {

@@ -98,6 +98,7 @@ pub(in crate::physics::collision) fn update_graph(
 ) {
     let graph = graph.bypass_change_detection();
     graph.carried.clear();
+    graph.without_slot.clear();
     graph.take_pairs(&near, &bodies.list);
     graph.forget_renewed(&bodies.renewed);
     if settings.is_changed() {

@@ -168,6 +168,13 @@ impl DirectIsland {
         (of_contacts + 3 * self.points + of_joints) as u32
     }
 
+    /// Has it look again at what its joints are and between which bodies.
+    pub fn renew(&mut self) {
+        self.analysis = Analysis::Due;
+        self.factored.clear();
+        self.blocks.clear();
+    }
+
     /// Whether it is of these bodies, contacts and joints.
     pub fn is_of(&self, members: &[u32], contacts: &[u32], joints: &[u32]) -> bool {
         self.members == members && self.contacts == contacts && self.joints == joints

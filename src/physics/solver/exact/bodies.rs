@@ -38,7 +38,7 @@ pub(super) fn links_of(
 
 /// What the joint carried in the step.
 pub(super) fn put_load(load: &Wrench<f64>, joint: &mut Joint) {
-    (joint.force, joint.torque) = (load.linear, load.angular);
+    joint.set_load(load.linear, load.angular);
 }
 
 pub(super) fn state_of(body: &Body) -> MemberState {

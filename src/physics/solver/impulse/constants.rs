@@ -82,3 +82,7 @@ pub(super) const TREE_FACTOR_LAG: f64 = 1e-3;
 /// Share of its own effect that a row of a joint gives beside it: rows that say the same are told apart by that, in
 /// single precision.
 pub(super) const DEPENDENT_ROWS: f64 = 1e-5;
+
+/// Speed along a row per impulse, 1/kg or 1/(kg m²), under which nothing can move along it: what the whitening of bodies
+/// that do not move leaves is far below, a world of a megaton above.
+pub(super) const LEAST_MOBILITY: f64 = 1e-15;

@@ -176,6 +176,8 @@ pub(crate) struct Group<L: Lanes> {
     /// Islands with contacts or joints, to be solved directly where they rest or have joints.
     pub(super) islands: Vec<DirectIsland>,
     pub(super) counts: DirectCounts,
+    /// Version of the joints that it was planned for.
+    joints_of: u64,
     /// Joints that are not in trees which no contact touches, global indices.
     other_joints: Vec<u32>,
     pub(super) joints: Vec<GroupJoint>,
@@ -206,6 +208,7 @@ impl<L: Lanes> Group<L> {
         self.place.resize(input.islands.bodies(self.index).len(), Place::Free);
         self.find_trees(input, scope.trees);
         self.find_islands(input, scope);
+        self.joints_of = input.joints.version;
         self.arrange(input);
     }
 
@@ -329,7 +332,9 @@ impl<L: Lanes> Group<L> {
         };
         for [members, contacts, joints] in found.into_values().filter(is_wanted) {
             while old.next_if(|island| island.members()[0] < members[0]).is_some() {}
-            let known = old.next_if(|island| island.is_of(&members, &contacts, &joints));
+            let mut known = old.next_if(|island| island.is_of(&members, &contacts, &joints));
+            // By their indices; what has them may be others.
+            known.iter_mut().filter(|_| self.joints_of != input.joints.version).for_each(DirectIsland::renew);
             self.islands.push(known.unwrap_or_else(|| DirectIsland::new(members, contacts, joints)));
         }
     }

@@ -10,7 +10,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::bodies::{ClaimedPairs, Ends, Frames};
-use super::constants::DEPENDENT_ROWS;
+use super::constants::{DEPENDENT_ROWS, LEAST_MOBILITY};
 use super::pair::Pair;
 use crate::physics::constraint::row::{Wrench, bounded};
 use crate::physics::joint::{Bound, JointRow, Softness};
@@ -82,6 +82,16 @@ pub(crate) trait LinearParts<L: Lanes>: Default {
     /// Whether [`prescribe`](Self::prescribe) needs the errors.
     const LEAVES_GAPS: bool;
 
+    /// Whether some row has bounds: such rows are solved one at a time, for what one is not to carry the others must.
+    fn is_bounded(&self) -> bool {
+        false
+    }
+
+    /// The errors that impulses within their bounds can still correct.
+    fn corrigible(&self, _: &Vector3<L>, error: Vector3<L>) -> Vector3<L> {
+        error
+    }
+
     /// Adds to what rows see what is none of their bodies' motion, and gaps that they leave open, which are taken out of
     /// their errors.
     fn prescribe(&self, seen: &mut Vector3<L>, error: &mut Vector3<L>);
@@ -103,6 +113,7 @@ pub(crate) struct Directions<L: Lanes> {
     time_rate: Vector3<L>,
     lower: Vector3<L>,
     upper: Vector3<L>,
+    is_bounded: bool,
     /// 1 where positive errors are open gaps, −1 where negative ones are, else 0.
     opens: Vector3<L>,
     /// 1/h.
@@ -123,6 +134,7 @@ impl<L: Lanes> Default for Directions<L> {
             time_rate,
             lower,
             upper,
+            is_bounded: false,
             opens,
             per_step: L::zero(),
             wrenches,
@@ -164,6 +176,19 @@ impl<L: Lanes> LinearParts<L> for Directions<L> {
 
     const LEAVES_GAPS: bool = true;
 
+    fn is_bounded(&self) -> bool {
+        self.is_bounded
+    }
+
+    fn corrigible(&self, impulse: &Vector3<L>, error: Vector3<L>) -> Vector3<L> {
+        Vector3::from_fn(|row, _| {
+            let (error, impulse) = (error[row], impulse[row]);
+            let is_up = error.simd_lt(L::zero()) & impulse.simd_ge(self.upper[row]);
+            let is_down = error.simd_gt(L::zero()) & impulse.simd_le(self.lower[row]);
+            L::zero().select(is_up | is_down, error)
+        })
+    }
+
     fn prescribe(&self, seen: &mut Vector3<L>, error: &mut Vector3<L>) {
         for row in 0..3 {
             let open = self.opens[row] * (self.opens[row] * error[row]).simd_max(L::zero());
@@ -176,6 +201,11 @@ impl<L: Lanes> LinearParts<L> for Directions<L> {
         let bounded = |row: usize| (impulse[row] + change[row]).simd_clamp(self.lower[row], self.upper[row]);
         Vector3::from_fn(|row, _| bounded(row) - impulse[row])
     }
+}
+
+/// One component of a vector, the others zero.
+fn only<L: Lanes>(row: usize, of: Vector3<L>) -> Vector3<L> {
+    Vector3::from_fn(|index, _| if index == row { of[index] } else { L::zero() })
 }
 
 /// Joints of [`Lanes::COUNT`] pairs that share no body that moves.
@@ -264,6 +294,10 @@ impl<L: Lanes> JointBlock<L, Directions<L>> {
             time_rate: numbers(|row| row.time_rate),
             lower: limit(&|row| limits(row).0),
             upper: limit(&|row| limits(row).1),
+            is_bounded: inputs
+                .iter()
+                .flat_map(|input| input.rows.iter().flatten())
+                .any(|row| matches!(row.bound, Bound::Within(..))),
             opens: numbers(|row| row.bound.open(1.0) + row.bound.open(-1.0)),
             per_step: L::of(1.0 / h),
             wrenches: std::array::from_fn(|lane| {
@@ -284,7 +318,10 @@ impl<L: Lanes> JointBlock<L, Directions<L>> {
         for row in 0..3 {
             // Rows that say the same share what they carry; those that nothing moves, as those there are not, do nothing.
             let own = k[(row, row)];
-            k[(row, row)] = (own * L::of(1.0 + DEPENDENT_ROWS)).select(own.simd_gt(L::zero()), L::one());
+            k[(row, row)] = (own * L::of(1.0 + DEPENDENT_ROWS)).select(own.simd_gt(L::of(LEAST_MOBILITY)), L::one());
+        }
+        if self.linear.is_bounded {
+            k = Matrix3::from_diagonal(&k.diagonal());
         }
         self.mass = inverse_symmetric(&k);
         let impulse = |lane: usize| inputs.get(lane).map_or_else(Vector3::zeros, |input| input.impulse);
@@ -330,6 +367,21 @@ impl<L: Lanes, P: LinearParts<L>> JointBlock<L, P> {
 
     /// One update, with the terms of `soft` where given, rigid and without bias where not.
     pub fn solve(&mut self, pairs: &mut ClaimedPairs<L>, soft: Option<&SoftTerms<L>>) {
+        if self.linear.is_bounded() {
+            (0..3).for_each(|row| self.update(pairs, soft, |of| only(row, of)));
+        } else {
+            self.update(pairs, soft, |of| of);
+        }
+    }
+
+    /// One update of the rows that `own` leaves of a vector of them.
+    #[inline(always)]
+    fn update(
+        &mut self,
+        pairs: &mut ClaimedPairs<L>,
+        soft: Option<&SoftTerms<L>>,
+        own: impl Fn(Vector3<L>) -> Vector3<L>,
+    ) {
         let mut pair = Pair::new(pairs.velocities(), &self.inverse_mass);
         let mut seen = self.rows(&pair);
         let soft = self.softness.as_ref().map(|softness| &softness.terms).or(soft);
@@ -350,7 +402,7 @@ impl<L: Lanes, P: LinearParts<L>> JointBlock<L, P> {
         if let Some(JointSoftness { limit, .. }) = self.softness {
             change = bounded(self.impulse + change, limit) - self.impulse;
         }
-        let change = self.linear.admitted(&self.impulse, change);
+        let change = own(self.linear.admitted(&self.impulse, change));
         self.impulse += change;
         self.apply(&mut pair, &change);
         pairs.set_velocities(pair.records());
@@ -367,11 +419,18 @@ impl<L: Lanes, P: LinearParts<L>> JointBlock<L, P> {
             return;
         }
         let mut pair = Pair::new(pairs.displacements(), &self.inverse_mass);
-        let mut error = self.error + self.rows(&pair);
-        self.linear.prescribe(&mut Vector3::repeat(L::zero()), &mut error);
-        let most = terms.max_correction;
-        let share = terms.joint_share * (most / dot(&error, &error).simd_sqrt().simd_max(most));
-        self.apply(&mut pair, &(self.effective_mass(&error) * -share));
+        let rounds = if self.linear.is_bounded() { 3 } else { 1 };
+        for row in 0..rounds {
+            let mut error = self.error + self.rows(&pair);
+            self.linear.prescribe(&mut Vector3::repeat(L::zero()), &mut error);
+            error = self.linear.corrigible(&self.impulse, error);
+            if rounds > 1 {
+                error = only(row, error);
+            }
+            let most = terms.max_correction;
+            let share = terms.joint_share * (most / dot(&error, &error).simd_sqrt().simd_max(most));
+            self.apply(&mut pair, &(self.effective_mass(&error) * -share));
+        }
         pairs.set_displacements(pair.records());
     }
 

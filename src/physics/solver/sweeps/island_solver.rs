@@ -280,9 +280,8 @@ impl IslandSolver {
                 (from.position, from.rotation, from.linear, from.angular);
         }
         for joint in &self.joints {
-            let to = &mut joints[joint.global as usize];
-            to.force = joint.impulse / self.h_total;
-            to.torque = joint.turn / self.h_total;
+            let (force, torque) = (joint.impulse / self.h_total, joint.turn / self.h_total);
+            joints[joint.global as usize].set_load(force, torque);
         }
     }
 

@@ -141,7 +141,8 @@ impl<N: Scalar> JointSpace<N> {
         self.ends.clear();
         let mut first = 0;
         while let Some(row) = rows.get(first) {
-            let is_joint = rows.len() >= first + 3 && rows[first..first + 3].iter().all(is_free);
+            let is_of_pair = |other: &Row<N>| is_free(other) && [other.a, other.b] == [row.a, row.b];
+            let is_joint = rows.len() >= first + 3 && rows[first..first + 3].iter().all(is_of_pair);
             if is_joint {
                 let moves = |side: usize| {
                     rows[first..first + 3].iter().any(|row| Twist::dot(&end(row, side).1, &end(row, side).2) > 0.0)

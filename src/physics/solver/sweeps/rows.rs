@@ -158,7 +158,10 @@ pub(super) fn joint_rows<N: Scalar>(
         };
         rows.push(match row.spring {
             None => {
-                let speed = (step.error_rate * row.error).clamp(-step.correction_speed, step.correction_speed);
+                // An open gap may close within the step.
+                let open = row.bound.open(row.error);
+                let speed = step.error_rate * (row.error - open);
+                let speed = speed.clamp(-step.correction_speed, step.correction_speed) + open / h;
                 Row::rigid(a, b, jacobian, N::of(-speed - row.time_rate), N::of(h), bounds)
             }
             Some(Softness { frequency, damping_ratio, .. }) => {
