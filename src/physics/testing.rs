@@ -1,11 +1,15 @@
 //! What unit tests share: seeded random numbers, vectors and bodies.
 
+mod runge_kutta;
+
 use bevy::prelude::{Deref, DerefMut};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3, Vector4};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::constraint::row::{BodyTerms, Twist};
+
+pub(crate) use runge_kutta::runge_kutta;
 
 /// The generator of the scenes, from a seed.
 #[derive(Deref, DerefMut)]

@@ -62,19 +62,8 @@ fn hoop(settings: SolverSettings, bounds: (f64, f64)) -> (World, Entity, Entity)
 /// method in steps of 0.1 ms, 1e-13 off.
 fn truth(time: f64) -> DVec3 {
     let change = |[angle, speed]: [f64; 2]| [speed, (SPEED * SPEED * angle.cos() - G / RADIUS) * angle.sin()];
-    let h = 1e-4;
-    let mut state = [std::f64::consts::FRAC_PI_2, 0.0];
-    for _ in 0..(time / h).round() as u32 {
-        let at = |slope: [f64; 2], by: f64| [state[0] + slope[0] * by, state[1] + slope[1] * by];
-        let first = change(state);
-        let second = change(at(first, h / 2.0));
-        let third = change(at(second, h / 2.0));
-        let last = change(at(third, h));
-        for k in 0..2 {
-            state[k] += h / 6.0 * (first[k] + 2.0 * second[k] + 2.0 * third[k] + last[k]);
-        }
-    }
-    let (turned, angle) = (SPEED * time, state[0]);
+    let [angle, _] = runge_kutta([std::f64::consts::FRAC_PI_2, 0.0], time, (time * 1e4).round() as u32, change);
+    let turned = SPEED * time;
     DVec3::new(angle.sin() * turned.cos(), -angle.cos(), angle.sin() * turned.sin()) * RADIUS
 }
 

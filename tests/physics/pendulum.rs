@@ -24,16 +24,7 @@ fn pendulum(settings: SolverSettings) -> (World, Entity) {
 fn reference_angle(t: f64) -> f64 {
     let inertia = (LENGTH * LENGTH + WIDTH * WIDTH) / 12.0 + LENGTH * LENGTH / 4.0;
     let acceleration = |angle: f64| 9.81 * LENGTH / 2.0 * angle.cos() / inertia;
-    let (mut angle, mut rate) = (0.0, 0.0);
-    let h = t / 4096.0;
-    for _ in 0..4096 {
-        let (v1, a1) = (rate, acceleration(angle));
-        let (v2, a2) = (rate + 0.5 * h * a1, acceleration(angle + 0.5 * h * v1));
-        let (v3, a3) = (rate + 0.5 * h * a2, acceleration(angle + 0.5 * h * v2));
-        let (v4, a4) = (rate + h * a3, acceleration(angle + h * v3));
-        angle += h / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4);
-        rate += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
-    }
+    let [angle, _] = runge_kutta([0.0, 0.0], t, 4096, |[angle, rate]| [rate, acceleration(angle)]);
     angle
 }
 

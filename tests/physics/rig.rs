@@ -1,10 +1,16 @@
 //! What the tests share: worlds, bodies, reading the state.
 
+// The unit tests of the library have it, too.
+#[path = "../../src/physics/testing/runge_kutta.rs"]
+mod runge_kutta;
+
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use plumb::physics::{Shape, hash_state};
 use plumb::prelude::*;
+
+pub use runge_kutta::runge_kutta;
 
 /// The default preset without sleep.
 pub fn awake_game() -> SolverSettings {

@@ -10,6 +10,7 @@ use super::softness::Softness;
 use crate::physics::body::{Inertia, LockedAxes, Mass, Position, Quarantined, RigidBody, Rotation, Velocity};
 use crate::physics::joint::BodyState;
 use crate::physics::settings::{Method, Precision, SolverSettings};
+use crate::physics::testing::runge_kutta;
 use crate::physics::{headless_app, step};
 
 const G: f64 = 9.81;
@@ -87,13 +88,9 @@ const HINGE: [bool; 3] = [false, true, true];
 
 #[test]
 fn a_hinge_swings_as_its_equation_says() {
-    // θ̈ = −m g L cos θ/(I_z + m L²), from level, by the midpoint rule.
-    let (mut angle, mut speed, h) = (0.0_f64, 0.0, 1e-5);
+    // θ̈ = −m g L cos θ/(I_z + m L²), from level.
     let acceleration = |angle: f64| -MASS * G * LENGTH * angle.cos() / (INERTIA.z + MASS * LENGTH * LENGTH);
-    for _ in 0..100_000 {
-        let (half_angle, half_speed) = (angle + 0.5 * h * speed, speed + 0.5 * h * acceleration(angle));
-        (angle, speed) = (angle + h * half_speed, speed + h * acceleration(half_angle));
-    }
+    let [angle, _] = runge_kutta([0.0; 2], 1.0, 10_000, |[angle, speed]| [speed, acceleration(angle)]);
     // What has a locked axis is swept by `game`, too.
     let swept = (SolverSettings::game(), 3e-4, 1.9e-2);
     let all = methods().map(|method| (method, false)).into_iter().chain([(swept, true)]);

@@ -11,6 +11,7 @@ use crate::physics::joint::{Frame, Hold, JointDefinition, JointLoad, Laws, Softn
 use crate::physics::settings::{ExactIntegrator, ExactSettings, Gravity, SolverSettings};
 use crate::physics::shape::Collider;
 use crate::physics::stats::StepStats;
+use crate::physics::testing::runge_kutta;
 use crate::physics::{headless_app, step};
 
 const G: f64 = 9.81;
@@ -82,19 +83,7 @@ fn pendulum(integrator: ExactIntegrator, hz: f64) -> (World, Entity, Entity) {
 /// 0.1 ms, 1e-13 off.
 fn swung(time: f64) -> f64 {
     let change = |[angle, speed]: [f64; 2]| [speed, MASS * G * angle.cos() / inertia_about_hinge()];
-    let h = 1e-4;
-    let mut state = [0.0; 2];
-    for _ in 0..(time / h).round() as u32 {
-        let at = |slope: [f64; 2], by: f64| [state[0] + slope[0] * by, state[1] + slope[1] * by];
-        let first = change(state);
-        let second = change(at(first, h / 2.0));
-        let third = change(at(second, h / 2.0));
-        let last = change(at(third, h));
-        for k in 0..2 {
-            state[k] += h / 6.0 * (first[k] + 2.0 * second[k] + 2.0 * third[k] + last[k]);
-        }
-    }
-    state[0]
+    runge_kutta([0.0; 2], time, (time * 1e4).round() as u32, change)[0]
 }
 
 #[test]
