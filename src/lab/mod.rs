@@ -17,6 +17,7 @@ pub mod truth;
 pub mod verdict;
 mod whole_file;
 
+pub use crate::physics::BodyState;
 pub use metrics::{
     ContactResidual, EnergyMetrics, ExactCounts, Metrics, MomentumMetrics, Shares, StepCounts, StepMilliseconds,
     TruthMetrics,
@@ -24,6 +25,6 @@ pub use metrics::{
 pub use plan::{MOST_STEPS, Plan, PlanError};
 pub use run::measure;
 pub use settings_file::{SettingsFileError, read_settings, settings_text, write_settings};
-pub use simulation::{BodyState, QuarantinedEntity, Sample, Simulation};
+pub use simulation::{QuarantinedEntity, Sample, Simulation};
 pub use trajectory::TrajectoryWriter;
 pub use whole_file::write_whole;

@@ -3,13 +3,14 @@
 use std::hash::Hasher;
 
 use bevy::ecs::query::QueryState;
-use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use serde::Serialize;
 use xxhash_rust::xxh3::Xxh3;
 
 use crate::physics::hash_state;
-use crate::physics::{Position, Quarantined, Rotation, SolverSettings, StepStats, Velocity, headless_app, step};
+use crate::physics::{
+    BodyState, Position, Quarantined, Rotation, SolverSettings, StepStats, Velocity, headless_app, step,
+};
 use crate::scene::{SceneSpec, SpawnedScene};
 
 /// A scene in a world of its own.
@@ -19,19 +20,6 @@ pub struct Simulation {
     entities: SpawnedScene,
     poses: QueryState<(&'static Position, &'static Rotation, &'static Velocity)>,
     states: Vec<BodyState>,
-}
-
-/// The state of one body.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BodyState {
-    /// Centre of mass, m.
-    pub position: DVec3,
-    /// Orientation.
-    pub rotation: DQuat,
-    /// m/s.
-    pub linear: DVec3,
-    /// rad/s, world axes.
-    pub angular: DVec3,
 }
 
 /// A scene's bodies at one time.

@@ -15,8 +15,8 @@ use serde::Serialize;
 
 use super::moving::Moving;
 use super::natural_map::SolvedContact;
-use crate::lab::simulation::{BodyState, Simulation};
-use crate::physics::{ContactForce, Integrator, Method, RigidBody, SolverSettings, SurfaceMaterial};
+use crate::lab::simulation::Simulation;
+use crate::physics::{BodyState, ContactForce, Integrator, Method, RigidBody, SolverSettings, SurfaceMaterial};
 
 /// Largest residual of the natural map over a step's contacts, relative to the larger of g h and
 /// the fastest contact of the step: 0 is a contact solve without error, 1 one that did nothing.

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::extent::height;
 use super::moving::Moving;
-use crate::lab::simulation::BodyState;
 use crate::lab::truth::EnergyScale;
+use crate::physics::BodyState;
 use crate::scene::SceneSpec;
 
 /// Σ ½mv² + ½ωᵀIω − (m g + F)·(x − x₀) over what moves, J, x₀ each body's start, F the force that the scene puts on it.

@@ -4,8 +4,7 @@ use std::collections::HashMap;
 
 use bevy::math::DVec3;
 
-use crate::lab::simulation::BodyState;
-use crate::physics::RigidBody;
+use crate::physics::{BodyState, RigidBody};
 use crate::scene::SceneSpec;
 
 /// A rigid joint.

@@ -15,9 +15,9 @@ use super::moving::{Moving, moving};
 use super::report::{Metrics, Shares, TruthMetrics};
 use super::rest::RestMeter;
 use crate::lab::plan::Plan;
-use crate::lab::simulation::{BodyState, Simulation};
+use crate::lab::simulation::Simulation;
 use crate::lab::truth::{EnergyScale, Truth, Unknown};
-use crate::physics::{ContactForces, Diagnostics, JointForces, Method, StepStats};
+use crate::physics::{BodyState, ContactForces, Diagnostics, JointForces, Method, StepStats};
 
 /// Time at the end of a run over which a scene that stays is looked at for jitter and forces, s.
 const SETTLED_SECONDS: f64 = 1.0;

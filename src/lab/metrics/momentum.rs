@@ -5,8 +5,7 @@ use serde::Serialize;
 
 use super::joints::joined;
 use super::moving::Moving;
-use crate::lab::simulation::BodyState;
-use crate::physics::{LockedAxes, RigidBody, SolverSettings};
+use crate::physics::{BodyState, LockedAxes, RigidBody, SolverSettings};
 use crate::scene::SceneSpec;
 
 /// How far momentum strayed from what gravity makes of it. None where static or kinematic bodies

@@ -2,8 +2,8 @@
 
 use bevy::math::DVec3;
 
-use crate::lab::simulation::{BodyState, Simulation};
-use crate::physics::{Inertia, Mass, RigidBody};
+use crate::lab::simulation::Simulation;
+use crate::physics::{BodyState, Inertia, Mass, RigidBody};
 
 /// A dynamic body.
 pub(super) struct Moving {

@@ -1,7 +1,7 @@
 //! What bodies do that should stay where they are: sink, drift, tremble.
 
 use super::moving::Moving;
-use crate::lab::simulation::BodyState;
+use crate::physics::BodyState;
 
 /// Watches how bodies leave their places.
 #[derive(Default)]

@@ -16,8 +16,8 @@ use xxhash_rust::xxh3::xxh3_64;
 use super::answer::{ROUNDING, Truth};
 use super::bodies::dynamic;
 use super::instant::{Instant, TIME_TOLERANCE};
-use crate::lab::simulation::{BodyState, Sample, Simulation};
-use crate::physics::{SolverSettings, StepStats};
+use crate::lab::simulation::{Sample, Simulation};
+use crate::physics::{BodyState, SolverSettings, StepStats};
 use crate::scene::SceneSpec;
 
 /// Why nothing is known of a scene's answer.

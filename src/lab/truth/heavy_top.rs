@@ -9,7 +9,8 @@ use crate::scene::{SceneSpec, ShapeSpec};
 
 use super::answer::{Poses, Truth};
 use super::bodies::{anchor_on, dynamic};
-use crate::lab::simulation::{BodyState, Sample};
+use crate::lab::simulation::Sample;
+use crate::physics::BodyState;
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     let Steady { index, body_axis, up, precession, lever, .. } = Steady::of(scene)?;

@@ -4,12 +4,12 @@
 
 use bevy::math::DVec3;
 
-use crate::physics::RigidBody;
+use crate::physics::{BodyState, RigidBody};
 use crate::scene::{SceneSpec, ShapeSpec};
 
 use super::answer::Truth;
 use super::bodies::dynamic;
-use crate::lab::simulation::{BodyState, Sample};
+use crate::lab::simulation::Sample;
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     let balls: Vec<Ball> = dynamic(scene).into_iter().map(|index| Ball::of(scene, index)).collect::<Option<_>>()?;

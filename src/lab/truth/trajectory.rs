@@ -8,7 +8,8 @@ use crate::scene::{SceneSpec, ShapeSpec};
 use super::answer::Truth;
 use super::bodies::{anchor_on, dynamic};
 use super::instant::{Instant, TIME_TOLERANCE};
-use crate::lab::simulation::{BodyState, Sample};
+use crate::lab::simulation::Sample;
+use crate::physics::BodyState;
 
 const RODS: [(usize, &str); 3] = [
     (1, include_str!("../../../assets/reference/rods-1.csv")),
