@@ -108,6 +108,12 @@ impl<N: SimdRealField + Copy> Default for Twist<N> {
 }
 
 impl<N: SimdRealField + Copy> RowPair<N> {
+    /// Of A (0) or of B (1).
+    #[inline]
+    pub fn of(&self, end: usize) -> Twist<N> {
+        if end == 0 { self.of_a() } else { self.of_b() }
+    }
+
     /// In another scalar.
     pub fn map<M: SimdRealField + Copy>(&self, of: impl Fn(N) -> M) -> RowPair<M> {
         let [linear_a, angular_a, linear_b, angular_b] =

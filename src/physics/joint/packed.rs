@@ -67,8 +67,8 @@ impl Joint {
     }
 
     /// Takes in its force on B and torque about B's anchor, means over a step, without what each row carried.
-    pub fn set_load(&mut self, force: Vector3<f64>, torque: Vector3<f64>) {
-        (self.force, self.torque, self.multipliers) = (force, torque, [0.0; 6]);
+    pub fn set_load(&mut self, load: &Wrench<f64>) {
+        (self.force, self.torque, self.multipliers) = (load.linear, load.angular, [0.0; 6]);
     }
 
     /// Its points on A and B, from the centres of mass, body axes.

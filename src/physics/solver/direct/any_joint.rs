@@ -10,7 +10,7 @@ use super::constants::JOINT_PENALTY;
 use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, bits, body_vector, halves};
 use crate::physics::body::{Body, RigidBody, world_inverse_inertia};
 use crate::physics::collision::POINTS;
-use crate::physics::constraint::row::{RowPair, Twist, Wrench, bounded};
+use crate::physics::constraint::row::{Twist, Wrench, bounded};
 use crate::physics::joint::{Bound, Joint, JointRow, Softness};
 use crate::physics::solver::linear::{BodyBlock, BodyVector};
 use crate::physics::solver::soft_terms::{SoftTerms, UNLIMITED};
@@ -80,14 +80,14 @@ impl AnyJoint {
         let mut all = Self { sides, counts: [first, rows.len() - first], ..Self::default() };
         for (index, row) in rows.iter().enumerate() {
             let place = all.place(index);
-            let RowPair { linear_a, angular_a, linear_b, angular_b } = row.jacobian;
-            for (map, part) in all.maps.iter_mut().zip([[-linear_a, -angular_a], [linear_b, angular_b]]) {
-                map.row_mut(place).copy_from(&body_vector(&part[0], &part[1]).transpose());
+            for (side, sign) in [(0, -1.0), (1, 1.0)] {
+                let Twist { linear, angular } = row.jacobian.of(side);
+                all.maps[side].row_mut(place).copy_from(&(body_vector(&linear, &angular) * sign).transpose());
             }
             let held = (0..2).filter(|&side| sides[side].body.is_none() && bodies[side].kind != RigidBody::Static);
             let given = held.map(|side| {
-                let (linear, angular) = [(linear_a, angular_a), (linear_b, angular_b)][side];
-                linear.dot(&bodies[side].linear) + angular.dot(&bodies[side].angular)
+                let Body { linear, angular, .. } = *bodies[side];
+                row.jacobian.of(side).dot(&Twist { linear, angular })
             });
             let mut given = given.sum::<f64>() + row.time_rate;
             if row.spring.is_none() {
@@ -98,7 +98,10 @@ impl AnyJoint {
             } else {
                 all.prescribed.angular[place - 3] = given
             }
-            let mobility: f64 = (0..2).map(|side| mobility(&row.jacobian, side, bodies[side], &sides[side])).sum();
+            let mobility: f64 = (0..2)
+                .filter(|&side| sides[side].body.is_some())
+                .map(|side| mobility(&row.jacobian.of(side), bodies[side]))
+                .sum();
             let mass = if mobility > 0.0 { 1.0 / mobility } else { 0.0 };
             all.laws[place] = law(row, mass, joint.multipliers[index], h);
         }
@@ -165,13 +168,10 @@ impl AnyJoint {
 }
 
 /// Speed along a row for an impulse along it, of one body.
-fn mobility(jacobian: &RowPair<f64>, side: usize, body: &Body, of: &Side) -> f64 {
-    if of.body.is_none() {
-        return 0.0;
-    }
+fn mobility(row: &Twist<f64>, body: &Body) -> f64 {
     let inverse_inertia = world_inverse_inertia(&body.inverse_inertia_body, &body.rotation, &body.rotation_freedom);
-    let (linear, angular) = [(jacobian.linear_a, jacobian.angular_a), (jacobian.linear_b, jacobian.angular_b)][side];
-    linear.dot(&body.inverse_mass.component_mul(&linear)) + angular.dot(&(inverse_inertia * angular))
+    let (linear, angular) = (body.inverse_mass.component_mul(&row.linear), inverse_inertia * row.angular);
+    row.dot(&Twist { linear, angular })
 }
 
 /// The law of a row of that effective mass, which carried a force before.

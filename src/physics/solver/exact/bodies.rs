@@ -4,8 +4,7 @@ use nalgebra::Vector3;
 
 use super::mechanism::{MechanismLink, Member, MemberState};
 use crate::physics::body::{Bodies, Body};
-use crate::physics::constraint::row::Wrench;
-use crate::physics::joint::{Joint, Joints};
+use crate::physics::joint::Joints;
 
 /// The place of a body in a list whose first `moving` are in order; one that is not there yet is added at the end.
 pub(super) fn place_in(bodies: &mut Vec<u32>, moving: usize, body: u32) -> u32 {
@@ -34,11 +33,6 @@ pub(super) fn links_of(
         (!link.rows.is_empty()).then_some((index, link))
     };
     joints.iter().filter_map(link).unzip()
-}
-
-/// What the joint carried in the step.
-pub(super) fn put_load(load: &Wrench<f64>, joint: &mut Joint) {
-    joint.set_load(load.linear, load.angular);
 }
 
 pub(super) fn state_of(body: &Body) -> MemberState {

@@ -1,6 +1,6 @@
 //! A group of islands as the exact method takes it: mechanisms, free bodies, and bodies in reach of each other.
 
-use super::bodies::{links_of, member, place_in, put, put_load, state_of};
+use super::bodies::{links_of, member, place_in, put, state_of};
 use super::contact::{ContactGroup, ContactTerms};
 use super::free;
 use super::mechanism::{Mechanism, MemberState};
@@ -166,7 +166,7 @@ impl ExactGroup {
                 put(state, &mut bodies[*index as usize]);
             }
             for (&joint, load) in piece.joints.iter().zip(&piece.stepper.loads) {
-                put_load(load, &mut joints[joint as usize]);
+                joints[joint as usize].set_load(load);
             }
         }
         for group in &self.contact_groups {

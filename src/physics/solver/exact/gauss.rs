@@ -35,6 +35,7 @@ use super::rows::{MechanismRows, add_wrenches};
 use super::tableau::Tableau;
 use crate::physics::constraint::row::{Twist, Wrench};
 use crate::physics::joint::JointRow;
+use crate::physics::solver::joint_tree::add_stiffness;
 
 /// One stage.
 #[derive(Clone, Debug, Default)]
@@ -337,7 +338,7 @@ impl<const S: usize> Gauss<S> {
                 let force = link.load(&Vector3::zeros(), rows, lambda).linear;
                 for (end, member, force) in [(0, link.a, -force), (1, link.b, force)] {
                     let arm = states[member as usize].rotation * link.anchor(end);
-                    add_pull(&mut self.stiffness[member as usize], &arm, &force);
+                    add_stiffness(&mut self.stiffness[member as usize], &arm, &force);
                 }
             }
         }
@@ -464,13 +465,4 @@ fn softness(
     let direction = unit * unit.transpose();
     let across = Matrix3::identity() - direction;
     across * softness * across * (size / spring.most).min(SLACK) + direction * (SLACK * along.mean())
-}
-
-/// Adds max(0, r·f) (1 − r̂ r̂ᵀ).
-fn add_pull(stiffness: &mut Matrix3<f64>, arm: &Vector3<f64>, force: &Vector3<f64>) {
-    let along = arm.dot(force);
-    if along > 0.0 {
-        let unit = arm * (along / arm.norm_squared());
-        *stiffness += Matrix3::from_diagonal_element(along) - unit * arm.transpose();
-    }
 }

@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use super::constants::KICKED_SPRING;
 use super::rotation::{exponential, in_world};
 use crate::physics::body::free_rotation::free_rotation;
-use crate::physics::constraint::row::{RowPair, Twist, Wrench, bounded};
+use crate::physics::constraint::row::{Twist, Wrench, bounded};
 use crate::physics::joint::{BodyState, Bound, JointDefinition, JointRow, Softness};
 use crate::physics::solver::linear::Elimination;
 
@@ -230,8 +230,7 @@ impl MechanismLink {
 
     /// Whether springs stand for some of its rows.
     pub fn gives(&self) -> bool {
-        let JointDefinition { translation, rotation, .. } = &self.definition;
-        translation.spring.is_some() || rotation.spring.is_some()
+        self.definition.is_soft()
     }
 
     /// Whether its rows may change with time.
@@ -253,7 +252,7 @@ impl MechanismLink {
     /// The wrench on B about its anchor of that λ of all rows.
     pub fn load(&self, arm_b: &Vector3<f64>, rows: &[JointRow<f64>], lambda: &[f64]) -> Wrench<f64> {
         let own = rows[self.rows.clone()].iter().zip(&lambda[self.rows.clone()]);
-        own.fold(Wrench::zero(), |sum, (row, &lambda)| sum.plus(&about(row, arm_b), lambda))
+        own.fold(Wrench::zero(), |sum, (row, &lambda)| sum.plus(&row.wrench_about(arm_b), lambda))
     }
 
     /// λ of its rows for such a load, where they are independent of each other.
@@ -264,17 +263,11 @@ impl MechanismLink {
         load: &'r Wrench<f64>,
     ) -> impl Iterator<Item = f64> + 'r {
         rows[self.rows.clone()].iter().map(move |row| {
-            let unit = about(row, arm_b);
+            let unit = row.wrench_about(arm_b);
             let square = unit.dot(&unit);
             if square > 0.0 { unit.dot(load) / square } else { 0.0 }
         })
     }
-}
-
-/// The wrench on B about its anchor for λ = 1.
-pub(super) fn about(row: &JointRow<f64>, arm_b: &Vector3<f64>) -> Wrench<f64> {
-    let RowPair { linear_b, angular_b, .. } = &row.jacobian;
-    Wrench { linear: *linear_b, angular: angular_b - arm_b.cross(linear_b) }
 }
 
 /// Gives links their rows one after the other.

@@ -4,7 +4,7 @@
 //! v½ = v₀ + ½h W₀(F + J₀ᵀλ) with λ such that joints hold after the free motion: C(q₁, t₁) = 0; then
 //! v₁ = v½ + ½h W₁(F + J₁ᵀμ) with μ such that J₁ v₁ + ∂C/∂t = 0. λ is found by Newton's method with J₀ W₀ J₀ᵀ in place
 //! of J₁ W₁ J₀ᵀ, from the λ that holds accelerations at the start: J M⁻¹ Jᵀ λ = −J M⁻¹(F − (0, ω × I ω)) − J̇ v. Bodies
-//! turn freely by the midpoint rule of `integrator::gyroscopic`; drag takes e^{−ch/2} with each kick.
+//! turn freely by the midpoint rule of [`free_rotation`](crate::physics::body::free_rotation); drag takes e^{−ch/2} with each kick.
 
 use super::constants::RATTLE_ITERATIONS;
 use super::gauss::StageIterations;

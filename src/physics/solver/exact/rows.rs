@@ -88,9 +88,9 @@ impl MechanismRows {
             let n = rows.len();
             let block = factor.below_at(&mechanism.elimination, coupling.block as usize);
             for (column, response) in block.chunks_exact_mut(n).zip(&responses[columns]) {
-                let response = of_end(response, coupling.column.1);
+                let response = response.of(coupling.column.1);
                 for (entry, jacobian) in column.iter_mut().zip(&jacobians[rows.clone()]) {
-                    *entry += of_end(jacobian, coupling.row.1).dot(&response);
+                    *entry += jacobian.of(coupling.row.1).dot(&response);
                 }
             }
         }
@@ -169,11 +169,6 @@ impl MechanismRows {
             *velocity = inverse_mass.of(velocity);
         }
     }
-}
-
-#[inline]
-fn of_end(pair: &RowPair<f64>, end: usize) -> Twist<f64> {
-    if end == 0 { pair.of_a() } else { pair.of_b() }
 }
 
 /// Adds that share of the trace to the diagonal: of the rows that only turn, and of the others, whose unit is another.

@@ -10,7 +10,7 @@ use super::step_terms::StepTerms;
 use super::{cg_pgs, joint_space, nncg, pgs};
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::{ContactGraph, Contacts, FeatureId, Pair};
-use crate::physics::constraint::row::{BodyTerms, Row, RowPair, Twist};
+use crate::physics::constraint::row::{BodyTerms, Row, RowPair, Twist, Wrench};
 use crate::physics::contact::KEPT_SHARE;
 use crate::physics::island::Islands;
 use crate::physics::joint::{Joint, JointRow, Joints};
@@ -280,8 +280,8 @@ impl IslandSolver {
                 (from.position, from.rotation, from.linear, from.angular);
         }
         for joint in &self.joints {
-            let (force, torque) = (joint.impulse / self.h_total, joint.turn / self.h_total);
-            joints[joint.global as usize].set_load(force, torque);
+            let (linear, angular) = (joint.impulse / self.h_total, joint.turn / self.h_total);
+            joints[joint.global as usize].set_load(&Wrench { linear, angular });
         }
     }
 

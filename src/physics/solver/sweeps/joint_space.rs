@@ -118,15 +118,11 @@ fn is_free<N: Scalar>(row: &Row<N>) -> bool {
 
 /// The row's part of one end (0: A, 1: B): body, J and M⁻¹Jᵀ.
 fn end<N: Scalar>(row: &Row<N>, end: usize) -> (u32, Twist<f64>, Twist<f64>) {
-    let of = |linear: &Vector3<N>, angular: &Vector3<N>| Twist {
-        linear: linear.map(Scalar::to_f64),
-        angular: angular.map(Scalar::to_f64),
-    };
-    let Row { a, b, jacobian, response, .. } = row;
-    match end {
-        0 => (*a, of(&jacobian.linear_a, &jacobian.angular_a), of(&response.linear_a, &response.angular_a)),
-        _ => (*b, of(&jacobian.linear_b, &jacobian.angular_b), of(&response.linear_b, &response.angular_b)),
-    }
+    let [jacobian, response] = [&row.jacobian, &row.response].map(|pair| {
+        let Twist { linear, angular } = pair.of(end);
+        Twist { linear: linear.map(Scalar::to_f64), angular: angular.map(Scalar::to_f64) }
+    });
+    ([row.a, row.b][end], jacobian, response)
 }
 
 fn add<N: Scalar>(sum: &mut Twist<N>, more: &Twist<N>, times: N) {

@@ -12,7 +12,7 @@
 use bevy::platform::collections::HashMap;
 use nalgebra::Vector3;
 
-use super::super::bodies::{links_of, member, place_in, put, put_load, state_of};
+use super::super::bodies::{links_of, member, place_in, put, state_of};
 use super::super::constants::{
     ENERGY_GAINED, FIRST_GROWTH, GROWTH_AFTER_CUT, LANDED, LEAST_BOUNCE, LEAST_GROWTH, MISSED, MOST_LANDINGS,
     MOST_TRIALS, NO_ENERGY, ROUGH_STEP, SHORTEST_STEP, TOUCHING,
@@ -246,8 +246,8 @@ impl ContactGroup {
         });
     }
 
-    /// A smooth step from `now`, s, over the time left, s, or as long as a forecast comes true, or until a free pair lands. Returns its
-    /// length, and notes how long the next may be.
+    /// A smooth step from `now`, s, over the time left, s, or as long as a forecast comes true, or until a free pair
+    /// lands. Returns its length, and notes how long the next may be.
     fn step_until_landing(&mut self, stride: &mut Stride, left: f64, now: f64, start: &StepStart) -> f64 {
         let terms = &start.terms;
         let mut most = left.min(stride.longest);
@@ -304,7 +304,8 @@ impl ContactGroup {
         high
     }
 
-    /// A smooth step of h, s, from `now`, s. The deepest overlap of free pairs at its end, m; negative: the least gap of those found.
+    /// A smooth step of h, s, from `now`, s. The deepest overlap of free pairs at its end, m; negative: the least gap
+    /// of those found.
     fn smooth_step(&mut self, h: f64, is_rough: bool, now: f64, start: &StepStart) -> f64 {
         let StepStart { terms, graph, loads } = start;
         let is_spent = self.is_spent();
@@ -382,7 +383,7 @@ impl ContactGroup {
             put(state, &mut bodies[index as usize]);
         }
         for (&joint, load) in self.joints.iter().zip(&self.joint_loads) {
-            put_load(load, &mut joints[joint as usize]);
+            joints[joint as usize].set_load(load);
         }
     }
 

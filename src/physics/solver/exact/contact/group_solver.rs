@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::super::constants::{MOST_FACTORISATIONS, MOST_POINT_FACTORISATIONS, SLIDING, TOLERANCES, TOUCHING};
 use super::super::mechanism::{InverseMass, MechanismLink, Member, MemberState, place_rows};
 use super::gap_points::{GapPoint, point_velocity};
-use crate::physics::constraint::row::{RowPair, Wrench};
+use crate::physics::constraint::row::Wrench;
 use crate::physics::joint::JointRow;
 use crate::physics::solver::cone::{ConeBody, ConeContact, ConeEnd, ConeJoint, ConeSolver, PerPoint, PointJacobian};
 
@@ -103,17 +103,17 @@ impl GroupSolver {
                 self.axes.push([None; 3]);
                 self.given.joints.push(Vector3::zeros());
             }
-            let RowPair { linear_a, angular_a, linear_b, angular_b } = &row.jacobian;
             let last = self.joints.len() - 1;
             self.axes[last][count] = Some(index as u32);
             self.given.joints[last][count] = row.time_rate;
-            for (end, linear, angular) in [(0, linear_a, angular_a), (1, linear_b, angular_b)] {
+            for end in 0..2 {
+                let own = row.jacobian.of(end);
                 let mut jacobian = self.joints[last].jacobians[end].row_mut(count);
-                jacobian.fixed_columns_mut::<3>(0).tr_copy_from(linear);
-                jacobian.fixed_columns_mut::<3>(3).tr_copy_from(angular);
+                jacobian.fixed_columns_mut::<3>(0).tr_copy_from(&own.linear);
+                jacobian.fixed_columns_mut::<3>(3).tr_copy_from(&own.angular);
                 if bodies[end].is_none() {
                     let state = &states[link.ends()[end] as usize];
-                    self.given.joints[last][count] += linear.dot(&state.linear) + angular.dot(&state.angular);
+                    self.given.joints[last][count] += own.dot(&state.twist());
                 }
             }
             count += 1;

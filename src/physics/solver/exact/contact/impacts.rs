@@ -30,8 +30,8 @@ pub(super) fn approach(points: &[GapPoint], states: &[MemberState]) -> f64 {
 }
 
 impl Impacts {
-    /// Takes the velocities over all impacts that are due at that time, s; if nothing may bounce, all is stopped. `note` is told what
-    /// each solve pushed, N·s.
+    /// Takes the velocities over all impacts that are due at that time, s; if nothing may bounce, all is stopped.
+    /// `note` is told what each solve pushed, N·s.
     pub fn pass(
         &mut self,
         view: GroupView,

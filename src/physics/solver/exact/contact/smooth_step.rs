@@ -13,7 +13,7 @@
 use nalgebra::Vector3;
 
 use super::super::constants::{FORECAST_ERROR, MOST_FORECASTS, STALLED_ERROR, TOUCHING, UNFORESEEN, UNSOLVED};
-use super::super::mechanism::{InverseMass, MemberState, RowSpring, about, place_rows};
+use super::super::mechanism::{InverseMass, MemberState, RowSpring, place_rows};
 use super::gap_points::{GapPoint, GapPoints, PointSearch, ReachablePair};
 use super::group_solver::{GroupSolver, GroupView};
 use crate::physics::body::Body;
@@ -125,7 +125,8 @@ impl SmoothStep {
                         let gained = state.twist().plus(&inverse_mass.of(&wrench), pull * half);
                         (state.linear, state.angular) = (gained.linear, gained.angular);
                     }
-                    spring_loads[index] = spring_loads[index].plus(&about(&rows[row], &link.arm_b(end)), 0.5 * pull);
+                    spring_loads[index] =
+                        spring_loads[index].plus(&rows[row].wrench_about(&link.arm_b(end)), 0.5 * pull);
                 }
             }
         }
