@@ -11,8 +11,8 @@ use nalgebra::Vector3;
 
 use super::{
     Bodies, ContactForce, ContactForces, ContactGraph, Contacts, Diagnostics, ExactGroups, Gravity, GravityScale,
-    IslandSolvers, JointForce, JointForces, Joints, LaggedContacts, Method, PhysicsSchedule, PhysicsSystems, Refill,
-    SolverSettings, StepStats,
+    IslandSolvers, Joint, JointForce, JointForces, Joints, LaggedContacts, Method, PhysicsSchedule, PhysicsSystems,
+    Refill, SolverSettings, StepStats,
 };
 
 /// How long the last step's measuring took.
@@ -142,5 +142,9 @@ impl ContactForces {
 }
 
 fn collect_joint_forces(joints: Res<Joints>, mut forces: ResMut<JointForces>) {
-    forces.0.refill(joints.list.iter().map(|joint| JointForce { joint: joint.entity, force: joint.force.into() }));
+    let of = |pieces: &[Joint]| {
+        let force: Vector3<f64> = pieces.iter().map(|piece| piece.force).sum();
+        JointForce { joint: pieces[0].entity, force: force.into() }
+    };
+    forces.0.refill(joints.list.chunk_by(|one, next| one.entity == next.entity).map(of));
 }

@@ -58,7 +58,11 @@ pub(crate) use collision::{
     ContactGraph, ContactPoint, Contacts, FeatureId, GONE, LaggedContacts, Manifold, NearPairs, Pair, VectorSet,
 };
 pub(crate) use island::Islands;
-pub use joint::{BallJoint, BodyState, Constraint, ConstraintRow, ConstraintRows, JointLoad, Softness};
+pub use joint::{
+    BallJoint, BodyState, Breakable, BrokenJoint, Constraint, ConstraintRow, ConstraintRows, DistanceJoint,
+    DistanceLaw, FixedJoint, GenericJoint, HingeJoint, JointAxes, JointAxis, JointCoordinate, JointFriction,
+    JointLimits, JointLoad, JointMotor, LimitRange, MotorTarget, PrescribedMotion, SliderJoint, Softness,
+};
 pub(crate) use joint::{JoinedPairs, Joint, JointDefinition, JointSlot, Joints};
 pub(crate) use messages::set_aside;
 pub use messages::{BodyQuarantined, Collision, ContactEnded, ContactStarted};

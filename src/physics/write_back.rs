@@ -11,9 +11,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::columns::{self, set_if_other};
 use super::{
-    Bodies, Body, BodyQuarantined, BodySlot, JointLoad, JointSlot, Joints, PhysicsSchedule, PhysicsSystems,
-    PoseHistory, Position, QuarantineReason, RigidBody, Rotation, Sleep, Sleeping, SolverSettings, StepStats, Velocity,
-    set_aside,
+    Bodies, Body, BodyQuarantined, BodySlot, BodyState, JointCoordinate, JointDefinition, JointLoad, JointSlot, Joints,
+    PhysicsSchedule, PhysicsSystems, PoseHistory, Position, QuarantineReason, RigidBody, Rotation, Sleep, Sleeping,
+    SolverSettings, StepStats, Velocity, set_aside,
 };
 
 pub(super) fn plugin(app: &mut App) {
@@ -21,7 +21,9 @@ pub(super) fn plugin(app: &mut App) {
         PhysicsSchedule,
         // In this order: a system may share its tick with commands applied right before it, and the
         // tick of `write_bodies` must be its own. See `Bodies::written_back`.
-        (write_joint_loads, write_bodies).chain().in_set(PhysicsSystems::WriteBack),
+        (write_joint_loads, write_joint_coordinates.run_if(any_with_component::<JointCoordinate>), write_bodies)
+            .chain()
+            .in_set(PhysicsSystems::WriteBack),
     );
 }
 
@@ -112,9 +114,37 @@ fn restore_state(table: &mut StateTable, row: usize, body: &mut Body) {
 pub(super) fn write_joint_loads(joints: Res<Joints>, mut loads: Query<(Entity, &JointSlot, &mut JointLoad)>) {
     for (entity, slot, mut load) in &mut loads {
         // One that was taken off its entity leaves its slot.
-        if let Some(joint) = joints.list.get(slot.index as usize).filter(|joint| joint.entity == entity) {
-            let (force, torque) = (DVec3::from(joint.force), DVec3::from(joint.torque));
-            load.set_if_neq(JointLoad { force, torque, lambda: force.length().hypot(torque.length()) });
+        let pieces = joints.pieces(entity, slot.index);
+        if pieces.is_empty() {
+            continue;
         }
+        let force = DVec3::from(pieces.iter().map(|piece| piece.force).sum::<Vector3<f64>>());
+        let torque = DVec3::from(pieces.iter().map(|piece| piece.torque).sum::<Vector3<f64>>());
+        load.set_if_neq(JointLoad { force, torque, lambda: force.length().hypot(torque.length()) });
+    }
+}
+
+/// Tells coordinates, and has the twist of the next step's rows be the value nearest to this one.
+pub(super) fn write_joint_coordinates(
+    mut joints: ResMut<Joints>,
+    bodies: Res<Bodies>,
+    settings: Res<SolverSettings>,
+    mut coordinates: Query<(Entity, &JointSlot, &JointDefinition, &mut JointCoordinate)>,
+) {
+    for (entity, slot, definition, mut coordinate) in &mut coordinates {
+        let pieces = joints.bypass_change_detection().pieces_mut(entity, slot.index);
+        let (Some(axis), Some(first)) = (definition.axis, pieces.first()) else { continue };
+        let states = [first.a, first.b].map(|body| BodyState::of(&bodies.list[body as usize]));
+        if !states.iter().all(BodyState::is_finite) {
+            continue;
+        }
+        let nearest = JointDefinition {
+            frames: first.definition.frames,
+            turned: coordinate.value + coordinate.rate * settings.step(),
+            ..default()
+        };
+        let [value, rate] = nearest.coordinate(axis, &states);
+        coordinate.set_if_neq(JointCoordinate { value, rate });
+        pieces.iter_mut().for_each(|piece| piece.definition.turned = value);
     }
 }

@@ -6,11 +6,11 @@ use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 
 use super::spawn::{BodyColor, GivenHull, SceneEntity};
-use super::{BodySpec, JointSpec, MaterialSpec, PictureMesh, SceneSpec, ShapeSpec};
+use super::{BodySpec, JointParts, JointSpec, MaterialSpec, PictureMesh, SceneSpec, ShapeSpec};
 use crate::physics::joint::JointSlot;
 use crate::physics::{
-    BallJoint, BodySlot, Collider, CollisionLayers, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia,
-    LockedAxes, Mass, Position, RigidBody, Rotation, Shape, SurfaceMaterial, Velocity,
+    BodySlot, Collider, CollisionLayers, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia, LockedAxes,
+    Mass, Position, RigidBody, Rotation, Shape, SurfaceMaterial, Velocity,
 };
 
 /// What a body without a name is called.
@@ -88,25 +88,17 @@ fn scene_bodies(world: &mut World) -> Vec<Entity> {
     bodies.into_iter().map(|(_, entity)| entity).collect()
 }
 
-fn scene_joints(world: &mut World) -> Vec<BallJoint> {
-    let mut query = world.query_filtered::<(&JointSlot, &BallJoint), With<SceneEntity>>();
-    let mut joints: Vec<(u64, BallJoint)> = query.iter(world).map(|(slot, joint)| (slot.born, *joint)).collect();
+fn scene_joints(world: &mut World) -> Vec<JointParts> {
+    let mut query = world.query_filtered::<(&JointSlot, Entity), With<SceneEntity>>();
+    let mut joints: Vec<(u64, Entity)> = query.iter(world).map(|(slot, entity)| (slot.born, entity)).collect();
     joints.sort_unstable_by_key(|&(born, _)| born);
-    joints.into_iter().map(|(_, joint)| joint).collect()
+    joints.into_iter().filter_map(|(_, entity)| JointParts::of_entity(world, entity)).collect()
 }
 
 /// None where one of its bodies is not of the scene.
-fn joint_between(joint: &BallJoint, bodies: &HashMap<Entity, &BodySpec>) -> Option<JointSpec> {
-    let (a, b) = (*bodies.get(&joint.body_a)?, *bodies.get(&joint.body_b)?);
-    let given = |body: &BodySpec, anchor| match body.shape.as_ref().and_then(ShapeSpec::convex_hull) {
-        Some(hull) => hull.axes() * anchor,
-        None => anchor,
-    };
-    Some(JointSpec {
-        collide: joint.collide,
-        softness: joint.softness,
-        ..JointSpec::new(a, given(a, joint.anchor_a), b, given(b, joint.anchor_b))
-    })
+fn joint_between(joint: &JointParts, bodies: &HashMap<Entity, &BodySpec>) -> Option<JointSpec> {
+    let [a, b] = joint.bodies();
+    Some(joint.to_spec([bodies.get(&a)?, bodies.get(&b)?]))
 }
 
 /// The shape as a scene gave it, where it is still that one.

@@ -2,13 +2,12 @@
 
 use std::collections::HashMap;
 
-use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use super::{BodySpec, HullSpec, JointSpec, PictureMesh, SceneSpec, ShapeSpec};
+use super::{BodySpec, HullSpec, JointParts, JointSpec, PictureMesh, SceneSpec, ShapeSpec};
 use crate::physics::{
-    BallJoint, Collider, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia, Mass, Position, RenderOrigin,
-    Rotation, SurfaceMaterial, Velocity,
+    Collider, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia, Mass, Position, RenderOrigin, Rotation,
+    SurfaceMaterial, Velocity,
 };
 
 /// Marks what a scene spawned (bodies and joints), so that a reset can despawn it.
@@ -127,19 +126,9 @@ impl ShapeSpec {
 }
 
 fn spawn_joint(joint: &JointSpec, bodies: &HashMap<&str, (Entity, &BodySpec)>, world: &mut World) -> Entity {
-    let ((body_a, spec_a), (body_b, spec_b)) = (bodies[joint.body_a.as_str()], bodies[joint.body_b.as_str()]);
-    let ball = BallJoint {
-        body_a,
-        body_b,
-        anchor_a: in_principal_axes(spec_a, joint.anchor_a),
-        anchor_b: in_principal_axes(spec_b, joint.anchor_b),
-        collide: joint.collide,
-        softness: joint.softness,
-    };
-    world.spawn((Name::new(format!("{} to {}", joint.body_a, joint.body_b)), SceneEntity, ball)).id()
-}
-
-/// An anchor in the axes that the simulated body has.
-fn in_principal_axes(body: &BodySpec, anchor: DVec3) -> DVec3 {
-    body.shape.as_ref().and_then(ShapeSpec::convex_hull).map_or(anchor, |hull| hull.axes().inverse() * anchor)
+    let ends = [&joint.body_a, &joint.body_b].map(|name| bodies[name.as_str()]);
+    let name = Name::new(format!("{} to {}", joint.body_a, joint.body_b));
+    let mut entity = world.spawn((name, SceneEntity));
+    JointParts::of_spec(joint, ends).insert(&mut entity);
+    entity.id()
 }

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use bevy::math::{DQuat, DVec3};
 
-use super::{HullSpec, MeshSpec};
-use crate::physics::{CollisionLayers, ConvexHull, LockedAxes, RigidBody, Softness};
+use super::{HullSpec, JointSpec, MeshSpec};
+use crate::physics::{CollisionLayers, ConvexHull, LockedAxes, RigidBody};
 
 /// Most bodies that a scene may have.
 pub const MAX_BODIES: usize = 100_000;
@@ -107,23 +107,6 @@ pub struct MaterialSpec {
     pub friction: f64,
     /// e, 0 to 1.
     pub restitution: f64,
-}
-
-/// A ball joint between two bodies.
-#[derive(Clone, Debug, PartialEq)]
-pub struct JointSpec {
-    /// Name of body A.
-    pub body_a: String,
-    /// Name of body B.
-    pub body_b: String,
-    /// The joint's point from A's centre of mass, in the axes of its [`BodySpec::rotation`], m.
-    pub anchor_a: DVec3,
-    /// The joint's point from B's centre of mass, in the axes of its [`BodySpec::rotation`], m.
-    pub anchor_b: DVec3,
-    /// Whether the two collide.
-    pub collide: bool,
-    /// A damped spring instead of a rigid joint.
-    pub softness: Option<Softness>,
 }
 
 /// A camera.
@@ -238,18 +221,6 @@ impl BodySpec {
     /// A point of this body, from its centre of mass in its own axes, as a point of the world, m.
     pub fn point(&self, anchor: DVec3) -> DVec3 {
         self.position + self.rotation * anchor
-    }
-}
-
-impl JointSpec {
-    /// A rigid ball joint of two bodies that holds an anchor of A at an anchor of B.
-    pub fn new(a: &BodySpec, anchor_a: DVec3, b: &BodySpec, anchor_b: DVec3) -> Self {
-        Self { body_a: a.name.clone(), body_b: b.name.clone(), anchor_a, anchor_b, collide: false, softness: None }
-    }
-
-    /// A rigid ball joint of two bodies at a point of the world, m.
-    pub fn at(a: &BodySpec, b: &BodySpec, point: DVec3) -> Self {
-        Self::new(a, a.anchor(point), b, b.anchor(point))
     }
 }
 

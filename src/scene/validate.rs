@@ -1,13 +1,14 @@
 //! Whether a scene makes sense, whoever made it.
 
 use std::collections::HashMap;
+use std::f64::consts::PI;
 
 use bevy::math::{DQuat, DVec3};
 
 use super::error::Flaw;
 use super::number::{Finite, Fraction, NonNegative, NumberError, Positive};
-use super::{BodySpec, JointSpec, MAX_BODIES, SceneError, SceneSpec, ShapeSpec, ViewSpec};
-use crate::physics::{RigidBody, Softness};
+use super::{BodySpec, JointKindSpec, JointSpec, LimitSpec, MAX_BODIES, SceneError, SceneSpec, ShapeSpec, ViewSpec};
+use crate::physics::{DistanceLaw, JointMotor, MotorTarget, RigidBody, Softness};
 
 /// A field of a body, joint or view, and what is wrong with it.
 type FieldFlaw = (&'static str, String);
@@ -128,12 +129,118 @@ fn check_joint<'a>(joint: &JointSpec, body: impl Fn(&str) -> Option<&'a BodySpec
     }
     finite("anchor_a", joint.anchor_a)?;
     finite("anchor_b", joint.anchor_b)?;
+    if !joint.axes.is_valid() {
+        return Err(("axis", "an axis must be finite and not (0, 0, 0), a frame a quaternion of length 1".to_owned()));
+    }
     if let Some(Softness { frequency, damping_ratio, max_force }) = joint.softness {
         number::<Positive>("softness.frequency", frequency)?;
         number::<NonNegative>("softness.damping_ratio", damping_ratio)?;
         number::<Positive>("softness.max_force", max_force)?;
+        if joint.kind != JointKindSpec::Ball {
+            return Err(("softness", "is for ball joints; a motor with a target of Spring drives others".to_owned()));
+        }
     }
-    Ok(())
+    check_laws(joint)
+}
+
+fn check_laws(joint: &JointSpec) -> Result<(), FieldFlaw> {
+    if let JointKindSpec::Distance(length) = joint.kind {
+        check_length(&length)?;
+    }
+    if let Some(limits) = &joint.limits {
+        check_limits(joint, limits)?;
+    }
+    if let Some(motor) = &joint.motor {
+        if !joint.has_axis() {
+            return Err(("motor", NO_AXIS.to_owned()));
+        }
+        check_motor(motor)?;
+    }
+    if let Some(keys) = &joint.keys {
+        keys.values
+            .into_iter()
+            .chain([keys.rest])
+            .try_for_each(|value| number::<Finite>("motor.keys.values", value))?;
+        if joint.motor.and_then(|motor| motor.target.value()).is_none() {
+            return Err(("motor.keys", "set a speed or a position: the motor's target must be one".to_owned()));
+        }
+    }
+    number::<NonNegative>("friction", joint.friction)?;
+    if joint.friction > 0.0 && !joint.has_axis() && joint.kind != JointKindSpec::Ball {
+        return Err(("friction", NO_AXIS.to_owned()));
+    }
+    if let Some(breakable) = joint.breakable
+        && !breakable.is_valid()
+    {
+        let problem = "force and torque must be greater than 0, window and from finite and at least 0";
+        return Err(("breakable", problem.to_owned()));
+    }
+    number::<Finite>("coordinate", joint.coordinate)
+}
+
+/// What to say of limits, a motor or friction of a joint that has nothing for them to act on.
+const NO_AXIS: &str = "the joint has no axis of its own: use a Hinge, a Slider, a Distance, or a Generic with an axis";
+
+fn check_length(length: &DistanceLaw) -> Result<(), FieldFlaw> {
+    match *length {
+        DistanceLaw::Range { min, max } => {
+            number::<NonNegative>("kind.min", min)?;
+            if min <= max && max > 0.0 { Ok(()) } else { Err(("kind.max", disorder(min, max))) }
+        }
+        DistanceLaw::Spring { rest, stiffness, damping } => {
+            number::<NonNegative>("kind.rest", rest)?;
+            number::<NonNegative>("kind.stiffness", stiffness)?;
+            number::<NonNegative>("kind.damping", damping)
+        }
+    }
+}
+
+fn check_limits(joint: &JointSpec, limits: &LimitSpec) -> Result<(), FieldFlaw> {
+    let LimitSpec { swing, min, max, restitution } = *limits;
+    number::<Fraction>("limits.restitution", restitution)?;
+    if min.is_nan() || max.is_nan() || min > max {
+        return Err(("limits.min", disorder(min, max)));
+    }
+    match (swing, joint.kind) {
+        (Some(swing), JointKindSpec::Ball) => {
+            let is_angle = |angle: f64, is_none: bool| is_none || angle.abs() < PI;
+            if !(swing > 0.0 && is_angle(swing, swing == f64::INFINITY)) {
+                return Err(("limits.swing", format!("must be greater than 0 and less than π, is {swing}")));
+            }
+            if !is_angle(min, min == f64::NEG_INFINITY) || !is_angle(max, max == f64::INFINITY) {
+                return Err(("limits.min", format!("a twist must lie between −π and π, is {min} to {max}")));
+            }
+            Ok(())
+        }
+        (Some(_), _) => Err(("limits.swing", "is for ball joints; others have min and max".to_owned())),
+        (None, _) if !joint.has_axis() => Err(("limits", NO_AXIS.to_owned())),
+        (None, _) => Ok(()),
+    }
+}
+
+fn check_motor(motor: &JointMotor) -> Result<(), FieldFlaw> {
+    if motor.max_force.is_nan() || motor.max_force < 0.0 {
+        return Err(("motor.max_force", format!("must be at least 0, is {}", motor.max_force)));
+    }
+    match motor.target {
+        MotorTarget::Speed(speed) => number::<Finite>("motor.target", speed),
+        MotorTarget::Position { target, frequency, damping_ratio } => {
+            number::<Finite>("motor.target", target)?;
+            number::<Positive>("motor.target", frequency)?;
+            number::<NonNegative>("motor.target", damping_ratio)
+        }
+        MotorTarget::Spring { target, stiffness, damping } => {
+            number::<Finite>("motor.target", target)?;
+            number::<NonNegative>("motor.target", stiffness)?;
+            number::<NonNegative>("motor.target", damping)
+        }
+        MotorTarget::Motion(motion) if motion.is_finite() => Ok(()),
+        MotorTarget::Motion(_) => Err(("motor.target", "must be finite".to_owned())),
+    }
+}
+
+fn disorder(min: f64, max: f64) -> String {
+    format!("must be in order, the least first, are {min} and {max}")
 }
 
 /// What to say of a joint to a body that is not there.

@@ -245,6 +245,16 @@ pub enum QuarantineReason {
     /// A joint of a body to itself, or between two bodies that do not move.
     #[error("a joint needs two different bodies, one of them dynamic")]
     BadJoint,
+    /// Limits, a motor or friction beside a joint that has no such coordinate.
+    #[error("its joint has no coordinate that limits, a motor or friction could act on")]
+    NoSuchAxis,
+    /// Limits in the wrong order or out of range, a restitution outside 0 to 1, a negative stiffness, damping, largest
+    /// force or strength, or one of them not finite.
+    #[error(
+        "limits must be in order, swings and twists within half a turn, restitution 0 to 1, stiffness, damping and \
+         largest forces at least 0, strengths over 0"
+    )]
+    BadJointLaw,
     /// A constraint of a user's own that the method cannot hold: one whose λ is bounded needs another than the exact one.
     #[error("the exact method holds no constraint whose force is bounded: any other method does")]
     NotOfMethod,

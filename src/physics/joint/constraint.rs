@@ -140,6 +140,11 @@ impl BodyState {
         Self::new(&body.position, &body.rotation, velocities)
     }
 
+    /// Whether all its numbers are finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.position.is_finite() && self.rotation.is_finite() && self.linear.is_finite() && self.angular.is_finite()
+    }
+
     /// After so long with its present velocities.
     pub(crate) fn later(&self, time: f64) -> Self {
         Self {

@@ -3,14 +3,20 @@
 //! A joint has a frame in each of its bodies. Six coordinates tell where frame B is, seen from frame A: the three
 //! translations of its origin along A's axes, and its rotation, which is a swing (about an axis across A's x) after a
 //! twist (about x). All are zero where the frames agree. Laws say what becomes of them: of each coordinate, or of the
-//! norm of a group, the translations or the rotations. A part that a law lacks costs nothing.
+//! norm of a group, the translations or the rotations. A part that a law lacks costs nothing. What is held stands in
+//! [`Laws`]; limits, motors, springs and friction are [laws of single coordinates](super::law), as many as one likes.
+//!
+//! Solvers take a joint in [pieces](JointDefinition::pieces): what it holds, then its laws, two at a time.
 //!
 //! [`rows`](super::rows) makes rows of it, which is all that a solver knows of a joint.
+
+use std::sync::Arc;
 
 use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::constraint::RowFunction;
+use super::law::{CoordinateLaw, JointAxis};
 use super::slot::{JointSlot, number_joint};
 use super::softness::Softness;
 
@@ -27,9 +33,18 @@ pub(crate) struct JointDefinition {
     pub rotation: Laws,
     /// Rows of a user's own instead of laws.
     pub function: Option<RowFunction>,
+    /// Laws of single coordinates.
+    pub laws: Option<Arc<[CoordinateLaw]>>,
+    /// The coordinate that limits, a motor and friction beside it act on.
+    pub axis: Option<JointAxis>,
+    /// The twist is the value nearest to this one, rad.
+    pub turned: f64,
     /// Whether the joined bodies collide with each other.
     pub collide: bool,
 }
+
+/// How many laws a piece has: each is a half of it.
+const LAWS: usize = 2;
 
 /// A frame fixed to a body, in the body's axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,6 +101,9 @@ impl Default for JointDefinition {
             translation: Laws::FREE,
             rotation: Laws::FREE,
             function: None,
+            laws: None,
+            axis: None,
+            turned: 0.0,
             collide: false,
         }
     }
@@ -94,12 +112,31 @@ impl Default for JointDefinition {
 impl JointDefinition {
     /// Whether it holds all translations and nothing else.
     pub fn is_ball(&self) -> bool {
-        self.function.is_none() && [self.translation.hold, self.rotation.hold] == [Laws::LOCKED.hold, Laws::FREE.hold]
+        self.function.is_none()
+            && self.laws.is_none()
+            && [self.translation.hold, self.rotation.hold] == [Laws::LOCKED.hold, Laws::FREE.hold]
     }
 
-    /// How many rows engines solve at once, at most three, and how many after them: translations, then rotations.
-    /// A user's own rows are not counted before they are told: three, and up to three.
+    /// What solvers take as joints of their own: what it holds, if that is something, then its laws, two at a time.
+    pub fn pieces(self) -> impl Iterator<Item = Self> {
+        let laws = self.laws.clone();
+        let frames_only = Self { function: None, translation: Laws::FREE, rotation: Laws::FREE, ..self.clone() };
+        let holds = self.function.is_some() || self.translation.locked() + self.rotation.locked() > 0;
+        let count = laws.as_ref().map_or(0, |laws| laws.len().div_ceil(LAWS));
+        let of_laws = move |index: usize| {
+            let all = laws.as_deref().unwrap_or_default();
+            let own = &all[LAWS * index..all.len().min(LAWS * (index + 1))];
+            Self { laws: Some(own.into()), ..frames_only.clone() }
+        };
+        holds.then_some(Self { laws: None, ..self }).into_iter().chain((0..count).map(of_laws))
+    }
+
+    /// How many rows engines solve at once, at most three, and how many after them: translations, then rotations; or
+    /// one law, and the other. A user's own rows are not counted before they are told: three, and up to three.
     pub fn halves(&self) -> [usize; 2] {
+        if let Some(laws) = &self.laws {
+            return [1, laws.len() - 1];
+        }
         match (&self.function, self.translation.locked(), self.rotation.locked()) {
             (Some(_), ..) => [3, 3],
             (None, 0, rotations) => [rotations, 0],
@@ -107,15 +144,33 @@ impl JointDefinition {
         }
     }
 
-    /// The spring that one of the [`halves`](Self::halves) is.
-    pub fn spring_of(&self, half: usize) -> Option<Softness> {
+    /// Whether one of the [`halves`](Self::halves) is a spring.
+    pub fn is_soft_half(&self, half: usize) -> bool {
+        if let Some(laws) = &self.laws {
+            return laws[half].is_spring();
+        }
         let laws = if half == 0 && self.translation.locked() > 0 { &self.translation } else { &self.rotation };
-        laws.spring.filter(|_| self.function.is_none())
+        laws.spring.is_some() && self.function.is_none()
     }
 
     /// Whether some of it is a spring.
     pub fn is_soft(&self) -> bool {
         [&self.translation, &self.rotation].iter().any(|laws| laws.spring.is_some() && laws.locked() > 0)
+            || self.laws.iter().flat_map(|laws| laws.iter()).any(CoordinateLaw::is_spring)
+    }
+
+    /// Whether its rows may change with time alone.
+    pub fn is_driven(&self) -> bool {
+        self.function.is_some() || self.laws.iter().flat_map(|laws| laws.iter()).any(CoordinateLaw::is_driven)
+    }
+
+    /// Whether pieces have the same rows but for the numbers of their laws.
+    pub fn is_alike(&self, other: &Self) -> bool {
+        let holds = |joint: &Self| (joint.translation, joint.rotation, joint.function.is_some());
+        let [own, others] = [self, other].map(|joint| joint.laws.as_deref().unwrap_or_default());
+        holds(self) == holds(other)
+            && own.len() == others.len()
+            && own.iter().zip(others).all(|(one, other)| one.is_alike(other))
     }
 
     /// Whether all its numbers make sense.

@@ -1,16 +1,24 @@
 //! What makes a component a joint.
 
 use bevy::ecs::component::Mutable;
+use bevy::ecs::query::ArchetypeFilter;
 use bevy::ecs::system::SystemChangeTick;
 use bevy::prelude::*;
 
+use super::axes::JointAxes;
 use super::constraint::{Constraint, RowFunction};
 use super::definition::JointDefinition;
+use crate::physics::body::Rotation;
 
 /// A component that is a joint: a builder of the definition beside it on its entity.
 pub(crate) trait JointKind: Component<Mutability = Mutable> {
     /// What it holds.
     fn definition(&self) -> JointDefinition;
+
+    /// Its axes, if they may have to be made frames of.
+    fn axes_mut(&mut self) -> Option<&mut JointAxes> {
+        None
+    }
 }
 
 impl<T: Constraint> JointKind for T {
@@ -20,21 +28,31 @@ impl<T: Constraint> JointKind for T {
     }
 }
 
-/// Defines the joints of a kind that are new or changed.
+/// Defines the joints of a kind that are new or changed; axes become frames from the poses at hand.
 pub(crate) fn define_joints<J: JointKind>(
-    mut joints: Query<(Ref<J>, &mut JointDefinition)>,
+    mut joints: Query<(&mut J, &mut JointDefinition)>,
     kinds: Query<Ref<J>>,
+    rotations: Query<&Rotation>,
     ticks: SystemChangeTick,
 ) {
-    if any_changed(&kinds, &ticks) {
-        joints.iter_mut().filter(|(joint, _)| joint.is_changed()).for_each(|(joint, mut definition)| {
-            *definition = joint.definition();
-        });
+    if !any_changed(&kinds, &ticks) {
+        return;
+    }
+    for (mut joint, mut definition) in joints.iter_mut().filter(|(joint, _)| joint.is_changed()) {
+        let bodies = joint.definition().bodies;
+        if let [Ok(a), Ok(b)] = bodies.map(|body| rotations.get(body))
+            && let Some(axes) = joint.bypass_change_detection().axes_mut()
+            && axes.is_valid()
+        {
+            let [a, b] = axes.frames([a.0, b.0]);
+            *axes = JointAxes::Frames(a, b);
+        }
+        *definition = joint.definition();
     }
 }
 
 /// Whether one of the components is new or changed.
-pub(crate) fn any_changed<C: Component>(all: &Query<Ref<C>>, ticks: &SystemChangeTick) -> bool {
+pub(crate) fn any_changed<C: Component, F: ArchetypeFilter>(all: &Query<Ref<C>, F>, ticks: &SystemChangeTick) -> bool {
     let (last_run, this_run) = (ticks.last_run(), ticks.this_run());
     // A user's own need not be stored in tables.
     let Ok(mut columns) = all.contiguous_iter() else { return true };

@@ -8,7 +8,8 @@ use super::softness::Softness;
 use crate::physics::bit_set::BitSet;
 use crate::physics::constraint::row::Wrench;
 
-/// One joint as the step sees it.
+/// One joint as the step sees it, or one piece of it: a joint with limits, motors or friction is several, one after the
+/// other, the first of which is what it holds.
 #[derive(Clone, Debug)]
 pub(crate) struct Joint {
     pub entity: Entity,
@@ -32,6 +33,8 @@ pub(crate) struct Joints {
     pub joined: BitSet,
     /// Those that something holds which may change with time.
     pub driven: Vec<u32>,
+    /// How many entities they are.
+    pub entities: u32,
     /// Counts every time they were packed anew, which is also when a body came, went or changed its kind.
     pub version: u64,
 }
@@ -66,9 +69,10 @@ impl Joint {
         force.iter().chain(torque.iter()).chain(multipliers).all(|number| number.is_finite())
     }
 
-    /// Takes in its force on B and torque about B's anchor, means over a step, without what each row carried.
-    pub fn set_load(&mut self, load: &Wrench<f64>) {
-        (self.force, self.torque, self.multipliers) = (load.linear, load.angular, [0.0; 6]);
+    /// Takes in its force on B and torque about B's anchor, means over a step, and what each row carried, where that is
+    /// known.
+    pub fn set_load(&mut self, load: &Wrench<f64>, multipliers: [f64; 6]) {
+        (self.force, self.torque, self.multipliers) = (load.linear, load.angular, multipliers);
     }
 
     /// Its points on A and B, from the centres of mass, body axes.
@@ -83,6 +87,30 @@ impl Joint {
 }
 
 impl Joints {
+    /// The pieces of an entity, the first of which is at that index, if it is there.
+    pub fn pieces(&self, entity: Entity, first: u32) -> &[Joint] {
+        let from = self.list.get(first as usize..).unwrap_or_default();
+        &from[..from.iter().take_while(|joint| joint.entity == entity).count()]
+    }
+
+    /// The same, to be changed.
+    pub fn pieces_mut(&mut self, entity: Entity, first: u32) -> &mut [Joint] {
+        let count = self.pieces(entity, first).len();
+        let first = (first as usize).min(self.list.len());
+        &mut self.list[first..first + count]
+    }
+
+    /// Finds out which bodies they hold, what holds them that may change with time, and how many entities they are.
+    pub fn take_stock(&mut self) {
+        let Self { list, joined, driven, entities, .. } = self;
+        *joined = BitSet::default();
+        list.iter().flat_map(|joint| [joint.a, joint.b]).for_each(|body| joined.set(body, true));
+        driven.clear();
+        let of_driven = list.iter().filter(|joint| joint.definition.is_driven());
+        driven.extend(of_driven.flat_map(|joint| [joint.a, joint.b]));
+        *entities = list.chunk_by(|one, next| one.entity == next.entity).count() as u32;
+    }
+
     /// Follows bodies to their new indices.
     pub fn remap(&mut self, new_index: &[Option<u32>]) {
         let of = |body: u32| new_index.get(body as usize).copied().flatten().unwrap_or(Joint::GONE);

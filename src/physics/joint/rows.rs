@@ -33,6 +33,9 @@
 //!
 //! Where the swing is half a turn the twist has no meaning: s = 0, and the row is zero.
 //!
+//! *Single coordinates*, of which limits, motors, springs and friction are ([`laws`]): a translation, the twist, the swing,
+//! the distance.
+//!
 //! So a joint that locks the twist alone is one of constant velocity; a swing alone, a universal joint (whose cross has
 //! its arms along a_z and b_x, or a_y and b_x); both swings, a hinge; all three, a rigid one.
 
@@ -40,8 +43,9 @@ use nalgebra::{Matrix3, Quaternion, SimdRealField, UnitQuaternion, Vector3};
 
 use super::constraint::{BodyState, ConstraintRow, RowFunction};
 use super::definition::{Frame, Hold, JointDefinition, Laws};
-use super::softness::Softness;
-use crate::physics::body::Body;
+use super::law::JointAxis;
+use super::softness::SpringConstants;
+use crate::physics::body::{Body, world_inverse_inertia};
 use crate::physics::constraint::row::{RowPair, Twist, Wrench};
 
 /// Two joined bodies as their joint sees them, world axes, SI.
@@ -69,8 +73,10 @@ pub(crate) struct JointRow<N> {
     /// ∂C/∂t.
     pub time_rate: N,
     /// A spring along the row instead of a rigid one.
-    pub spring: Option<Softness>,
+    pub spring: Option<SpringConstants>,
     pub bound: Bound<N>,
+    /// e of a limit: share of its approach with which C parts again; 0 elsewhere.
+    pub restitution: f64,
 }
 
 /// What λ of a row may be, N or N·m.
@@ -97,7 +103,41 @@ impl Bound<f64> {
     }
 }
 
+impl Bound<f64> {
+    /// Whether it is a largest force, and no gap.
+    pub fn is_boxed(&self) -> bool {
+        matches!(*self, Self::Within(lower, upper) if lower != 0.0 && upper != 0.0 || lower == upper)
+    }
+}
+
 impl JointRow<f64> {
+    /// The rate, m/s or rad/s, that a rigid row is to have over a time h, s: an open gap may close within it, what
+    /// closes it faster than `least` and has a restitution goes back, and the rest does not change but with time.
+    pub fn allowed_rate(&self, h: f64, least: f64) -> f64 {
+        self.rebound(h, least).unwrap_or(-self.bound.open(self.error) / h)
+    }
+
+    /// The rate with which it goes back, if it closes its gap within h, s, and has a restitution.
+    pub fn rebound(&self, h: f64, least: f64) -> Option<f64> {
+        let closes = match self.bound {
+            Bound::Within(0.0, _) => self.rate < -least && self.error + self.rate * h <= 0.0,
+            Bound::Within(_, 0.0) => self.rate > least && self.error + self.rate * h >= 0.0,
+            _ => false,
+        };
+        (closes && self.restitution > 0.0).then(|| -self.restitution * self.rate)
+    }
+
+    /// J M⁻¹ Jᵀ, 1/kg or 1/(kg·m²).
+    pub fn mobility(&self, bodies: [&Body; 2]) -> f64 {
+        let of = |end: usize| {
+            let (body, row) = (bodies[end], self.jacobian.of(end));
+            let turn = world_inverse_inertia(&body.inverse_inertia_body, &body.rotation, &body.rotation_freedom);
+            let moved = Twist { linear: body.inverse_mass.component_mul(&row.linear), angular: turn * row.angular };
+            row.dot(&moved)
+        };
+        of(0) + of(1)
+    }
+
     /// Force on B and torque about the end of an arm from its centre of mass, for a multiplier of 1.
     pub fn wrench_about(&self, arm_b: &Vector3<f64>) -> Wrench<f64> {
         let RowPair { linear_b, angular_b, .. } = self.jacobian;
@@ -138,7 +178,7 @@ where
     fn translation(&self, jacobian: RowPair<N>, error: N, velocity_term: N) -> JointRow<N> {
         let [a, b] = &self.velocities;
         let (rate, time_rate) = (jacobian.dot(a, b), N::zero());
-        JointRow { jacobian, error, rate, velocity_term, time_rate, spring: None, bound: Bound::None }
+        JointRow { jacobian, error, rate, velocity_term, time_rate, spring: None, bound: Bound::None, restitution: 0.0 }
     }
 
     fn rotation(&self, axis: Vector3<N>, error: N, velocity_term: N) -> JointRow<N> {
@@ -215,7 +255,7 @@ impl JointRow<f64> {
         let none = Vector3::new(0.0, 0.0, 0.0);
         let jacobian = RowPair { linear_a: none, angular_a: none, linear_b: none, angular_b: none };
         let (error, rate, velocity_term, time_rate) = (0.0, 0.0, 0.0, 0.0);
-        Self { jacobian, error, rate, velocity_term, time_rate, spring: None, bound: Bound::None }
+        Self { jacobian, error, rate, velocity_term, time_rate, spring: None, bound: Bound::None, restitution: 0.0 }
     };
 
     /// Whether it is of rotations alone: its C is in rad.
@@ -238,8 +278,19 @@ impl JointDefinition {
     pub fn rows_at(&self, bodies: &[BodyState; 2], time: f64, rows: &mut Vec<JointRow<f64>>) {
         match &self.function {
             Some(function) => add_rows_of(function, bodies, time, rows),
-            None => self.rows(&JointState::of(&self.frames, bodies), rows),
+            None => {
+                let state = JointState::of(&self.frames, bodies);
+                self.rows(&state, rows);
+                let laws = self.laws.iter().flat_map(|laws| laws.iter());
+                rows.extend(laws.map(|law| laws::row(law, &state, self.turned, time)));
+            }
         }
+    }
+
+    /// A coordinate and its rate at that state of A and B; a twist is the value nearest to [`Self::turned`].
+    pub fn coordinate(&self, axis: JointAxis, bodies: &[BodyState; 2]) -> [f64; 2] {
+        let row = laws::coordinate(axis, &JointState::of(&self.frames, bodies), self.turned);
+        [row.error, row.rate]
     }
 
     /// How far what it holds rigidly is apart, m: where it holds no point at a point, the largest row, m or rad.
@@ -254,7 +305,8 @@ impl JointDefinition {
         }
         let mut rows = Vec::new();
         self.rows_at(&bodies.map(BodyState::of), time, &mut rows);
-        let rigid = rows.iter().filter(|row| row.spring.is_none());
+        // What a largest force bounds may lag behind.
+        let rigid = rows.iter().filter(|row| row.spring.is_none() && !row.bound.is_boxed());
         rigid.fold(0.0, |most, row| most.max((row.error - row.bound.open(row.error)).abs()))
     }
 
@@ -328,6 +380,7 @@ fn add_rows_of(function: &RowFunction, bodies: &[BodyState; 2], time: f64, rows:
             time_rate: row.time_rate,
             spring: None,
             bound: if is_bounded { Bound::Within(lower, upper) } else { Bound::None },
+            restitution: 0.0,
         }
     }));
 }
@@ -337,10 +390,11 @@ fn give_way<N: SimdRealField + Copy>(rows: &mut [JointRow<N>], laws: &Laws) {
     let Some(spring) = laws.spring else { return };
     let (most, count) = (nalgebra::convert(spring.max_force), rows.len() as u32);
     for (place, row) in (0..).zip(rows) {
-        row.spring = Some(spring);
+        row.spring = Some(spring.into());
         row.bound = Bound::Norm { most, place, count };
     }
 }
 
+mod laws;
 #[cfg(test)]
 mod tests;

@@ -7,7 +7,8 @@
 //!    teleport, mass and geometry are computed where they changed, forces summed, what makes no
 //!    sense is quarantined.
 //! 2. Joints ([`gather_joints`](mod@gather_joints)): packed again only when a joint or the set of bodies changed; a
-//!    joint of a body that is gone is despawned.
+//!    joint of a body that is gone is despawned. New numbers of limits, motors and friction are taken in where they
+//!    stand.
 
 mod add_joint;
 mod gather_bodies;
@@ -20,9 +21,12 @@ mod tests;
 use add_joint::add_joint;
 use bevy::prelude::*;
 use gather_bodies::gather_bodies;
-use gather_joints::{PackedFor, gather_joints, joints_changed, keep_driven_awake};
+use gather_joints::{PackedFor, attachments_changed, gather_joints, joints_changed, keep_driven_awake, renew_laws};
 
-use crate::physics::{BallJoint, BirthCounter, Bodies, JoinedPairs, Joints, PhysicsSchedule, PhysicsSystems};
+use crate::physics::{
+    BallJoint, BirthCounter, Bodies, DistanceJoint, FixedJoint, GenericJoint, HingeJoint, JoinedPairs, JointCoordinate,
+    Joints, PhysicsSchedule, PhysicsSystems, SliderJoint,
+};
 pub use add_joint::AddConstraint;
 
 pub(super) fn plugin(app: &mut App) {
@@ -33,9 +37,21 @@ pub(super) fn plugin(app: &mut App) {
         .init_resource::<BirthCounter>()
         .add_systems(
             PhysicsSchedule,
-            (gather_bodies, gather_joints.run_if(joints_changed), keep_driven_awake)
+            (
+                gather_bodies,
+                renew_laws.run_if(attachments_changed),
+                gather_joints.run_if(joints_changed),
+                keep_driven_awake,
+            )
                 .chain()
                 .in_set(PhysicsSystems::Prepare),
         );
     add_joint::<BallJoint>(app);
+    add_joint::<HingeJoint>(app);
+    add_joint::<SliderJoint>(app);
+    add_joint::<FixedJoint>(app);
+    add_joint::<DistanceJoint>(app);
+    add_joint::<GenericJoint>(app);
+    app.register_required_components::<HingeJoint, JointCoordinate>();
+    app.register_required_components::<GenericJoint, JointCoordinate>();
 }

@@ -34,6 +34,14 @@ impl<L: Lanes> SoftTerms<L> {
         }
     }
 
+    /// A spring of stiffness and damping for each unit of the effective mass, 1/s² and 1/s, over substeps of `h`.
+    pub fn of_spring([stiffness, damping]: [f64; 2], h: f64) -> Self {
+        let per_speed = damping + h * stiffness;
+        let a = h * per_speed;
+        let rate = if per_speed > 0.0 { stiffness / per_speed } else { 0.0 };
+        Self { mass: L::of(a / (1.0 + a)), impulse: L::of(1.0 / (1.0 + a)), ..Self::rigid(rate, UNLIMITED, 0.0, h) }
+    }
+
     /// No spring: the bias is `rate`, 1/s, times the error, whatever the force.
     pub fn rigid(rate: f64, max_speed: f64, slop: f64, h: f64) -> Self {
         Self {

@@ -1,11 +1,10 @@
 //! What stands in a scene file, as it stands there.
 
-use std::ops::Not;
-
-use bevy::math::DVec3;
+use bevy::math::{DQuat, DVec3};
 use ron::extensions::Extensions;
 use serde::{Deserialize, Serialize};
 
+use super::joint::JointEntry;
 use crate::physics::{CollisionLayers, LockedAxes, RigidBody};
 use crate::scene::number::{Color, Finite, Fraction, NonNegative, Positive, PositiveVector, Quaternion, Vector};
 
@@ -104,34 +103,35 @@ pub(super) enum ShapeEntry {
 }
 
 #[derive(Serialize, Deserialize)]
-#[serde(rename = "Joint", deny_unknown_fields)]
-pub(super) struct JointEntry {
-    pub body_a: String,
-    pub body_b: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub at: Option<Vector>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub anchor_a: Option<Vector>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub anchor_b: Option<Vector>,
-    #[serde(default, skip_serializing_if = "Not::not")]
-    pub collide: bool,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub softness: Option<SoftnessEntry>,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(rename = "Softness", deny_unknown_fields)]
-pub(super) struct SoftnessEntry {
-    pub frequency: Positive,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub damping_ratio: Option<NonNegative>,
-    pub max_force: Positive,
-}
-
-#[derive(Serialize, Deserialize)]
 #[serde(rename = "View", deny_unknown_fields)]
 pub(super) struct ViewEntry {
     pub eye: Vector,
     pub target: Vector,
+}
+
+/// A value, unless it is the usual one in every bit: −0 is not 0.
+pub(super) fn unless_same<T: Bits>(value: T, usual: T) -> Option<T> {
+    (!value.same_bits(&usual)).then_some(value)
+}
+
+pub(super) trait Bits {
+    fn same_bits(&self, other: &Self) -> bool;
+}
+
+impl Bits for f64 {
+    fn same_bits(&self, other: &Self) -> bool {
+        self.to_bits() == other.to_bits()
+    }
+}
+
+impl Bits for DVec3 {
+    fn same_bits(&self, other: &Self) -> bool {
+        self.to_array().map(f64::to_bits) == other.to_array().map(f64::to_bits)
+    }
+}
+
+impl Bits for DQuat {
+    fn same_bits(&self, other: &Self) -> bool {
+        self.to_array().map(f64::to_bits) == other.to_array().map(f64::to_bits)
+    }
 }

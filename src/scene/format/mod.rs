@@ -5,6 +5,7 @@
 //! names line and column; what only the whole scene shows is named by its path in it.
 
 mod entry;
+mod joint;
 mod read;
 mod write;
 

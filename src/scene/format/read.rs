@@ -7,10 +7,9 @@ use std::path::Path;
 
 use bevy::math::{DQuat, DVec3, EulerRot};
 
-use super::entry::{
-    self, BodyEntry, JointEntry, SceneEntry, ShapeEntry, SoftnessEntry, USUAL_DAMPING_RATIO, USUAL_GRAVITY,
-};
-use crate::physics::{RigidBody, Softness};
+use super::entry::{self, BodyEntry, SceneEntry, ShapeEntry, USUAL_GRAVITY};
+use super::joint::JointEntry;
+use crate::physics::RigidBody;
 use crate::scene::error::Flaw;
 use crate::scene::mesh::Meshes;
 use crate::scene::spec::{WORLD, WORLD_PREFIX};
@@ -165,16 +164,6 @@ impl ShapeEntry {
     }
 }
 
-impl From<SoftnessEntry> for Softness {
-    fn from(entry: SoftnessEntry) -> Self {
-        Self {
-            frequency: entry.frequency.into(),
-            damping_ratio: entry.damping_ratio.map_or(USUAL_DAMPING_RATIO, f64::from),
-            max_force: entry.max_force.into(),
-        }
-    }
-}
-
 /// Where a joint holds a body.
 #[derive(Clone, Copy)]
 enum Hold {
@@ -208,8 +197,10 @@ fn add_joints(scene: &mut SceneSpec, entries: Vec<JointEntry>) -> Result<(), Fla
         }
         let (body_a, anchor_a) = scene.hold(a, hold_a, i);
         let (body_b, anchor_b) = scene.hold(b, hold_b, i);
-        let softness = entry.softness.map(Softness::from);
-        scene.joints.push(JointSpec { body_a, body_b, anchor_a, anchor_b, collide: entry.collide, softness });
+        let pin = BodySpec::pin("", DVec3::ZERO);
+        let joint = JointSpec { body_a, body_b, ..JointSpec::new(&pin, anchor_a, &pin, anchor_b) };
+        let flawed = |(field, problem)| Flaw::new(format!("joints[{i}].{field}"), problem);
+        scene.joints.push(entry.into_joint(joint).map_err(flawed)?);
     }
     Ok(())
 }

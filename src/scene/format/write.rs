@@ -6,10 +6,8 @@ use std::path::{self, Component, MAIN_SEPARATOR, Path, PathBuf};
 use bevy::math::{DQuat, DVec3};
 use ron::ser::PrettyConfig;
 
-use super::entry::{
-    self, BodyEntry, JointEntry, SceneEntry, ShapeEntry, SoftnessEntry, USUAL_DAMPING_RATIO, USUAL_GRAVITY, ViewEntry,
-};
-use crate::physics::Softness;
+use super::entry::{self, BodyEntry, SceneEntry, ShapeEntry, USUAL_GRAVITY, ViewEntry, unless_same};
+use super::joint::JointEntry;
 use crate::scene::error::Flaw;
 use crate::scene::number::{Finite, Fraction, NonNegative, Positive};
 use crate::scene::spec::WORLD;
@@ -47,7 +45,7 @@ impl SceneEntry {
         Ok(Self {
             gravity: unless_same(scene.gravity, USUAL_GRAVITY).map(Into::into),
             bodies,
-            joints: scene.joints.iter().map(|joint| JointEntry::of(joint, &by_name)).collect(),
+            joints: scene.joints.iter().map(|joint| joint_entry(joint, &by_name)).collect(),
             view: scene.view.map(|view| ViewEntry { eye: view.eye.into(), target: view.target.into() }),
         })
     }
@@ -103,30 +101,17 @@ impl ShapeEntry {
     }
 }
 
-impl JointEntry {
-    fn of(joint: &JointSpec, bodies: &HashMap<&str, &BodySpec>) -> Self {
-        let hold = |name: &String, anchor: DVec3| match bodies[name.as_str()] {
-            // A sum with 0 would lose the sign of −0.
-            world if world.stands_for_world() && anchor == DVec3::ZERO => (WORLD.to_owned(), world.position),
-            world if world.stands_for_world() => (WORLD.to_owned(), world.point(anchor)),
-            _ => (name.clone(), anchor),
-        };
-        let (body_a, anchor_a) = hold(&joint.body_a, joint.anchor_a);
-        let (body_b, anchor_b) = hold(&joint.body_b, joint.anchor_b);
-        let (anchor_a, anchor_b) = (Some(anchor_a.into()), Some(anchor_b.into()));
-        let softness = joint.softness.map(SoftnessEntry::from);
-        Self { body_a, body_b, at: None, anchor_a, anchor_b, collide: joint.collide, softness }
-    }
-}
-
-impl From<Softness> for SoftnessEntry {
-    fn from(softness: Softness) -> Self {
-        Self {
-            frequency: Positive::of_valid(softness.frequency),
-            damping_ratio: unless_same(softness.damping_ratio, USUAL_DAMPING_RATIO).map(NonNegative::of_valid),
-            max_force: Positive::of_valid(softness.max_force),
-        }
-    }
+/// A joint, its bodies by the names that the file has for them.
+fn joint_entry(joint: &JointSpec, bodies: &HashMap<&str, &BodySpec>) -> JointEntry {
+    let hold = |name: &String, anchor: DVec3| match bodies[name.as_str()] {
+        // A sum with 0 would lose the sign of −0.
+        world if world.stands_for_world() && anchor == DVec3::ZERO => (WORLD.to_owned(), world.position),
+        world if world.stands_for_world() => (WORLD.to_owned(), world.point(anchor)),
+        _ => (name.clone(), anchor),
+    };
+    let (body_a, anchor_a) = hold(&joint.body_a, joint.anchor_a);
+    let (body_b, anchor_b) = hold(&joint.body_b, joint.anchor_b);
+    JointEntry::of(joint, [body_a, body_b], [anchor_a, anchor_b])
 }
 
 /// What a scene in `folder` calls the file of a mesh.
@@ -147,31 +132,4 @@ fn relative(file: &Path, folder: &Path) -> Option<PathBuf> {
     let common = file.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
     let up = folder.components().skip(common).map(|_| Component::ParentDir);
     (common > 0).then(|| up.chain(file.components().skip(common)).collect())
-}
-
-/// A value, unless it is the usual one in every bit: −0 is not 0.
-fn unless_same<T: Bits>(value: T, usual: T) -> Option<T> {
-    (!value.same_bits(&usual)).then_some(value)
-}
-
-trait Bits {
-    fn same_bits(&self, other: &Self) -> bool;
-}
-
-impl Bits for f64 {
-    fn same_bits(&self, other: &Self) -> bool {
-        self.to_bits() == other.to_bits()
-    }
-}
-
-impl Bits for DVec3 {
-    fn same_bits(&self, other: &Self) -> bool {
-        self.to_array().map(f64::to_bits) == other.to_array().map(f64::to_bits)
-    }
-}
-
-impl Bits for DQuat {
-    fn same_bits(&self, other: &Self) -> bool {
-        self.to_array().map(f64::to_bits) == other.to_array().map(f64::to_bits)
-    }
 }

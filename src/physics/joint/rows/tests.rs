@@ -1,6 +1,7 @@
 use simba::simd::{SimdValue, WideF32x8};
 
 use super::*;
+use crate::physics::joint::{CoordinateLaw, LawAxis, LawPart, PrescribedMotion, Softness};
 use crate::physics::testing::Random;
 
 /// Two bodies with a frame each.
@@ -134,7 +135,7 @@ fn a_spring_bounds_the_norm_over_its_group() {
     let definition = JointDefinition { translation, rotation: Laws::LOCKED, ..Default::default() };
     let rows = rows(&definition, &Pair::random(&mut Random::new(43), 1.0).state());
     let bounds: Vec<_> = rows.iter().map(|row| (row.spring, row.bound)).collect();
-    let soft = |place| (Some(spring), Bound::Norm { most: 7.0, place, count: 2 });
+    let soft = |place| (Some(spring.into()), Bound::Norm { most: 7.0, place, count: 2 });
     assert_eq!(bounds, [soft(0), soft(1), (None, Bound::None), (None, Bound::None), (None, Bound::None)]);
 }
 
@@ -169,5 +170,63 @@ fn eight_lanes_make_the_rows_of_eight_joints() {
                 assert!(close(single.velocity_term, wide.velocity_term), "{definition:?}");
             }
         }
+    }
+}
+
+/// A law of every coordinate and every turning, as a joint that is nothing else.
+fn laws() -> impl Iterator<Item = JointDefinition> {
+    use crate::physics::joint::JointAxis::{Distance, Swing, Twist, X, Y, Z};
+    let coordinates = [X, Y, Z, Twist, Swing, Distance].map(LawAxis::Coordinate);
+    let sine = PrescribedMotion::Sine { mean: 0.3, amplitude: 0.7, angular_frequency: 2.0, phase: 0.4 };
+    let parts = [LawPart::Limit { bound: 0.2, is_upper: true, restitution: 0.5 }, LawPart::Motion(sine)];
+    let of_coordinates = coordinates.into_iter().flat_map(move |axis| parts.map(|part| (axis, part)));
+    let of_turning = (0..3).map(|axis| (LawAxis::Turning(axis), LawPart::Rate(0.0)));
+    of_coordinates.chain(of_turning).map(|(axis, part)| JointDefinition {
+        laws: Some([CoordinateLaw { axis, part, most: f64::INFINITY }].into()),
+        ..Default::default()
+    })
+}
+
+#[test]
+fn rows_of_laws_are_the_derivatives_of_their_errors() {
+    let random = &mut Random::new(45);
+    for definition in laws() {
+        let law = definition.laws.as_ref().unwrap()[0];
+        for _ in 0..20 {
+            let pair = Pair::random(random, 1.0);
+            let start = random.within(0.0, 3.0);
+            let at = |time: f64| laws::row(&law, &pair.later(time), definition.turned, start + time);
+            let now = at(0.0);
+            // Central differences: errors of 1e-5², and of rounding over 1e-4²; near half a turn the twist bends.
+            let (short, long) = (1e-5, 1e-4);
+            let [before, after, early, late] = [-short, short, -long, long].map(|time| at(time).error);
+            let rates = [at(-short).rate, at(short).rate];
+            let (rate, second) = match law.axis {
+                LawAxis::Coordinate(_) => {
+                    ((after - before) / (2.0 * short), (early - 2.0 * now.error + late) / (long * long))
+                }
+                // It has no coordinate: the change of its rate.
+                LawAxis::Turning(_) => (now.rate, (rates[1] - rates[0]) / (2.0 * short)),
+            };
+            assert!((now.rate - rate).abs() < 1e-7, "{law:?}: {} or {rate}", now.rate);
+            assert!((now.velocity_term - second).abs() < 1e-5, "{law:?}: {} or {second}", now.velocity_term);
+            let twists = &pair.velocities;
+            let moved = now.jacobian.dot(&twists[0], &twists[1]) + now.time_rate;
+            assert!((moved - now.rate).abs() < 1e-12, "{law:?}: J v is {moved}, the rate {}", now.rate);
+        }
+    }
+}
+
+#[test]
+fn a_twist_is_the_value_nearest_to_the_last() {
+    let mut pair = Pair::random(&mut Random::new(46), 0.0);
+    for turned in [-7.0, -3.0, 0.0, 3.5, 20.0] {
+        let angle = turned + 0.8;
+        pair.rotations[1] = pair.rotations[0]
+            * pair.frames[0].rotation
+            * UnitQuaternion::from_scaled_axis(Vector3::x() * angle)
+            * pair.frames[1].rotation.inverse();
+        let row = laws::coordinate(JointAxis::Twist, &pair.state(), turned);
+        assert!((row.error - angle).abs() < 1e-12, "{} instead of {angle}", row.error);
     }
 }

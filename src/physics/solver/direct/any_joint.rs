@@ -11,9 +11,9 @@ use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, bits, body_vector, 
 use crate::physics::body::{Body, RigidBody, world_inverse_inertia};
 use crate::physics::collision::POINTS;
 use crate::physics::constraint::row::{Twist, Wrench, bounded};
-use crate::physics::joint::{Bound, Joint, JointRow, Softness};
+use crate::physics::joint::{Bound, Joint, JointRow};
 use crate::physics::solver::linear::{BodyBlock, BodyVector};
-use crate::physics::solver::soft_terms::{SoftTerms, UNLIMITED};
+use crate::physics::solver::soft_terms::SoftTerms;
 
 /// Rows of a joint at most.
 const ROWS: usize = 6;
@@ -66,13 +66,14 @@ pub(super) struct AnyJoint {
 }
 
 impl AnyJoint {
-    /// From the rows at present, for `h`, s; `ahead` is how far into it rows are to turn with their bodies, s.
+    /// From the rows at present, for `h`, s; `ahead` is how far into it rows are to turn with their bodies, s, `least` the
+    /// approach from which limits bounce, m/s.
     pub fn new(
         joint: &Joint,
         rows: &[JointRow<f64>],
         bodies: [&Body; 2],
         ends: &[Option<u32>; 2],
-        [h, ahead]: [f64; 2],
+        [h, ahead, least]: [f64; 3],
     ) -> Self {
         let frames = &joint.definition.frames;
         let sides = [0, 1].map(|side| Side { body: ends[side], arm: bodies[side].rotation * frames[side].anchor });
@@ -103,7 +104,7 @@ impl AnyJoint {
                 .map(|side| mobility(&row.jacobian.of(side), bodies[side]))
                 .sum();
             let mass = if mobility > 0.0 { 1.0 / mobility } else { 0.0 };
-            all.laws[place] = law(row, mass, joint.multipliers[index], h);
+            all.laws[place] = law(row, mass, joint.multipliers[index], h, least);
         }
         all
     }
@@ -174,20 +175,20 @@ fn mobility(row: &Twist<f64>, body: &Body) -> f64 {
     row.dot(&Twist { linear, angular })
 }
 
-/// The law of a row of that effective mass, which carried a force before.
-fn law(row: &JointRow<f64>, mass: f64, force: f64, h: f64) -> Law {
+/// The law of a row of that effective mass, which carried a force before; what closes faster than `least` bounces.
+fn law(row: &JointRow<f64>, mass: f64, force: f64, h: f64, least: f64) -> Law {
     let bound = match row.bound {
         Bound::None => Bound::None,
         Bound::Within(lower, upper) => Bound::Within(lower * h, upper * h),
         Bound::Norm { most, place, count } => Bound::Norm { most: most * h, place, count },
     };
-    if let Some(Softness { frequency, damping_ratio, .. }) = row.spring {
+    if let Some(constants) = row.spring {
         // As sweeps take it: of the row's own mass.
-        let terms = SoftTerms::<f64>::new(frequency, damping_ratio, UNLIMITED, 0.0, h);
+        let terms = SoftTerms::<f64>::of_spring(constants.per_mass(mass), h);
         let (stiffness, bias) = (mass * (terms.mass / terms.impulse), row.error * terms.rate);
         return Law { error: row.error, is_spring: true, stiffness, bias, bound, ..Law::default() };
     }
-    let open = row.bound.open(row.error);
+    let (open, allowed) = (row.bound.open(row.error), row.allowed_rate(h, least));
     let expected = match bound {
         Bound::Within(lower, upper) => (force * h).clamp(lower, upper),
         _ => force * h,
@@ -195,10 +196,10 @@ fn law(row: &JointRow<f64>, mass: f64, force: f64, h: f64) -> Law {
     Law {
         error: row.error - open,
         stiffness: JOINT_PENALTY * mass,
-        bias: open / h,
+        bias: -allowed,
         expected,
         bound,
-        is_active: open == 0.0 || expected != 0.0,
+        is_active: allowed * open >= 0.0 || expected != 0.0,
         ..Law::default()
     }
 }

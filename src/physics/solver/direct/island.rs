@@ -216,12 +216,12 @@ impl DirectIsland {
     }
 
     /// Makes the rows of all other joints at that time, s, for `h`, s, and hands each on with those before; `ahead` is how
-    /// far into it they are to turn with their bodies, s.
+    /// far into it they are to turn with their bodies, s, the third span the approach from which limits bounce, m/s.
     pub(super) fn make_any_rows(
         &mut self,
         world: &impl World,
         time: f64,
-        spans: [f64; 2],
+        spans: [f64; 3],
         mut resume: impl FnMut(&mut AnyJoint, &AnyJoint),
     ) {
         let joints = self.joints[self.points..].iter().zip(&self.ends[self.contacts.len() + self.points..]);

@@ -105,7 +105,7 @@ impl DirectIsland {
                     turning_acceleration(world, joint, rows.sides.map(|side| side.arm)) * (0.5 * h);
             }
         });
-        self.make_any_rows(world, time, [h, 0.5 * h], |rows, before| {
+        self.make_any_rows(world, time, [h, 0.5 * h, terms.restitution_speed], |rows, before| {
             if !is_first {
                 rows.resume(before);
             }

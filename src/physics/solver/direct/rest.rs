@@ -54,7 +54,7 @@ impl DirectIsland {
     fn is_suitable(&mut self, world: &impl World) -> bool {
         let is_rigid = |&joint: &u32| {
             let definition = &world.joint(joint).definition;
-            definition.function.is_none() && !definition.is_soft()
+            !definition.is_driven() && !definition.is_soft()
         };
         let is_slow = |&member: &u32| {
             let body = world.body(member);
@@ -121,7 +121,7 @@ impl DirectIsland {
         });
         self.make_joint_rows(world, step, |_, _, _| {});
         // Nothing that changes with time rests.
-        self.make_any_rows(world, 0.0, [step, 0.0], |_, _| {});
+        self.make_any_rows(world, 0.0, [step, 0.0, f64::INFINITY], |_, _| {});
     }
 
     /// The state of a member at the end of the step, written to it.

@@ -166,7 +166,7 @@ impl ExactGroup {
                 put(state, &mut bodies[*index as usize]);
             }
             for (&joint, load) in piece.joints.iter().zip(&piece.stepper.loads) {
-                joints[joint as usize].set_load(load);
+                joints[joint as usize].set_load(load, [0.0; 6]);
             }
         }
         for group in &self.contact_groups {

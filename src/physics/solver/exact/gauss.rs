@@ -20,8 +20,8 @@
 //! before continued. Where K is left out, as that of torques is, each iteration leaves a share of order h²; where K is
 //! large, it still converges, whatever ωh.
 //!
-//! A spring has rows of its own, λ + m(ω²C + 2ζωĊ) = 0 in place of the second line; its softness
-//! 1/(m(ω² h² L_ii + 2ζω h a_ii)) goes on the diagonal of J M̃⁻¹ Jᵀ. At its largest force the size of
+//! A spring has rows of its own, λ + kC + cĊ = 0 in place of the second line; its softness
+//! 1/(k h² L_ii + c h a_ii) goes on the diagonal of J M̃⁻¹ Jᵀ. At its largest force the size of
 //! the force is given, and the spring is softer across it by the factor that its bound takes away.
 
 use nalgebra::{Matrix3, SVector, UnitQuaternion, Vector3, Vector4};
@@ -350,9 +350,7 @@ impl<const S: usize> Gauss<S> {
             let linear = member.inverse_mass * slowed.0;
             system.inverse_masses.push(InverseMass { linear, angular: angular * slowed.1 });
         }
-        system.assemble(mechanism, rows, turn, |spring, mobility| {
-            softness(spring, mobility, &spring.ask(rows), own, own_squared)
-        });
+        system.assemble(mechanism, rows, turn, |spring, mobility| softness(spring, mobility, rows, own, own_squared));
     }
 
     /// The residuals: of the first line into `wrenches`; of the second into `unknowns`, less what the first will do to
@@ -375,7 +373,7 @@ impl<const S: usize> Gauss<S> {
             self.unknowns.extend(own.map(|row| -(row.jacobian.dot(a, b) + row.velocity_term)));
         }
         for (spring, softness) in &system.springs {
-            let pull = spring.give(&spring.ask(rows), &system.mobility(spring));
+            let pull = spring.pull(rows, &system.mobility(spring));
             let given = softness * (pull - spring.each(|row| lambda[row]));
             let [a, b] = mechanism.links[spring.link as usize]
                 .ends()
@@ -444,19 +442,20 @@ fn combine<const S: usize>(twists: &[Twist<f64>; S], shares: &[f64; S]) -> Twist
     twists.iter().zip(shares).fold(Twist::zero(), |sum, (twist, &share)| sum.plus(twist, share))
 }
 
-/// 1/(m(ω² h² L_ii + 2ζω h a_ii)) along each axis, 1/m given: the inverse of S, the derivative of the force.
+/// 1/(k h² L_ii + c h a_ii) along each axis, 1/m given: the inverse of S, the derivative of the force.
 /// Where the unbounded force f is larger than the bound F, the derivative of F f/|f| is F/|f| (1 − f fᵀ/f²) S, which is
 /// zero along f.
 fn softness(
     spring: &RowSpring,
     mobility: &Vector3<f64>,
-    asked: &Vector3<f64>,
+    rows: &[JointRow<f64>],
     own: f64,
     own_squared: f64,
 ) -> Matrix3<f64> {
-    let along = mobility / (spring.frequency * (spring.frequency * own_squared + 2.0 * spring.damping_ratio * own));
+    let [stiffness, damping] = spring.stiffness(mobility);
+    let along = (stiffness * own_squared + damping * own).map(|along| if along > 0.0 { 1.0 / along } else { SLACK });
     let softness = Matrix3::from_diagonal(&along);
-    let elastic = spring.elastic(asked, mobility);
+    let elastic = spring.elastic(rows, mobility);
     let size = elastic.norm();
     if size <= spring.most {
         return softness;

@@ -12,7 +12,7 @@ use super::constants::KICKED_SPRING;
 use super::rotation::{exponential, in_world};
 use crate::physics::body::free_rotation::free_rotation;
 use crate::physics::constraint::row::{Twist, Wrench, bounded};
-use crate::physics::joint::{BodyState, Bound, JointDefinition, JointRow, Softness};
+use crate::physics::joint::{BodyState, Bound, JointDefinition, JointRow, SpringConstants};
 use crate::physics::solver::linear::Elimination;
 
 /// The properties of a body that do not change in a step. SI; world axes unless stated.
@@ -235,7 +235,7 @@ impl MechanismLink {
 
     /// Whether its rows may change with time.
     pub fn is_driven(&self) -> bool {
-        self.definition.function.is_some()
+        self.definition.is_driven()
     }
 
     /// Ċ of its rows for the velocities in those states.
@@ -292,19 +292,16 @@ pub(super) fn place_rows(links: &[MechanismLink], states: &[MemberState], time: 
     }
 }
 
-/// A spring along up to three rows in place of rigid ones: λ = −m (ω² C + 2ζω Ċ) along each, m the effective mass there;
-/// where its norm is over the largest force, the force of that size along it. Vectors here have zeros for rows that it
-/// has not.
+/// A spring along up to three rows in place of rigid ones: λ = −m (s C + d Ċ) along each, with m the effective mass there
+/// and s, d the stiffness and damping for each unit of it, or λ = −(k C + c Ċ) where these are given; where its norm is
+/// over the largest force, the force of that size along it. Vectors here have zeros for rows that it has not.
 #[derive(Clone, Debug)]
 pub(crate) struct RowSpring {
     /// Its link.
     pub link: u32,
     /// Among the rows of all links.
     pub rows: Range<usize>,
-    /// ω, rad/s.
-    pub frequency: f64,
-    /// ζ.
-    pub damping_ratio: f64,
+    pub constants: SpringConstants,
     /// Largest norm of λ, N or N·m.
     pub most: f64,
 }
@@ -316,13 +313,9 @@ impl RowSpring {
         rows: &'r [JointRow<f64>],
     ) -> impl Iterator<Item = Self> + use<'r> {
         link.rows.clone().filter_map(move |first| match (rows[first].spring, rows[first].bound) {
-            (Some(Softness { frequency, damping_ratio, .. }), Bound::Norm { most, place: 0, count }) => Some(Self {
-                link: index as u32,
-                rows: first..first + count as usize,
-                frequency: std::f64::consts::TAU * frequency,
-                damping_ratio,
-                most,
-            }),
+            (Some(constants), Bound::Norm { most, place: 0, count }) => {
+                Some(Self { link: index as u32, rows: first..first + count as usize, constants, most })
+            }
             _ => None,
         })
     }
@@ -332,28 +325,46 @@ impl RowSpring {
         Vector3::from_fn(|k, _| if k < self.rows.len() { number(self.rows.start + k) } else { 0.0 })
     }
 
-    /// −(ω²C + 2ζωĊ), m/s²: its unbounded λ for each kg.
-    pub fn ask(&self, rows: &[JointRow<f64>]) -> Vector3<f64> {
-        let (error, rate) = (self.each(|row| rows[row].error), self.each(|row| rows[row].rate));
-        (error * self.frequency + rate * (2.0 * self.damping_ratio)) * -self.frequency
+    /// Stiffness and damping along rows of that mobility, 1/kg: the negative derivatives of λ.
+    pub fn stiffness(&self, mobility: &Vector3<f64>) -> [Vector3<f64>; 2] {
+        let masses = mobility.map(|mobility| if mobility > 0.0 { 1.0 / mobility } else { 0.0 });
+        match self.constants {
+            SpringConstants::PerMass { stiffness, damping } => [masses * stiffness, masses * damping],
+            SpringConstants::Given { stiffness, damping } => {
+                [stiffness, damping].map(|constant| self.each(|_| constant))
+            }
+        }
     }
 
-    /// The mean of that over a kick of that time, s. Damped motion decays exponentially, so that no damping is too
-    /// strong; a spring too stiff for the time is softened.
-    pub fn ask_in_kick(&self, rows: &[JointRow<f64>], rate: &Vector3<f64>, time: f64) -> Vector3<f64> {
-        let stiffness = self.frequency.min(KICKED_SPRING / time).powi(2);
-        let damping = -(-2.0 * self.damping_ratio * self.frequency * time).exp_m1() / time;
-        self.each(|row| rows[row].error) * -stiffness - rate * damping
-    }
-
-    /// λ for that acceleration along rows of that mobility, 1/kg.
-    pub fn give(&self, asked: &Vector3<f64>, mobility: &Vector3<f64>) -> Vector3<f64> {
-        bounded(self.elastic(asked, mobility), self.most)
+    /// λ for those errors and rates along rows of that mobility, 1/kg.
+    pub fn pull(&self, rows: &[JointRow<f64>], mobility: &Vector3<f64>) -> Vector3<f64> {
+        bounded(self.elastic(rows, mobility), self.most)
     }
 
     /// The same without its bound.
-    pub fn elastic(&self, asked: &Vector3<f64>, mobility: &Vector3<f64>) -> Vector3<f64> {
-        asked.zip_map(mobility, |asked, mobility| if mobility > 0.0 { asked / mobility } else { 0.0 })
+    pub fn elastic(&self, rows: &[JointRow<f64>], mobility: &Vector3<f64>) -> Vector3<f64> {
+        let [stiffness, damping] = self.stiffness(mobility);
+        let (error, rate) = (self.each(|row| rows[row].error), self.each(|row| rows[row].rate));
+        -(error.component_mul(&stiffness) + rate.component_mul(&damping))
+    }
+
+    /// The mean of λ over a kick of that time, s, for such rates. Damped motion decays exponentially, so that no damping
+    /// is too strong; a spring too stiff for the time is softened.
+    pub fn pull_in_kick(
+        &self,
+        rows: &[JointRow<f64>],
+        rate: &Vector3<f64>,
+        mobility: &Vector3<f64>,
+        time: f64,
+    ) -> Vector3<f64> {
+        let most = (KICKED_SPRING / time).powi(2);
+        let along = |row: usize| {
+            let mass = if mobility[row] > 0.0 { 1.0 / mobility[row] } else { 0.0 };
+            let [stiffness, damping] = self.constants.per_mass(mass);
+            let error = rows[self.rows.start + row].error;
+            mass * (error * stiffness.min(most) - rate[row] * (-damping * time).exp_m1() / time)
+        };
+        bounded(-Vector3::from_fn(|row, _| if row < self.rows.len() { along(row) } else { 0.0 }), self.most)
     }
 }
 

@@ -200,10 +200,10 @@ impl JointProjection {
         &mut self,
         mechanism: &mut Mechanism,
         time: f64,
-        ask: impl Fn(&RowSpring, &[JointRow<f64>]) -> Vector3<f64>,
+        pull: impl Fn(&RowSpring, &[JointRow<f64>], &Vector3<f64>) -> Vector3<f64>,
     ) {
         let Self { rows, system, pulls, moved, .. } = self;
-        system.pulls(rows, |spring| ask(spring, rows), pulls);
+        system.pulls(rows, |spring, mobility| pull(spring, rows, mobility), pulls);
         pulls.iter_mut().for_each(|pull| *pull *= time);
         moved.clear();
         moved.resize(mechanism.members.len(), Wrench::zero());

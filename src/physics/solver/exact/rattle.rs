@@ -60,7 +60,7 @@ impl Rattle {
         wrenches.extend(mechanism.members.iter().zip(&*start).map(|(member, state)| {
             member.wrench(state, &state.rotation.to_rotation_matrix().into_inner(), &Twist::zero())
         }));
-        system.pulls(rows, |spring| spring.ask(rows), pulls);
+        system.pulls(rows, |spring, mobility| spring.pull(rows, mobility), pulls);
         add_wrenches(&mechanism.links, system.jacobians.iter(), pulls, wrenches);
         for (wrench, inverse_mass) in wrenches.iter_mut().zip(&system.inverse_masses) {
             *wrench = inverse_mass.of(wrench);
@@ -114,7 +114,7 @@ impl Rattle {
     /// The second kick, with the rows that the first has led to.
     fn hold_velocities(&mut self, mechanism: &mut Mechanism, h: f64) {
         self.projection.factor(mechanism);
-        self.projection.kick(mechanism, 0.5 * h, RowSpring::ask);
+        self.projection.kick(mechanism, 0.5 * h, RowSpring::pull);
         self.projection.project_velocities(mechanism);
     }
 }

@@ -108,12 +108,17 @@ impl MechanismRows {
         spring.each(|row| self.mobility[row])
     }
 
-    /// λ of the springs for the accelerations that `ask` tells; zero of other rows.
-    pub fn pulls(&self, rows: &[JointRow<f64>], ask: impl Fn(&RowSpring) -> Vector3<f64>, pulls: &mut Vec<f64>) {
+    /// λ of the springs, which `pull` tells of one and its mobility; zero of other rows.
+    pub fn pulls(
+        &self,
+        rows: &[JointRow<f64>],
+        pull: impl Fn(&RowSpring, &Vector3<f64>) -> Vector3<f64>,
+        pulls: &mut Vec<f64>,
+    ) {
         pulls.clear();
         pulls.resize(rows.len(), 0.0);
         for (spring, _) in &self.springs {
-            let given = spring.give(&ask(spring), &self.mobility(spring));
+            let given = pull(spring, &self.mobility(spring));
             pulls[spring.rows.clone()].iter_mut().zip(&given).for_each(|(pull, given)| *pull = *given);
         }
     }

@@ -175,7 +175,9 @@ impl Stepper {
     fn euler_step(&mut self, mechanism: &mut Mechanism, time: f64, h: f64, step: f64) {
         let Self { projection, loads, .. } = self;
         projection.assemble(mechanism, time);
-        projection.kick(mechanism, h, |spring, rows| spring.ask_in_kick(rows, &spring.each(|row| rows[row].rate), h));
+        projection.kick(mechanism, h, |spring, rows, mobility| {
+            spring.pull_in_kick(rows, &spring.each(|row| rows[row].rate), mobility, h)
+        });
         projection.project_velocities(mechanism);
         for (load, link) in loads.iter_mut().zip(&mechanism.links) {
             let arm = link.arm_b(&mechanism.states);

@@ -248,8 +248,7 @@ impl<L: Lanes> Group<L> {
             }
         }
         self.other_joints = other_joints;
-        self.is_driven =
-            self.joints.iter().any(|joint| joints.list[joint.global as usize].definition.function.is_some());
+        self.is_driven = self.joints.iter().any(|joint| joints.list[joint.global as usize].definition.is_driven());
         self.contacts.clear();
         for &slot in islands.manifolds(self.index) {
             let pair = graph.slots[slot as usize].pair;
@@ -403,7 +402,7 @@ impl<L: Lanes> Group<L> {
     fn color(&mut self, joints: &Joints) {
         let count = self.members.len();
         let kind = |&GroupJoint { global, part, .. }: &GroupJoint| {
-            (part, joints.list[global as usize].definition.spring_of(part.half()).is_some())
+            (part, joints.list[global as usize].definition.is_soft_half(part.half()))
         };
         self.joints.sort_by_key(kind);
         let runs = self.joints.chunk_by(|one, next| kind(one) == kind(next)).map(<[GroupJoint]>::len);

@@ -12,6 +12,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::bodies::{ClaimedPairs, Ends, Frames};
 use super::constants::{DEPENDENT_ROWS, LEAST_MOBILITY};
 use super::pair::Pair;
+use crate::physics::body::Body;
 use crate::physics::constraint::row::{Wrench, bounded};
 use crate::physics::joint::{Bound, JointRow, Softness};
 use crate::physics::lanes::{Lanes, READ_ONLY, WIDTH, add_scaled, dot, inverse};
@@ -28,7 +29,7 @@ pub(crate) struct JointInput {
     /// On B in the last substep, N·s.
     pub impulse: Vector3<f64>,
     /// None: rigid.
-    pub softness: Option<Softness>,
+    pub softness: Option<RowSoftness>,
 }
 
 /// Up to three rows of any joint, as its lane takes them in.
@@ -40,7 +41,34 @@ pub(crate) struct RowsInput {
     /// In the last substep, N·s.
     pub impulse: Vector3<f64>,
     /// None: rigid.
-    pub softness: Option<Softness>,
+    pub softness: Option<RowSoftness>,
+    /// Approach from which limits bounce, m/s or rad/s.
+    pub least_bounce: f64,
+}
+
+/// A spring in the terms of a substep.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RowSoftness {
+    terms: SoftTerms<f64>,
+    /// Largest impulse in a substep, N·s.
+    limit: f64,
+}
+
+impl RowSoftness {
+    /// Over a substep of `h`, s.
+    pub fn new(softness: Softness, h: f64) -> Self {
+        let Softness { frequency, damping_ratio, max_force } = softness;
+        Self { terms: SoftTerms::new(frequency, damping_ratio, UNLIMITED, 0.0, h), limit: (max_force * h).min(1e30) }
+    }
+
+    /// Of a row between those bodies, if it is a spring.
+    pub fn of(row: &JointRow<f64>, bodies: [&Body; 2], h: f64) -> Option<Self> {
+        let constants = row.spring?;
+        let mobility = row.mobility(bodies);
+        let terms = SoftTerms::of_spring(constants.per_mass(if mobility > 0.0 { 1.0 / mobility } else { 0.0 }), h);
+        let most = if let Bound::Norm { most, .. } = row.bound { most } else { f64::INFINITY };
+        Some(Self { terms, limit: (most * h).min(1e30) })
+    }
 }
 
 /// The terms of joints that are soft by themselves, whatever the sweep.
@@ -52,21 +80,19 @@ struct JointSoftness<L: Lanes> {
 }
 
 impl<L: Lanes> JointSoftness<L> {
-    fn new(softness: impl Fn(usize) -> Option<Softness>, h: f64) -> Option<Self> {
+    fn new(softness: impl Fn(usize) -> Option<RowSoftness>, h: f64) -> Option<Self> {
         softness(0)?;
-        let each = |pick: &dyn Fn(Softness) -> f64| {
-            L::each(|lane| <L::Scalar as Scalar>::of(softness(lane).map_or(0.0, pick)))
+        let each = |pick: &dyn Fn(&RowSoftness) -> f64| {
+            L::each(|lane| <L::Scalar as Scalar>::of(softness(lane).as_ref().map_or(0.0, pick)))
         };
-        let terms =
-            |softness: Softness| SoftTerms::<f64>::new(softness.frequency, softness.damping_ratio, UNLIMITED, 0.0, h);
         Some(Self {
             terms: SoftTerms {
-                rate: each(&|softness| terms(softness).rate),
-                mass: each(&|softness| terms(softness).mass),
-                impulse: each(&|softness| terms(softness).impulse),
+                rate: each(&|softness| softness.terms.rate),
+                mass: each(&|softness| softness.terms.mass),
+                impulse: each(&|softness| softness.terms.impulse),
                 ..SoftTerms::new(1.0, 1.0, UNLIMITED, 0.0, h)
             },
-            limit: each(&|softness| (softness.max_force * h).min(1e30)),
+            limit: each(&|softness| softness.limit),
         })
     }
 }
@@ -116,6 +142,8 @@ pub(crate) struct Directions<L: Lanes> {
     is_bounded: bool,
     /// 1 where positive errors are open gaps, −1 where negative ones are, else 0.
     opens: Vector3<L>,
+    /// Rates that limits which are met go back with.
+    rebound: Vector3<L>,
     /// 1/h.
     per_step: L,
     /// Of each lane, force and torque about B's anchor for each row's multiplier.
@@ -127,7 +155,7 @@ pub(crate) struct Directions<L: Lanes> {
 impl<L: Lanes> Default for Directions<L> {
     fn default() -> Self {
         let none = Vector3::repeat(L::zero());
-        let [time_rate, lower, upper, opens] = [none; 4];
+        let [time_rate, lower, upper, opens, rebound] = [none; 5];
         let wrenches = [[Wrench::zero(); 3]; WIDTH];
         Self {
             linear: [[none; 2]; 3],
@@ -136,6 +164,7 @@ impl<L: Lanes> Default for Directions<L> {
             upper,
             is_bounded: false,
             opens,
+            rebound,
             per_step: L::zero(),
             wrenches,
             scratch: Vec::new(),
@@ -191,9 +220,11 @@ impl<L: Lanes> LinearParts<L> for Directions<L> {
 
     fn prescribe(&self, seen: &mut Vector3<L>, error: &mut Vector3<L>) {
         for row in 0..3 {
+            // What bounces does so at once: a gap that is left open is not closed besides.
+            let closes = self.rebound[row].simd_eq(L::zero());
             let open = self.opens[row] * (self.opens[row] * error[row]).simd_max(L::zero());
             error[row] -= open;
-            seen[row] += self.time_rate[row] + open * self.per_step;
+            seen[row] += self.time_rate[row] + (open * self.per_step).select(closes, -self.rebound[row]);
         }
     }
 
@@ -299,6 +330,13 @@ impl<L: Lanes> JointBlock<L, Directions<L>> {
                 .flat_map(|input| input.rows.iter().flatten())
                 .any(|row| matches!(row.bound, Bound::Within(..))),
             opens: numbers(|row| row.bound.open(1.0) + row.bound.open(-1.0)),
+            rebound: Vector3::from_fn(|row, _| {
+                L::each(|lane| {
+                    let input = inputs.get(lane);
+                    let rebound = input.and_then(|input| Some(input.rows[row]?.rebound(h, input.least_bounce)?));
+                    <L::Scalar as Scalar>::of(rebound.unwrap_or(0.0))
+                })
+            }),
             per_step: L::of(1.0 / h),
             wrenches: std::array::from_fn(|lane| {
                 let input = inputs.get(lane).copied().unwrap_or_default();

@@ -8,7 +8,7 @@ use super::coloring::{Color, Coloring};
 use super::constants::{CHUNK_BLOCKS, CHUNK_BODIES};
 use super::contact::{ContactBlock, ContactImpulses, ContactInput};
 use super::group::{Group, GroupContact, GroupJoint, Restitution};
-use super::joint::{Directions, JointBlock, JointInput, LinearParts, RowsInput};
+use super::joint::{Directions, JointBlock, JointInput, LinearParts, RowSoftness, RowsInput};
 use super::stage::{GroupTerms, Stage, Sweep};
 use super::tree::TreeStep;
 use super::world::SharedWorld;
@@ -306,11 +306,18 @@ impl<L: Lanes> Walk<'_, L> {
         joint.definition.rows_at(&states, self.terms.time + passed, rows);
         let first = if part.half() == 0 { 0 } else { joint.definition.halves()[0] };
         let count = joint.definition.halves()[part.half()];
+        let of_half = |row: usize| rows.get(first + row).filter(|_| row < count).copied();
+        let softness = of_half(0).and_then(|row| {
+            // SAFETY: as the caller promises.
+            let ends = [joint.a, joint.b].map(|body| unsafe { self.world.bodies.get(body as usize) });
+            RowSoftness::of(&row, ends, h)
+        });
         RowsInput {
-            rows: std::array::from_fn(|row| rows.get(first + row).filter(|_| row < count).copied()),
+            rows: std::array::from_fn(of_half),
             arm_b: states[1].rotation.mul_vec3(joint.definition.frames[1].anchor.into()).into(),
             impulse: Vector3::from_fn(|row, _| if row < count { joint.multipliers[first + row] * h } else { 0.0 }),
-            softness: joint.definition.spring_of(part.half()),
+            softness,
+            least_bounce: self.terms.restitution_speed,
         }
     }
 
@@ -319,7 +326,8 @@ impl<L: Lanes> Walk<'_, L> {
     unsafe fn joint_input(&self, GroupJoint { global, a, b, .. }: GroupJoint) -> JointInput {
         // SAFETY: as the caller promises.
         let (joint, offset) = unsafe { (self.world.joints.get(global as usize), self.bodies.offset(a, b)) };
-        let (anchors, softness) = (joint.anchors(), joint.softness());
+        let (anchors, softness) =
+            (joint.anchors(), joint.softness().map(|softness| RowSoftness::new(softness, self.terms.h)));
         JointInput { anchors, offset, impulse: joint.force * self.terms.h, softness }
     }
 

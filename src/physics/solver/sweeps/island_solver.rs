@@ -116,7 +116,18 @@ impl IslandSolver {
             let b = self.local(joint.b, islands, bodies);
             let [arm_b, impulse, turn] = [Vector3::zeros(); 3];
             let definition = joint.definition.clone();
-            self.joints.push(LocalJoint { global: index, a, b, definition, rows: 0..0, arm_b, impulse, turn });
+            let multipliers = [0.0; 6];
+            self.joints.push(LocalJoint {
+                global: index,
+                a,
+                b,
+                definition,
+                rows: 0..0,
+                arm_b,
+                impulse,
+                turn,
+                multipliers,
+            });
         }
     }
 
@@ -224,7 +235,8 @@ impl IslandSolver {
     fn keep_forces<N: Scalar>(&mut self, rows: &[Row<N>], joints_from: usize, h: f64, terms: &StepTerms) {
         for joint in &mut self.joints {
             let arm = joint.arm_b.map(N::of);
-            for row in &rows[joint.rows.clone()] {
+            for (row, multiplier) in rows[joint.rows.clone()].iter().zip(&mut joint.multipliers) {
+                *multiplier = row.lambda.to_f64();
                 let RowPair { linear_b, angular_b, .. } = row.jacobian;
                 let impulse = row.lambda.to_f64() * h;
                 joint.impulse += linear_b.map(Scalar::to_f64) * impulse;
@@ -281,7 +293,7 @@ impl IslandSolver {
         }
         for joint in &self.joints {
             let (linear, angular) = (joint.impulse / self.h_total, joint.turn / self.h_total);
-            joints[joint.global as usize].set_load(&Wrench { linear, angular });
+            joints[joint.global as usize].set_load(&Wrench { linear, angular }, joint.multipliers);
         }
     }
 

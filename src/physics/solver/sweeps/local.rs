@@ -83,4 +83,6 @@ pub(crate) struct LocalJoint {
     /// Impulse on B in this step so far, N·s, and its moment about B's anchor, N·m·s.
     pub impulse: Vector3<f64>,
     pub turn: Vector3<f64>,
+    /// What each row carried in the last solve, N or N·m.
+    pub multipliers: [f64; 6],
 }

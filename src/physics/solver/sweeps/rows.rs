@@ -10,7 +10,7 @@ use crate::physics::body::Body;
 use crate::physics::collision::Manifold;
 use crate::physics::constraint::row::{BodyTerms, Bounds, Row, Spring, Twist};
 use crate::physics::contact::{PointConstraint, penetration_bias, rebound, restitution_threshold, tangents};
-use crate::physics::joint::{BodyState, Bound, JointRow, Softness};
+use crate::physics::joint::{BodyState, Bound, JointRow};
 use crate::physics::settings::FrictionModel;
 
 /// Slip under which no friction direction can be told, m/s.
@@ -158,20 +158,17 @@ pub(super) fn joint_rows<N: Scalar>(
         };
         rows.push(match row.spring {
             None => {
-                // An open gap may close within the step.
-                let open = row.bound.open(row.error);
-                let speed = step.error_rate * (row.error - open);
-                let speed = speed.clamp(-step.correction_speed, step.correction_speed) + open / h;
-                Row::rigid(a, b, jacobian, N::of(-speed - row.time_rate), N::of(h), bounds)
+                let allowed = row.allowed_rate(h, restitution_threshold(step.settings));
+                let error = step.error_rate * (row.error - row.bound.open(row.error));
+                let bias = allowed - error.clamp(-step.correction_speed, step.correction_speed) - row.time_rate;
+                Row::rigid(a, b, jacobian, N::of(bias), N::of(h), bounds)
             }
-            Some(Softness { frequency, damping_ratio, .. }) => {
-                let omega = std::f64::consts::TAU * frequency;
-                let spring = Spring {
-                    stiffness: N::of(omega * omega),
-                    damping: N::of(2.0 * damping_ratio * omega),
-                    error: N::of(row.error),
-                };
-                Row::soft(a, b, jacobian, spring, N::of(h), bounds)
+            Some(constants) => {
+                let mobility = row.jacobian.map(N::of);
+                let mobility = mobility.diagonal(&mobility.response(a.1, b.1)).to_f64();
+                let [stiffness, damping] =
+                    constants.per_mass(if mobility > 0.0 { 1.0 / mobility } else { 0.0 }).map(N::of);
+                Row::soft(a, b, jacobian, Spring { stiffness, damping, error: N::of(row.error) }, N::of(h), bounds)
             }
         });
     }

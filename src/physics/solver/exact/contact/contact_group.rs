@@ -383,7 +383,7 @@ impl ContactGroup {
             put(state, &mut bodies[index as usize]);
         }
         for (&joint, load) in self.joints.iter().zip(&self.joint_loads) {
-            joints[joint as usize].set_load(load);
+            joints[joint as usize].set_load(load, [0.0; 6]);
         }
     }
 

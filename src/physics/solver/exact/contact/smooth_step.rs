@@ -117,7 +117,7 @@ impl SmoothStep {
                 let jacobian = |row: usize| &rows[row].jacobian;
                 let rate = spring.each(|row| jacobian(row).dot(&a, &b) + rows[row].time_rate);
                 let mobility = spring.each(|row| mobility(jacobian(row), &masses));
-                let pull = spring.give(&spring.ask_in_kick(rows, &rate, half), &mobility);
+                let pull = spring.pull_in_kick(rows, &rate, &mobility, half);
                 for (row, &pull) in spring.rows.clone().zip(&pull) {
                     let ends = [jacobian(row).of_a(), jacobian(row).of_b()];
                     for ((member, inverse_mass), wrench) in link.ends().into_iter().zip(&masses).zip(ends) {
