@@ -28,16 +28,16 @@ impl<T: Constraint> JointKind for T {
     }
 }
 
+/// Whether joints of a kind are new or changed.
+pub(crate) fn kind_changed<J: JointKind>(kinds: Query<Ref<J>>, ticks: SystemChangeTick) -> bool {
+    any_changed(&kinds, &ticks)
+}
+
 /// Defines the joints of a kind that are new or changed; axes become frames from the poses at hand.
 pub(crate) fn define_joints<J: JointKind>(
     mut joints: Query<(&mut J, &mut JointDefinition)>,
-    kinds: Query<Ref<J>>,
     rotations: Query<&Rotation>,
-    ticks: SystemChangeTick,
 ) {
-    if !any_changed(&kinds, &ticks) {
-        return;
-    }
     for (mut joint, mut definition) in joints.iter_mut().filter(|(joint, _)| joint.is_changed()) {
         let bodies = joint.definition().bodies;
         if let [Ok(a), Ok(b)] = bodies.map(|body| rotations.get(body))

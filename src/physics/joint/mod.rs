@@ -33,7 +33,7 @@ pub(crate) use definition::JointDefinition;
 pub(crate) use definition::{Frame, Hold, Laws};
 pub use distance::{DistanceJoint, DistanceLaw};
 pub use framed::{FixedJoint, GenericJoint, HingeJoint, SliderJoint};
-pub(crate) use kind::{JointKind, any_changed, define_joints};
+pub(crate) use kind::{JointKind, any_changed, define_joints, kind_changed};
 pub use law::JointAxis;
 #[cfg(test)]
 pub(crate) use law::{CoordinateLaw, LawAxis, LawPart};

@@ -75,6 +75,8 @@ pub(crate) struct JointRow<N> {
     /// A spring along the row instead of a rigid one.
     pub spring: Option<SpringConstants>,
     pub bound: Bound<N>,
+    /// Whether it is of a rate alone: C is zero, whatever the pose.
+    pub is_rate: bool,
     /// e of a limit: share of its approach with which C parts again; 0 elsewhere.
     pub restitution: f64,
 }
@@ -178,7 +180,17 @@ where
     fn translation(&self, jacobian: RowPair<N>, error: N, velocity_term: N) -> JointRow<N> {
         let [a, b] = &self.velocities;
         let (rate, time_rate) = (jacobian.dot(a, b), N::zero());
-        JointRow { jacobian, error, rate, velocity_term, time_rate, spring: None, bound: Bound::None, restitution: 0.0 }
+        JointRow {
+            jacobian,
+            error,
+            rate,
+            velocity_term,
+            time_rate,
+            spring: None,
+            bound: Bound::None,
+            is_rate: false,
+            restitution: 0.0,
+        }
     }
 
     fn rotation(&self, axis: Vector3<N>, error: N, velocity_term: N) -> JointRow<N> {
@@ -255,7 +267,17 @@ impl JointRow<f64> {
         let none = Vector3::new(0.0, 0.0, 0.0);
         let jacobian = RowPair { linear_a: none, angular_a: none, linear_b: none, angular_b: none };
         let (error, rate, velocity_term, time_rate) = (0.0, 0.0, 0.0, 0.0);
-        Self { jacobian, error, rate, velocity_term, time_rate, spring: None, bound: Bound::None, restitution: 0.0 }
+        Self {
+            jacobian,
+            error,
+            rate,
+            velocity_term,
+            time_rate,
+            spring: None,
+            bound: Bound::None,
+            is_rate: false,
+            restitution: 0.0,
+        }
     };
 
     /// Whether it is of rotations alone: its C is in rad.
@@ -380,6 +402,7 @@ fn add_rows_of(function: &RowFunction, bodies: &[BodyState; 2], time: f64, rows:
             time_rate: row.time_rate,
             spring: None,
             bound: if is_bounded { Bound::Within(lower, upper) } else { Bound::None },
+            is_rate: false,
             restitution: 0.0,
         }
     }));

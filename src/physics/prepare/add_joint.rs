@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use super::gather_bodies;
 use super::gather_joints::renew_laws;
-use crate::physics::joint::{JointKind, define_joints};
+use crate::physics::joint::{JointKind, define_joints, kind_changed};
 use crate::physics::{Constraint, JointDefinition, PhysicsSchedule, PhysicsSystems};
 
 /// Gives every component of a kind its definition, for as long as it is there.
@@ -13,7 +13,7 @@ pub(super) fn add_joint<J: JointKind>(app: &mut App) {
     app.add_observer(|removed: On<Remove, J>, mut commands: Commands| {
         commands.entity(removed.entity).try_remove::<JointDefinition>();
     });
-    let define = define_joints::<J>.after(gather_bodies).before(renew_laws).run_if(any_with_component::<J>);
+    let define = define_joints::<J>.after(gather_bodies).before(renew_laws).run_if(kind_changed::<J>);
     app.add_systems(PhysicsSchedule, define.in_set(PhysicsSystems::Prepare));
 }
 

@@ -39,7 +39,8 @@ pub(super) fn row(law: &CoordinateLaw, state: &JointState<f64>, turned: f64, tim
             JointRow { error, bound: Bound::Within(pushes.0, pushes.1), restitution, ..coordinate }
         }
         LawPart::Rate(rate) => {
-            JointRow { error: 0.0, rate: coordinate.rate - rate, time_rate: -rate, bound: within, ..coordinate }
+            let (rate, time_rate) = (coordinate.rate - rate, -rate);
+            JointRow { error: 0.0, rate, time_rate, is_rate: true, bound: within, ..coordinate }
         }
         LawPart::Motion(motion) => {
             let [q, rate, acceleration] = motion.at_time(time);

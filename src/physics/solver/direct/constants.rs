@@ -72,3 +72,31 @@ pub(super) const MOTION_TURN: f64 = 0.1;
 
 /// Depth or gap, over the arm, at which surfaces count as just touching: single precision cannot tell.
 pub(super) const TOUCHING: f64 = 1e-5;
+
+/// Error of a row at the end of a substep, m or rad, from which on the impulses of joints without contacts are mended
+/// again, and how often at most (`machines`: how far hinges part).
+pub(super) const DUAL_ERROR: f64 = 1e-9;
+pub(super) const DUAL_ITERATIONS: usize = 8;
+
+/// How often it is told anew which limits and largest forces are met (`machines`).
+pub(super) const DUAL_ACTIVE_SETS: usize = 10;
+
+/// Share of each row's mobility that is added to it: where joints are a tree, as much as rounding; where they close
+/// loops, in which rows may be redundant, so much that the factor keeps half its digits (`bricard`).
+pub(super) const DUAL_SHIFTS: [f64; 2] = [1e-13, 1e-7];
+
+/// Mobility of a row that has its impulse already: it takes no other.
+pub(super) const DUAL_LOOSE: f64 = 1e200;
+
+/// Error of a row at the start of a step, m or rad, which somebody else left, and which is corrected in the poses alone.
+pub(super) const DUAL_START_ERROR: f64 = 1e-7;
+
+/// Error, m or rad, from which on a motion with a largest force lags behind.
+pub(super) const DUAL_LAG: f64 = 1e-6;
+
+/// Products of blocks in a factorisation of the rows of joints without contacts. Noticed by the clock alone.
+pub(super) const DUAL_PRODUCTS: usize = 20_000;
+
+/// Speed of a body up to which joints without contacts are solved as at rest, m/s: their motion is told to second order,
+/// that of a step at rest to first.
+pub(super) const DUAL_REST_SPEED: f64 = 1e-3;

@@ -6,9 +6,11 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::any_joint::AnyJoint;
 use super::constants::{
-    ENERGY_ROUNDING, IMPULSE_TOLERANCE, JOINT_PENALTY, LINE_SEARCH_POINTS, LINE_SEARCH_SLOPE, REST_PRODUCTS,
+    DUAL_PRODUCTS, ENERGY_ROUNDING, IMPULSE_TOLERANCE, JOINT_PENALTY, LINE_SEARCH_POINTS, LINE_SEARCH_SLOPE,
+    REST_PRODUCTS,
 };
 use super::contact::DirectContact;
+use super::dual::DualSystem;
 use super::joint::{DirectJoint, SoftLaw};
 use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, body_vector, halves};
 use super::snapshot::Snapshot;
@@ -67,6 +69,8 @@ pub(crate) struct DirectIsland {
     pub is_solved: bool,
     /// Whether the iterations of the last substep in motion ended.
     pub(super) has_converged: bool,
+    /// Whether its last solve was in motion.
+    pub(super) moves: bool,
     /// The substeps of its step in motion.
     pub(super) intervals: Intervals,
     /// Geometric stiffness of each member.
@@ -97,6 +101,8 @@ pub(crate) struct DirectIsland {
     blocks: Vec<RowBlocks>,
     /// Mass and world inertia of each member that the factor was made of.
     pub(super) inertias: Vec<(f64, Matrix3<f64>)>,
+    /// The impulses of its joints as unknowns, where it has no contacts and some joint holds more than a point.
+    pub(super) dual: Option<Box<DualSystem>>,
     /// Bodies that do not move here but touch or hold it, global indices.
     pub(super) partners: Vec<u32>,
     /// Members, then partners, after a step that changed nothing; else empty.
@@ -112,9 +118,13 @@ impl DirectIsland {
     }
 
     /// Whether it can be factored, and then what that takes.
-    pub(super) fn is_analysed(&mut self, world: &impl World) -> bool {
+    pub(super) fn is_analysed(&mut self, world: &impl World, time: f64) -> bool {
         if self.analysis == Analysis::Due {
             self.analysis = self.analyse(world);
+            let is_wanted = self.contacts.is_empty() && self.points < self.joints.len();
+            let parts = [&self.members[..], &self.partners, &self.joints];
+            let dual = is_wanted.then(|| DualSystem::new(world, time, parts, DUAL_PRODUCTS)).flatten();
+            self.dual = dual.map(Box::new);
         }
         self.analysis == Analysis::Done
     }
@@ -164,6 +174,9 @@ impl DirectIsland {
     /// Scalar rows: of each contact its points and three of friction.
     pub fn rows(&self) -> u32 {
         let of_contacts: usize = self.contact_rows.iter().map(|contact| contact.points() + 3).sum();
+        if let Some(dual) = &self.dual {
+            return dual.row_count as u32;
+        }
         let of_joints: usize = self.any_rows.iter().map(AnyJoint::rows).sum();
         (of_contacts + 3 * self.points + of_joints) as u32
     }
@@ -382,6 +395,10 @@ impl DirectIsland {
 
     /// Writes what a joint carried in `h`, s.
     pub fn store_joint(&self, index: usize, joint: &mut Joint, h: f64) {
+        if let Some(dual) = self.dual.as_ref().filter(|_| self.moves) {
+            dual.store(self.joints[index], joint, h);
+            return;
+        }
         match index.checked_sub(self.points) {
             None => joint.force = self.joint_rows[index].impulse / h,
             Some(index) => self.any_rows[index].store(joint, h),

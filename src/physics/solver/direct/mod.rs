@@ -22,6 +22,7 @@
 mod any_joint;
 mod constants;
 mod contact;
+mod dual;
 mod island;
 mod joint;
 mod motion;

@@ -16,6 +16,7 @@ use super::constants::{
     DEPTH_CORRECTION, GAP_CORRECTION, MOTION_CONTACT_PENALTY, MOTION_ITERATIONS, MOTION_PRODUCTS, MOTION_TURN,
     SHORT_ITERATIONS,
 };
+use super::dual::DualTerms;
 use super::island::{DirectIsland, World, momentum_of, moves_freely, relative_motion, world_inertia};
 use super::rows::{Correction, halves};
 use crate::physics::body::free_rotation::turn_freely;
@@ -58,8 +59,10 @@ impl DirectIsland {
     pub fn set_off(&mut self, world: &impl World, terms: &MotionTerms) -> bool {
         let sets_off = self.can_set_off(world, terms);
         if sets_off {
-            self.intervals =
-                terms.substeps.for_bodies(self.members.iter().map(|&member| world.body(member)), MOTION_TURN);
+            // What is driven or swings has its own pace, however slowly it turns.
+            let far = if self.dual.as_ref().is_some_and(|dual| dual.is_driven) { 0.0 } else { MOTION_TURN };
+            self.intervals = terms.substeps.for_bodies(self.members.iter().map(|&member| world.body(member)), far);
+            self.moves = true;
         }
         sets_off
     }
@@ -76,7 +79,7 @@ impl DirectIsland {
         if self.contacts.iter().any(bounces) {
             return false;
         }
-        self.is_analysed(world) && self.elimination.products() <= MOTION_PRODUCTS
+        self.is_analysed(world, terms.time) && (self.dual.is_some() || self.elimination.products() <= MOTION_PRODUCTS)
     }
 
     /// Into what its step is cut.
@@ -94,6 +97,12 @@ impl DirectIsland {
         let Intervals { h, replaces, turns_far, .. } = self.intervals;
         let (time, is_first) = (terms.time + h * f64::from(substep), substep == 0);
         self.has_rows = false;
+        if let Some(dual) = &mut self.dual {
+            let MotionTerms { correction_speed, restitution_speed: least_bounce, .. } = *terms;
+            let terms = DualTerms { time, h, correction_speed, least_bounce };
+            dual.substep(world, &self.members, &self.partners, &terms, is_first);
+            return;
+        }
         if is_first || turns_far {
             self.make_contact_rows(world, [h, replaces, MOTION_CONTACT_PENALTY], |_, _| {});
         }
@@ -152,6 +161,10 @@ impl DirectIsland {
 
     /// The state of a member after a substep of length `h`, s, written to it.
     pub fn move_on(&self, local: usize, body: &mut Body, h: f64) {
+        if let Some(dual) = &self.dual {
+            dual.move_on(local, body, h);
+            return;
+        }
         let place = self.place(local);
         let (linear, angular) = halves(&self.velocity[place]);
         let (shift, turn) = halves(&self.correction[place]);

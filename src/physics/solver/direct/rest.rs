@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::constants::{
-    INERTIA_CHANGE, LONGEST_PAUSE, REST_CONTACT_PENALTY, REST_CORRECTION, REST_CORRECTION_SPEED, REST_ITERATIONS,
-    REST_SPEED, UNCHANGED_SPEED,
+    DUAL_REST_SPEED, INERTIA_CHANGE, LONGEST_PAUSE, REST_CONTACT_PENALTY, REST_CORRECTION, REST_CORRECTION_SPEED,
+    REST_ITERATIONS, REST_SPEED, UNCHANGED_SPEED,
 };
 use super::island::{DirectIsland, World, momentum_of, moves_freely, world_inertia};
 use super::rows::{Correction, halves};
@@ -46,19 +46,26 @@ impl DirectIsland {
         }
         self.pause = if has_converged { 0 } else { (2 * self.pause + 1).min(LONGEST_PAUSE) };
         self.pause_left = self.pause;
-        let rests = has_converged && self.fastest(world, &self.velocity) <= REST_SPEED;
+        let rests = has_converged && self.fastest(world, &self.velocity) <= self.rest_speed();
+        self.moves = false;
         if rests { Outcome::Rests } else { Outcome::Moves }
+    }
+
+    /// Speed of a body up to which it is at rest, m/s.
+    fn rest_speed(&self) -> f64 {
+        if self.dual.is_some() { DUAL_REST_SPEED } else { REST_SPEED }
     }
 
     /// Whether it is at rest and can be solved here.
     fn is_suitable(&mut self, world: &impl World) -> bool {
+        let most = self.rest_speed();
         let is_rigid = |&joint: &u32| {
             let definition = &world.joint(joint).definition;
             !definition.is_driven() && !definition.is_soft()
         };
         let is_slow = |&member: &u32| {
             let body = world.body(member);
-            moves_freely(body) && body.linear.norm() + body.angular.norm() * body.radius <= REST_SPEED
+            moves_freely(body) && body.linear.norm() + body.angular.norm() * body.radius <= most
         };
         if !self.members.iter().all(is_slow) || !self.joints.iter().all(is_rigid) {
             return false;
@@ -71,7 +78,7 @@ impl DirectIsland {
             self.pause_left -= 1;
             return false;
         }
-        self.is_analysed(world)
+        self.is_analysed(world, 0.0)
     }
 
     /// Whether the last step changed nothing, nor anybody since. Joints are not looked at, so with them it is not.

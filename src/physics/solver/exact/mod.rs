@@ -30,7 +30,7 @@ use bevy::prelude::*;
 pub(crate) use self::contact::PointForce;
 use self::contact::{ContactGroup, ContactTerms};
 use self::exact_group::ExactGroup;
-pub(super) use self::mechanism::{Coupling, Couplings, links_at};
+pub(super) use self::mechanism::{Coupling, Couplings, MemberState, links_at};
 use crate::physics::body::Bodies;
 use crate::physics::collision::{ContactGraph, Contacts};
 use crate::physics::contact::restitution_threshold;

@@ -1,0 +1,615 @@
+//! Islands of joints without contacts, in motion, by the impulses of their rows: SHAKE (Ryckaert, Ciccotti and Berendsen
+//! 1977) for joints of any rows, with limits, springs, motors and friction among them.
+//!
+//! A substep from q₀ to q₁ = q₀ ⊕ h v, with v half a substep behind the poses, is
+//!
+//! v = D v₋ + h M⁻¹ f + W J₀ᵀ λ,  W = (M + stiffness)⁻¹,
+//!
+//! with λ such that at its end each row holds: C(q₁, t₁) = 0 where it is held, C(q₁) ≥ 0 and λ ≥ 0 where it is a limit,
+//! J₀ v + ∂C/∂t = rate where it has a rate alone. It is found by Newton's method with A = J₀ W J₀ᵀ in place of
+//! J₁ W J₀ᵀ, so that a substep takes one factorisation: A by blocks of joints that share a body, in the order of
+//! [`Couplings`]. W has the geometric stiffness that the substep cannot resolve ([`StiffnessShares`]), D takes out what
+//! that is to damp.
+//!
+//! *Springs* are Newmark's with β = ¼, of second order and stable whatever ωh: with y = J₀ v and y₋ = J₀ v₋,
+//!
+//! λ = −h k C₀ − ¼ h² k (y − y₋) − ½ h c (y + y₋).
+//!
+//! *Bounds.* A row at its bound has that impulse and leaves the matrix; which rows are, is an active set that is mended
+//! after each solve. A motion with a largest force that lags behind comes back as fast as that force can stop it again,
+//! at √(2 a |C|) where it gives an acceleration a.
+
+use bevy::platform::collections::HashMap;
+use nalgebra::{Matrix3, Vector3};
+
+use super::constants::{
+    DUAL_ACTIVE_SETS, DUAL_ERROR, DUAL_ITERATIONS, DUAL_LAG, DUAL_LOOSE, DUAL_SHIFTS, DUAL_START_ERROR,
+};
+use super::island::{World, world_inertia};
+use crate::physics::body::Body;
+use crate::physics::body::free_rotation::turn_freely;
+use crate::physics::constraint::row::{RowPair, Twist, Wrench, bounded};
+use crate::physics::joint::{BodyState, Bound, Joint, JointRow};
+use crate::physics::solver::exact::{Couplings, MemberState, links_at};
+use crate::physics::solver::joint_tree::{StiffnessShares, add_stiffness};
+use crate::physics::solver::linear::{BlockLdl, Triangular};
+
+/// What a substep depends on beside the world.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DualTerms {
+    /// Simulation time at its start, and its length, s.
+    pub time: f64,
+    pub h: f64,
+    /// Fastest correction of errors that the island starts with, m/s.
+    pub correction_speed: f64,
+    /// Approach from which limits bounce, m/s or rad/s.
+    pub least_bounce: f64,
+}
+
+/// What a row is to do in a substep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Aim {
+    /// C(q₁, t₁) = 0.
+    Place,
+    /// Its rate, ∂C/∂t included, is that one.
+    Rate(f64),
+    /// λ = −weight (y + bias).
+    Spring { weight: f64, bias: f64 },
+    /// λ is that impulse.
+    Fixed(f64),
+}
+
+/// A joint of the island.
+#[derive(Clone, Debug)]
+struct DualLink {
+    /// Global index.
+    joint: u32,
+    /// Places among the states; those of bodies that do not move come last.
+    ends: [u32; 2],
+    /// Its first row, and how many.
+    first: usize,
+    count: usize,
+}
+
+/// M⁻¹ of a body, with stiffness.
+#[derive(Clone, Copy, Debug)]
+struct Mobility {
+    inverse_mass: f64,
+    inverse_inertia: Matrix3<f64>,
+}
+
+impl Mobility {
+    const NONE: Self =
+        Self { inverse_mass: 0.0, inverse_inertia: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0) };
+
+    fn of(&self, wrench: &Wrench<f64>) -> Twist<f64> {
+        Twist { linear: wrench.linear * self.inverse_mass, angular: self.inverse_inertia * wrench.angular }
+    }
+}
+
+/// The joints of an island as one system, with its buffers.
+#[derive(Default)]
+pub(super) struct DualSystem {
+    /// In the order of elimination.
+    links: Vec<DualLink>,
+    /// The place of each joint, by its global index.
+    place_of: HashMap<u32, u32>,
+    couplings: Couplings,
+    has_loops: bool,
+    /// Scalar rows.
+    pub row_count: usize,
+    /// Whether some row changes with time or is a spring: then every substep counts.
+    pub is_driven: bool,
+    /// Where the bodies are when the substep begins: members, then partners.
+    starts: Vec<MemberState>,
+    /// Where they are at its end.
+    pub ends: Vec<MemberState>,
+    /// Velocities without the joints, and with them.
+    free: Vec<Twist<f64>>,
+    velocities: Vec<Twist<f64>>,
+    mobilities: Vec<Mobility>,
+    rows: Vec<JointRow<f64>>,
+    /// J₀ W of each row.
+    responses: Vec<RowPair<f64>>,
+    /// J₀ W J₀ᵀ of each row.
+    diagonal: Vec<f64>,
+    aims: Vec<Aim>,
+    /// Those that are in the matrix as they were asked to, before bounds.
+    asked: Vec<Aim>,
+    impulses: Vec<f64>,
+    residual: Vec<f64>,
+    /// Impulse on B and moment about its centre of mass of each link over the step so far, whose length is `spent`, s.
+    loads: Vec<Wrench<f64>>,
+    spent: f64,
+    factor: BlockLdl<f64, Triangular>,
+    scratch: Vec<JointRow<f64>>,
+}
+
+impl DualSystem {
+    /// Of the joints of an island, by their global indices, between its members and partners; none where that takes more
+    /// than so many products of blocks.
+    pub fn new(world: &impl World, time: f64, [members, partners, joints]: [&[u32]; 3], most: usize) -> Option<Self> {
+        let place = |body: u32| match members.binary_search(&body) {
+            Ok(place) => place as u32,
+            Err(_) => (members.len() + partners.binary_search(&body).unwrap_or(0)) as u32,
+        };
+        let mut scratch = Vec::new();
+        let mut count = |joint: &Joint| {
+            let bodies = [joint.a, joint.b].map(|body| BodyState::of(world.body(body)));
+            scratch.clear();
+            joint.definition.rows_at(&bodies, time, &mut scratch);
+            scratch.len()
+        };
+        let counted = joints.iter().map(|&joint| (joint, count(world.joint(joint))));
+        let with_rows: Vec<(u32, usize)> = counted.filter(|&(_, rows)| rows > 0).collect();
+        let ends = |joint: u32| [world.joint(joint).a, world.joint(joint).b].map(place);
+        let all_ends: Vec<[u32; 2]> = with_rows.iter().map(|&(joint, _)| ends(joint)).collect();
+        let rows: Vec<u8> = with_rows.iter().map(|&(_, rows)| rows as u8).collect();
+        let at = links_at(members.len(), &all_ends);
+        let couplings = Couplings::of(&at, &rows);
+        if couplings.elimination.products() > most {
+            return None;
+        }
+        let mut first = 0;
+        let links: Vec<DualLink> = couplings
+            .order
+            .iter()
+            .map(|&link| {
+                let (joint, count) = with_rows[link as usize];
+                first += count;
+                DualLink { joint, ends: all_ends[link as usize], first: first - count, count }
+            })
+            .collect();
+        let mut entities: Vec<_> = links.iter().map(|link| (world.joint(link.joint).entity, link.ends)).collect();
+        entities.sort_unstable();
+        entities.dedup();
+        // A tree held at one point has as many joints as bodies.
+        let held = entities.iter().filter(|(_, ends)| ends.iter().any(|&end| end as usize >= members.len())).count();
+        let has_loops = entities.len() + usize::from(held == 0) > members.len();
+        let definitions = || links.iter().map(|link| &world.joint(link.joint).definition);
+        let is_driven = definitions().any(|joint| joint.is_driven() || joint.is_soft());
+        let loads = vec![Wrench::zero(); links.len()];
+        let place_of = (0..).zip(&links).map(|(place, link)| (link.joint, place)).collect();
+        Some(Self { links, place_of, couplings, has_loops, is_driven, loads, row_count: first, ..Self::default() })
+    }
+
+    /// Takes the island through a substep: where its members are at its end stands in [`Self::ends`].
+    pub fn substep(
+        &mut self,
+        world: &impl World,
+        members: &[u32],
+        partners: &[u32],
+        terms: &DualTerms,
+        is_first: bool,
+    ) {
+        let state = |&body: &u32| {
+            let body = world.body(body);
+            let BodyState { linear, angular, .. } = BodyState::of(body);
+            let (position, rotation) = (body.position, body.rotation);
+            MemberState { position, rotation, linear: linear.into(), angular: angular.into() }
+        };
+        self.starts.clear();
+        self.starts.extend(members.iter().chain(partners).map(state));
+        if is_first {
+            self.begin(world, terms);
+        }
+        self.place_rows(world, terms.time, false);
+        self.set_mobilities(world, members, terms.h);
+        self.kick(world, members, terms.h);
+        self.set_aims(terms);
+        if is_first {
+            self.mend_start(world, terms);
+        }
+        self.find_impulses(world, members, terms);
+        self.note(terms.h);
+    }
+
+    /// Takes in what joints carried in the step before.
+    fn begin(&mut self, world: &impl World, terms: &DualTerms) {
+        self.spent = 0.0;
+        self.loads.fill(Wrench::zero());
+        self.impulses.clear();
+        for link in &self.links {
+            let joint = world.joint(link.joint);
+            self.impulses.extend(joint.multipliers[..link.count].iter().map(|force| force * terms.h));
+        }
+    }
+
+    /// The rows at the start or at the end of the substep.
+    fn place_rows(&mut self, world: &impl World, time: f64, at_end: bool) {
+        let Self { rows, links, starts, ends, scratch, .. } = self;
+        let states = if at_end { ends } else { starts };
+        if !at_end {
+            rows.clear();
+        }
+        for link in links {
+            let bodies = link.ends.map(|end| BodyState::from(&states[end as usize]));
+            let rows = if at_end { &mut *scratch } else { &mut *rows };
+            world.joint(link.joint).definition.rows_at(&bodies, time, rows);
+            rows.resize(link.first + link.count, JointRow::EMPTY);
+        }
+    }
+
+    /// W of each body, from the pull of the joints in the substep before.
+    fn set_mobilities(&mut self, world: &impl World, members: &[u32], h: f64) {
+        let Self { links, rows, impulses, starts, mobilities, free, .. } = self;
+        let mut stiffnesses = vec![Matrix3::zeros(); members.len()];
+        for link in &*links {
+            let own = link.first..link.first + link.count;
+            let pull: Vector3<f64> =
+                rows[own.clone()].iter().zip(&impulses[own]).map(|(row, &λ)| row.jacobian.linear_b * λ).sum();
+            let frames = &world.joint(link.joint).definition.frames;
+            for (end, pull) in [(0, -pull), (1, pull)] {
+                if let Some(stiffness) = stiffnesses.get_mut(link.ends[end] as usize) {
+                    let arm = starts[link.ends[end] as usize].rotation * frames[end].anchor;
+                    add_stiffness(stiffness, &arm, &pull);
+                }
+            }
+        }
+        mobilities.clear();
+        free.clear();
+        for ((&member, stiffness), state) in members.iter().zip(&stiffnesses).zip(&*starts) {
+            let body = world.body(member);
+            let stiffness = stiffness * h;
+            let (mut inertia, mut kept) = (world_inertia(body), state.angular);
+            let smallest = 1.0 / body.inverse_inertia_body.max();
+            if let Some(shares) = StiffnessShares::of(0.5 * stiffness.trace() / smallest) {
+                inertia += stiffness * (shares.added + shares.damped);
+                let lost = stiffness * (shares.damped * state.angular);
+                kept -= inertia.cholesky().map_or_else(Vector3::zeros, |factor| factor.solve(&lost));
+            }
+            let inverse_inertia = inertia.try_inverse().unwrap_or_else(Matrix3::zeros);
+            mobilities.push(Mobility { inverse_mass: 1.0 / body.mass, inverse_inertia });
+            free.push(Twist { linear: state.linear, angular: kept });
+        }
+        mobilities.resize(starts.len(), Mobility::NONE);
+        free.extend(starts[members.len()..].iter().map(MemberState::twist));
+    }
+
+    /// Forces act.
+    fn kick(&mut self, world: &impl World, members: &[u32], h: f64) {
+        for ((&member, free), mobility) in members.iter().zip(&mut self.free).zip(&self.mobilities) {
+            let body = world.body(member);
+            *free = free.plus(&mobility.of(&Wrench { linear: body.force, angular: body.torque }), h);
+        }
+        self.velocities.clone_from(&self.free);
+    }
+
+    /// What each row is to do, and its response.
+    fn set_aims(&mut self, terms: &DualTerms) {
+        let Self { links, rows, mobilities, responses, diagonal, asked, aims, free, impulses, starts, .. } = self;
+        responses.clear();
+        diagonal.clear();
+        asked.clear();
+        aims.clear();
+        for link in &*links {
+            let [a, b] = link.ends.map(|end| &mobilities[end as usize]);
+            let [free_a, free_b] = link.ends.map(|end| &free[end as usize]);
+            let [old_a, old_b] = link.ends.map(|end| starts[end as usize].twist());
+            for index in link.first..link.first + link.count {
+                let row = &rows[index];
+                let response = RowPair::new(a.of(&row.jacobian.of_a()), b.of(&row.jacobian.of_b()));
+                let own = row.jacobian.diagonal(&response);
+                let free_rate = row.jacobian.dot(free_a, free_b) + row.time_rate;
+                let aim = aim_of(row, own, row.jacobian.dot(&old_a, &old_b), terms);
+                responses.push(response);
+                diagonal.push(own);
+                asked.push(aim);
+                aims.push(starting_aim(row, aim, impulses[index], free_rate, terms.h));
+            }
+        }
+    }
+
+    /// Moves members out of what rows are apart when the step begins, in their poses alone: somebody else left it.
+    fn mend_start(&mut self, world: &impl World, terms: &DualTerms) {
+        let Self { rows, aims, residual, .. } = self;
+        residual.clear();
+        let error = |(row, aim): (&JointRow<f64>, &Aim)| match aim {
+            Aim::Place => row.bound.open(row.error) - row.error,
+            _ => 0.0,
+        };
+        residual.extend(rows.iter().zip(&*aims).map(error));
+        let worst = residual.iter().fold(0.0, |worst: f64, error| worst.max(error.abs()));
+        if worst <= DUAL_START_ERROR {
+            return;
+        }
+        let share = (terms.correction_speed * terms.h / worst).min(1.0);
+        self.assemble();
+        self.factor.solve(&self.couplings.elimination, &mut self.residual[..]);
+        for link in &self.links {
+            for index in link.first..link.first + link.count {
+                let (response, by) = (&self.responses[index], share * self.residual[index]);
+                for (end, moved) in [(0, response.of_a()), (1, response.of_b())] {
+                    let state = &mut self.starts[link.ends[end] as usize];
+                    state.position += moved.linear * by;
+                    state.turn(&(moved.angular * by));
+                }
+            }
+        }
+        self.place_rows(world, terms.time, false);
+        self.set_aims(terms);
+    }
+
+    /// Factors A of the rows that are in it.
+    fn assemble(&mut self) {
+        let Self { links, couplings, rows, responses, aims, factor, diagonal, .. } = self;
+        let shift = DUAL_SHIFTS[usize::from(self.has_loops)];
+        factor.clear(&couplings.elimination);
+        for (place, link) in links.iter().enumerate() {
+            let n = link.count;
+            let block = factor.diagonal_at(&couplings.elimination, place);
+            for column in 0..n {
+                let response = &responses[link.first + column];
+                for row in column..n {
+                    block[column * n + row] = rows[link.first + row].jacobian.diagonal(response);
+                }
+                let own = &mut block[column * n + column];
+                *own += match aims[link.first + column] {
+                    Aim::Place | Aim::Rate(_) => shift * diagonal[link.first + column],
+                    Aim::Spring { weight, .. } if weight > 0.0 => 1.0 / weight,
+                    Aim::Spring { .. } | Aim::Fixed(_) => DUAL_LOOSE,
+                };
+            }
+        }
+        for coupling in &couplings.list {
+            let [row_link, column_link] = [coupling.row.0, coupling.column.0].map(|link| &links[link as usize]);
+            let n = row_link.count;
+            let block = factor.below_at(&couplings.elimination, coupling.block as usize);
+            for (column, entries) in block.chunks_exact_mut(n).enumerate() {
+                let response = responses[column_link.first + column].of(coupling.column.1);
+                for (row, entry) in entries.iter_mut().enumerate() {
+                    *entry += rows[row_link.first + row].jacobian.of(coupling.row.1).dot(&response);
+                }
+            }
+        }
+        factor.factor(&couplings.elimination);
+    }
+
+    /// The impulses with which all rows do what they are to.
+    fn find_impulses(&mut self, world: &impl World, members: &[u32], terms: &DualTerms) {
+        self.start_impulses();
+        for round in 0..DUAL_ACTIVE_SETS {
+            self.assemble();
+            self.iterate(world, members, terms);
+            // In the last rounds rows only leave: so it ends.
+            if !self.mend_active_set(terms.h, 2 * round <= DUAL_ACTIVE_SETS) {
+                break;
+            }
+        }
+    }
+
+    /// Starts from impulses of rows that are fixed alone: the others are found from velocities.
+    fn start_impulses(&mut self) {
+        for (impulse, aim) in self.impulses.iter_mut().zip(&self.aims) {
+            *impulse = if let Aim::Fixed(fixed) = aim { *fixed } else { 0.0 };
+        }
+    }
+
+    fn iterate(&mut self, world: &impl World, members: &[u32], terms: &DualTerms) {
+        for (impulse, aim) in self.impulses.iter_mut().zip(&self.aims) {
+            if let Aim::Fixed(fixed) = aim {
+                *impulse = *fixed;
+            }
+        }
+        for iteration in 0..DUAL_ITERATIONS {
+            self.set_velocities();
+            // At first from the rows alone: they tell where the ends will be to second order.
+            let is_linear = iteration == 0;
+            if !is_linear {
+                self.drift(world, members, terms.h);
+                self.place_ends(world, terms);
+            }
+            let worst = self.find_residual(terms.h, is_linear);
+            if !is_linear && worst <= DUAL_ERROR {
+                return;
+            }
+            self.factor.solve(&self.couplings.elimination, &mut self.residual[..]);
+            self.impulses.iter_mut().zip(&self.residual).for_each(|(impulse, more)| *impulse += more);
+        }
+        self.set_velocities();
+        self.drift(world, members, terms.h);
+        self.place_ends(world, terms);
+    }
+
+    fn place_ends(&mut self, world: &impl World, terms: &DualTerms) {
+        self.scratch.clear();
+        self.place_rows(world, terms.time + terms.h, true);
+    }
+
+    /// v = v_free + W J₀ᵀ λ.
+    fn set_velocities(&mut self) {
+        self.velocities.clone_from(&self.free);
+        for link in &self.links {
+            let [mut a, mut b] = link.ends.map(|end| self.velocities[end as usize]);
+            for index in link.first..link.first + link.count {
+                a = a.plus(&self.responses[index].of_a(), self.impulses[index]);
+                b = b.plus(&self.responses[index].of_b(), self.impulses[index]);
+            }
+            let [place_a, place_b] = link.ends.map(|end| end as usize);
+            (self.velocities[place_a], self.velocities[place_b]) = (a, b);
+        }
+    }
+
+    /// q₁ = q₀ ⊕ h v.
+    fn drift(&mut self, world: &impl World, members: &[u32], h: f64) {
+        self.ends.clone_from(&self.starts);
+        for (index, (state, velocity)) in self.ends.iter_mut().zip(&self.velocities).enumerate() {
+            (state.linear, state.angular) = (velocity.linear, velocity.angular);
+            state.position += velocity.linear * h;
+            match members.get(index) {
+                Some(&member) => {
+                    let Body { inverse_inertia_body, rotation_freedom, .. } = world.body(member);
+                    let MemberState { rotation, angular, .. } = state;
+                    turn_freely(rotation, angular, inverse_inertia_body, rotation_freedom, h);
+                    rotation.renormalize_fast();
+                }
+                None => state.turn(&(velocity.angular * h)),
+            }
+        }
+    }
+
+    /// What of each row is to be made good by impulses. The largest error of a place, m or rad, or of a rate in the
+    /// substep.
+    fn find_residual(&mut self, h: f64, is_linear: bool) -> f64 {
+        let Self { links, rows, scratch, velocities, aims, residual, impulses, .. } = self;
+        residual.clear();
+        let mut worst: f64 = 0.0;
+        for link in &*links {
+            let [a, b] = link.ends.map(|end| &velocities[end as usize]);
+            for index in link.first..link.first + link.count {
+                let row = &rows[index];
+                let speed = row.jacobian.dot(a, b);
+                let left = match aims[index] {
+                    Aim::Place if is_linear => -(speed + row.time_rate + row.error / h + 0.5 * h * row.velocity_term),
+                    Aim::Place => -scratch[index].error / h,
+                    Aim::Rate(rate) => rate - speed - row.time_rate,
+                    Aim::Spring { weight, bias } if weight > 0.0 => -(speed + bias + impulses[index] / weight),
+                    Aim::Spring { .. } | Aim::Fixed(_) => 0.0,
+                };
+                worst = worst.max(left.abs() * h);
+                residual.push(left);
+            }
+        }
+        worst
+    }
+
+    /// Whether some row is not as it was assumed to be.
+    fn mend_active_set(&mut self, h: f64, may_return: bool) -> bool {
+        let Self { links, rows, scratch, velocities, aims, asked, impulses, .. } = self;
+        let mut changed = false;
+        for link in &*links {
+            let [a, b] = link.ends.map(|end| &velocities[end as usize]);
+            let speed = |index: usize| rows[index].jacobian.dot(a, b);
+            for index in link.first..link.first + link.count {
+                match rows[index].bound {
+                    Bound::Norm { most, place: 0, count } if most.is_finite() => {
+                        let group = index..index + count as usize;
+                        changed |= mend_spring(&asked[group.clone()], &mut aims[group], most * h, |k| speed(index + k));
+                    }
+                    Bound::Within(lower, upper) => {
+                        // How far it is from what it is to do: by its rate, or by its error at the end.
+                        let left = match asked[index] {
+                            Aim::Rate(rate) => speed(index) + rows[index].time_rate - rate,
+                            _ => scratch[index].error / h,
+                        };
+                        let now =
+                            bounded_aim(aims[index], asked[index], impulses[index], [lower * h, upper * h], left * h);
+                        if now != aims[index] && (may_return || matches!(now, Aim::Fixed(_))) {
+                            (aims[index], changed) = (now, true);
+                        }
+                    }
+                    Bound::None | Bound::Norm { .. } => {}
+                }
+            }
+        }
+        changed
+    }
+
+    /// Adds the impulses to those of the step.
+    fn note(&mut self, h: f64) {
+        self.spent += h;
+        for (link, load) in self.links.iter().zip(&mut self.loads) {
+            for row in link.first..link.first + link.count {
+                *load = load.plus(&self.rows[row].jacobian.of_b(), self.impulses[row]);
+            }
+        }
+    }
+
+    /// The state of a member at the end of the substep, written to it.
+    pub fn move_on(&self, local: usize, body: &mut Body, h: f64) {
+        let MemberState { position, rotation, linear, angular } = self.ends[local];
+        (body.position, body.rotation) = (position, rotation);
+        body.linear = linear / (1.0 + body.drag.0 * h);
+        body.angular = angular / (1.0 + body.drag.1 * h);
+        body.has_stepped = true;
+    }
+
+    /// Writes what a joint carried: the mean over the step so far, and of each row in the last substep of length h, s.
+    pub fn store(&self, index: u32, joint: &mut Joint, h: f64) {
+        let Some(&place) = self.place_of.get(&index) else { return };
+        let (link, load) = (&self.links[place as usize], &self.loads[place as usize]);
+        let arm = self.starts[link.ends[1] as usize].rotation * joint.definition.frames[1].anchor;
+        joint.force = load.linear / self.spent;
+        joint.torque = (load.angular - arm.cross(&load.linear)) / self.spent;
+        for (multiplier, impulse) in joint.multipliers.iter_mut().zip(&self.impulses[link.first..][..link.count]) {
+            *multiplier = impulse / h;
+        }
+    }
+}
+
+/// What a row is to do, whatever its bound; `old` is J of the velocities before.
+fn aim_of(row: &JointRow<f64>, mobility: f64, old: f64, terms: &DualTerms) -> Aim {
+    let h = terms.h;
+    if let Some(constants) = row.spring {
+        let mass = if mobility > 0.0 { 1.0 / mobility } else { 0.0 };
+        let [stiffness, damping] = constants.per_mass(mass).map(|constant| constant * mass);
+        let (half, quarter) = (0.5 * h * damping, 0.25 * h * h * stiffness);
+        let weight = half + quarter;
+        let bias = if weight > 0.0 { (h * stiffness * row.error + (half - quarter) * old) / weight } else { 0.0 };
+        return Aim::Spring { weight, bias };
+    }
+    if let Some(rate) = row.rebound(h, terms.least_bounce) {
+        return Aim::Rate(rate);
+    }
+    if row.is_rate {
+        return Aim::Rate(0.0);
+    }
+    match row.bound {
+        // A motion that lags behind.
+        Bound::Within(lower, upper) if row.bound.is_boxed() => {
+            if row.error.abs() < DUAL_LAG {
+                return Aim::Place;
+            }
+            let most = (2.0 * upper.min(-lower) * mobility * row.error.abs()).sqrt();
+            Aim::Rate(-row.error.signum() * most.min(row.error.abs() / h))
+        }
+        _ => Aim::Place,
+    }
+}
+
+/// Where the active set starts from: limits that are open and stay so have no impulse, rows with a largest force are
+/// within it.
+fn starting_aim(row: &JointRow<f64>, aim: Aim, impulse: f64, free_rate: f64, h: f64) -> Aim {
+    let ahead = row.error + h * free_rate;
+    let is_open = match row.bound {
+        Bound::Within(0.0, upper) if upper > 0.0 => ahead > 0.0 && impulse <= 0.0,
+        Bound::Within(lower, 0.0) if lower < 0.0 => ahead < 0.0 && impulse >= 0.0,
+        Bound::Within(lower, upper) => lower == upper,
+        _ => false,
+    };
+    if is_open { Aim::Fixed(0.0) } else { aim }
+}
+
+/// A row with bounds for its impulse, after a solve that left it so far, m or rad, from what it is asked for.
+fn bounded_aim(aim: Aim, asked: Aim, impulse: f64, [lower, upper]: [f64; 2], left: f64) -> Aim {
+    match aim {
+        Aim::Fixed(fixed) if fixed <= lower && left < -DUAL_ERROR && upper > lower => asked,
+        Aim::Fixed(fixed) if fixed >= upper && left > DUAL_ERROR && upper > lower => asked,
+        Aim::Fixed(_) => aim,
+        _ if impulse < lower => Aim::Fixed(lower),
+        _ if impulse > upper => Aim::Fixed(upper),
+        _ => aim,
+    }
+}
+
+/// Rows of a spring, the norm of whose impulse is bounded. Whether that is at its bound and was assumed not to be, or the
+/// other way round, or in another direction.
+fn mend_spring(asked: &[Aim], aims: &mut [Aim], most: f64, speed: impl Fn(usize) -> f64) -> bool {
+    let trial = Vector3::from_fn(|row, _| match asked.get(row) {
+        Some(Aim::Spring { weight, bias }) => -weight * (speed(row) + bias),
+        _ => 0.0,
+    });
+    let exceeds = trial.norm() > most;
+    let given = bounded(trial, most);
+    let mut changed = false;
+    for (row, (aim, &asked)) in aims.iter_mut().zip(asked).enumerate() {
+        let now = if exceeds { Aim::Fixed(given[row]) } else { asked };
+        let differs = match (*aim, now) {
+            (Aim::Fixed(before), Aim::Fixed(now)) => (before - now).abs() > 1e-6 * most,
+            (before, now) => before != now,
+        };
+        changed |= differs;
+        *aim = now;
+    }
+    changed
+}
