@@ -48,6 +48,30 @@ pub struct Collision {
     pub time: f64,
 }
 
+/// A joint carried more than it bears and broke at the end of the step. Also an entity event.
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
+pub struct JointBroke {
+    /// The joint; it is marked [`BrokenJoint`](super::BrokenJoint).
+    #[event_target]
+    pub joint: Entity,
+    /// Norm of its mean force over the window, N.
+    pub force: f64,
+    /// Norm of its mean torque about the anchor, N·m.
+    pub torque: f64,
+}
+
+/// A joint came to a limit at which it was not in the step before. Also an entity event.
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
+pub struct LimitReached {
+    /// The joint.
+    #[event_target]
+    pub joint: Entity,
+    /// Simulation time at the end of that step, s.
+    pub time: f64,
+    /// How fast its coordinate changed, rad/s or m/s.
+    pub speed: f64,
+}
+
 /// A body (or joint) made no sense and was frozen; the rest goes on. Also an entity event.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BodyQuarantined {

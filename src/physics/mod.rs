@@ -15,6 +15,7 @@
 
 mod bit_set;
 mod body;
+mod breaking;
 mod collision;
 mod columns;
 mod constraint;
@@ -65,7 +66,7 @@ pub use joint::{
 };
 pub(crate) use joint::{JoinedPairs, Joint, JointDefinition, JointSlot, Joints};
 pub(crate) use messages::set_aside;
-pub use messages::{BodyQuarantined, Collision, ContactEnded, ContactStarted};
+pub use messages::{BodyQuarantined, Collision, ContactEnded, ContactStarted, JointBroke, LimitReached};
 pub use plugin::{PhysicsPlugin, headless_app, step};
 pub use prepare::AddConstraint;
 pub use readings::{ContactForce, ContactForces, Diagnostics, JointForce, JointForces};

@@ -11,8 +11,9 @@ use bevy::prelude::*;
 
 use super::diagnostics::{self, MeasuringTime};
 use super::{
-    BodyQuarantined, Collision, ContactEnded, ContactStarted, Gravity, PhysicsSchedule, PhysicsSystems, RenderOrigin,
-    SolverSettings, StepStats, collision, events, island, prepare, sleep, solver, transform, write_back,
+    BodyQuarantined, Collision, ContactEnded, ContactStarted, Gravity, JointBroke, LimitReached, PhysicsSchedule,
+    PhysicsSystems, RenderOrigin, SolverSettings, StepStats, breaking, collision, events, island, prepare, sleep,
+    solver, transform, write_back,
 };
 
 /// Rigid bodies for a Bevy app: adds [`PhysicsSchedule`] and runs it once a fixed step.
@@ -46,6 +47,8 @@ impl Plugin for PhysicsPlugin {
             .add_message::<ContactEnded>()
             .add_message::<Collision>()
             .add_message::<BodyQuarantined>()
+            .add_message::<JointBroke>()
+            .add_message::<LimitReached>()
             .init_schedule(PhysicsSchedule)
             .edit_schedule(PhysicsSchedule, |schedule| {
                 schedule.set_executor(SingleThreadedExecutor::new());
@@ -63,6 +66,7 @@ impl Plugin for PhysicsPlugin {
                 solver::plugin,
                 write_back::plugin,
                 events::plugin,
+                breaking::plugin,
                 diagnostics::plugin,
             ));
         let fixed = [

@@ -4,10 +4,10 @@ use std::hash::Hasher;
 
 use bevy::prelude::*;
 
-use super::{Bodies, ContactGraph, ExactGroups, LaggedContacts, Position, Rotation, Velocity};
+use super::{Bodies, ContactGraph, ExactGroups, Joints, LaggedContacts, Position, Rotation, Velocity};
 
 /// Feeds every bit that the next step depends on to a hasher: poses and velocities of all bodies
-/// in the order in which they became bodies, who sleeps (not how long others have been calm), what
+/// in the order in which they became bodies, what joints carried and their turns, who sleeps (not how long others have been calm), what
 /// contacts carried, and those that wait for a lagged solve.
 pub fn hash_state<H: Hasher>(world: &World, hasher: &mut H) {
     let mut feed = |value: f64| hasher.write_u64(value.to_bits());
@@ -23,6 +23,13 @@ pub fn hash_state<H: Hasher>(world: &World, hasher: &mut H) {
         }
     }
     bodies.asleep.iter().map(f64::from).for_each(&mut feed);
+    if let Some(joints) = world.get_resource::<Joints>() {
+        // What a joint carried the next step starts from; its turns tell which angle it is at.
+        for joint in &joints.list {
+            joint.force.iter().chain(&joint.torque).chain(&joint.multipliers).copied().for_each(&mut feed);
+            feed(joint.definition.turned);
+        }
+    }
     if let Some(groups) = world.get_resource::<ExactGroups>() {
         groups.memory().for_each(&mut feed);
     }

@@ -5,6 +5,7 @@
 //! [`SceneSpec::validate`] and become entities through [`SceneSpec::spawn`]. Back again:
 //! [`SceneSpec::of_world`] and [`SceneSpec::to_ron`].
 
+mod body;
 mod builtin;
 mod capture;
 mod catalog;
@@ -19,6 +20,7 @@ mod spawn;
 mod spec;
 mod validate;
 
+pub use body::{BodySpec, MaterialSpec, ShapeSpec};
 pub use catalog::{catalog, find, is_path, load};
 pub use error::SceneError;
 pub use format::MAX_FILE_BYTES;
@@ -28,4 +30,4 @@ pub(crate) use joint::JointParts;
 pub use joint::{JointKindSpec, JointSpec, LimitSpec, MotorKeys};
 pub use mesh::{MAX_MESH_BYTES, MeshError, MeshSpec, PictureMesh, TriangleMesh, builtin_meshes};
 pub use spawn::{BodyColor, SceneEntity, SpawnedScene};
-pub use spec::{BodySpec, MAX_BODIES, MaterialSpec, SceneSpec, ShapeSpec, ViewSpec};
+pub use spec::{MAX_BODIES, SceneSpec, ViewSpec};

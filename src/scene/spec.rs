@@ -2,19 +2,12 @@
 
 use std::f64::consts::PI;
 
-use bevy::math::{DQuat, DVec3};
+use bevy::math::DVec3;
 
-use super::{HullSpec, JointSpec, MeshSpec};
-use crate::physics::{CollisionLayers, ConvexHull, LockedAxes, RigidBody};
+use super::{BodySpec, JointSpec};
 
 /// Most bodies that a scene may have.
 pub const MAX_BODIES: usize = 100_000;
-
-/// What joints call the fixed world.
-pub(super) const WORLD: &str = "world";
-
-/// What the names of the bodies start with that joints to the world are made to.
-pub(super) const WORLD_PREFIX: &str = "world:";
 
 /// A whole scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,84 +24,6 @@ pub struct SceneSpec {
     pub view: Option<ViewSpec>,
 }
 
-/// One body.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BodySpec {
-    /// Unique in the scene; joints refer to it.
-    pub name: String,
-    /// Dynamic, kinematic or static.
-    pub kind: RigidBody,
-    /// None: a point to pin things to (static or kinematic only, unless mass and inertia are given).
-    pub shape: Option<ShapeSpec>,
-    /// kg/m³; the mass wins where both are given.
-    pub density: f64,
-    /// kg.
-    pub mass: Option<f64>,
-    /// Principal moments about the centre of mass, kg·m²; see [`ShapeSpec::axes`].
-    pub inertia: Option<DVec3>,
-    /// Centre of mass, m.
-    pub position: DVec3,
-    /// Orientation of the axes that the shape is given in.
-    pub rotation: DQuat,
-    /// m/s.
-    pub linear_velocity: DVec3,
-    /// rad/s, world axes.
-    pub angular_velocity: DVec3,
-    /// N, lasts.
-    pub force: DVec3,
-    /// N·m, lasts.
-    pub torque: DVec3,
-    /// Surface.
-    pub material: MaterialSpec,
-    /// What it touches.
-    pub layers: CollisionLayers,
-    /// World axes it does not move along or about.
-    pub locked: LockedAxes,
-    /// Factor on gravity.
-    pub gravity_scale: f64,
-    /// Linear and angular drag, 1/s.
-    pub damping: (f64, f64),
-    /// sRGB colour in the picture, 0 to 1 each; none: chosen from the shape.
-    pub color: Option<[f32; 3]>,
-}
-
-/// A body's shape; full sizes, m. Cheap to clone.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ShapeSpec {
-    /// The ground: all below the plane through the body's position, normal +y in body axes.
-    HalfSpace,
-    /// A ball.
-    Sphere {
-        /// Radius.
-        radius: f64,
-    },
-    /// A box.
-    Cuboid {
-        /// Full extents.
-        size: DVec3,
-    },
-    /// A cone, apex up.
-    Cone {
-        /// Base radius.
-        radius: f64,
-        /// Height.
-        height: f64,
-    },
-    /// The convex hull of points, wherever they lie: the body's position is its centre of mass.
-    Hull(HullSpec),
-    /// The convex hull of a mesh, which it looks like.
-    Mesh(MeshSpec),
-}
-
-/// Friction and restitution of a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MaterialSpec {
-    /// μ ≥ 0.
-    pub friction: f64,
-    /// e, 0 to 1.
-    pub restitution: f64,
-}
-
 /// A camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewSpec {
@@ -122,160 +37,6 @@ impl SceneSpec {
     /// An empty scene.
     pub fn new(name: impl Into<String>, gravity: DVec3) -> Self {
         Self { name: name.into(), gravity, bodies: Vec::new(), joints: Vec::new(), view: None }
-    }
-}
-
-impl BodySpec {
-    /// A dynamic body of that name, shape and centre of mass, all else at its default.
-    pub fn new(name: impl Into<String>, shape: ShapeSpec, position: DVec3) -> Self {
-        Self {
-            name: name.into(),
-            kind: RigidBody::Dynamic,
-            shape: Some(shape),
-            density: 1000.0,
-            mass: None,
-            inertia: None,
-            position,
-            rotation: DQuat::IDENTITY,
-            linear_velocity: DVec3::ZERO,
-            angular_velocity: DVec3::ZERO,
-            force: DVec3::ZERO,
-            torque: DVec3::ZERO,
-            material: MaterialSpec { friction: 0.6, restitution: 0.0 },
-            layers: CollisionLayers::ALL,
-            locked: LockedAxes::default(),
-            gravity_scale: 1.0,
-            damping: (0.0, 0.0),
-            color: None,
-        }
-    }
-
-    /// A static body without a shape, to join others to: a point of the world.
-    pub fn pin(name: impl Into<String>, position: DVec3) -> Self {
-        Self { kind: RigidBody::Static, shape: None, ..Self::new(name, ShapeSpec::HalfSpace, position) }
-    }
-
-    /// The ground: a static half-space, level, its surface through the origin, named "ground".
-    pub fn ground() -> Self {
-        Self { kind: RigidBody::Static, ..Self::new("ground", ShapeSpec::HalfSpace, DVec3::ZERO) }
-    }
-
-    /// Whether it is what a scene file's joints to `"world"` are made to: a point that stands still,
-    /// under a name that files cannot give.
-    pub(super) fn stands_for_world(&self) -> bool {
-        self.name.starts_with(WORLD_PREFIX) && *self == Self::pin(&self.name, self.position)
-    }
-
-    /// Whether it has a name that is kept for the world, and is not it.
-    pub(super) fn name_is_reserved(&self) -> bool {
-        (self.name == WORLD || self.name.starts_with(WORLD_PREFIX)) && !self.stands_for_world()
-    }
-
-    /// Makes it static.
-    pub fn fixed(self) -> Self {
-        Self { kind: RigidBody::Static, ..self }
-    }
-
-    /// Sets the mass, kg.
-    pub fn with_mass(self, mass: f64) -> Self {
-        Self { mass: Some(mass), ..self }
-    }
-
-    /// Sets the orientation.
-    pub fn with_rotation(self, rotation: DQuat) -> Self {
-        Self { rotation, ..self }
-    }
-
-    /// Sets the linear velocity, m/s, and the angular, rad/s, both in world axes.
-    pub fn with_velocity(self, linear: DVec3, angular: DVec3) -> Self {
-        Self { linear_velocity: linear, angular_velocity: angular, ..self }
-    }
-
-    /// Sets friction and restitution.
-    pub fn with_material(self, friction: f64, restitution: f64) -> Self {
-        Self { material: MaterialSpec { friction, restitution }, ..self }
-    }
-
-    /// Sets the colour, sRGB, 0 to 1 each.
-    pub fn with_color(self, color: [f32; 3]) -> Self {
-        Self { color: Some(color), ..self }
-    }
-
-    /// Makes it touch nothing: its shape gives mass, inertia and a picture.
-    pub fn without_collision(self) -> Self {
-        Self { layers: CollisionLayers::NONE, ..self }
-    }
-
-    /// Orientation of the principal axes, the simulated body's: that of the axes which the shape is
-    /// given in, but for hulls that lie askew in these.
-    pub fn principal_rotation(&self) -> DQuat {
-        let hull = self.shape.as_ref().and_then(ShapeSpec::convex_hull);
-        hull.map_or(self.rotation, |hull| self.rotation * hull.axes())
-    }
-
-    /// A point of the world, m, as this body's anchor: from its centre of mass, in its own axes.
-    pub fn anchor(&self, point: DVec3) -> DVec3 {
-        self.rotation.inverse() * (point - self.position)
-    }
-
-    /// A point of this body, from its centre of mass in its own axes, as a point of the world, m.
-    pub fn point(&self, anchor: DVec3) -> DVec3 {
-        self.position + self.rotation * anchor
-    }
-}
-
-impl ShapeSpec {
-    /// The convex hull of points, m.
-    pub fn hull(points: impl Into<Box<[DVec3]>>) -> Self {
-        Self::Hull(HullSpec::new(points))
-    }
-
-    /// The hull, of a hull or mesh that has one.
-    pub fn convex_hull(&self) -> Option<&ConvexHull> {
-        match self {
-            Self::Hull(hull) => hull.hull().as_ref().ok(),
-            Self::Mesh(mesh) => Some(mesh.hull()),
-            _ => None,
-        }
-    }
-
-    /// Turns principal axes into those which the shape is given in: see [`ConvexHull::axes`].
-    pub fn axes(&self) -> DQuat {
-        self.convex_hull().map_or(DQuat::IDENTITY, ConvexHull::axes)
-    }
-
-    /// m³; a half-space's is infinite.
-    pub fn volume(&self) -> f64 {
-        match self {
-            Self::HalfSpace => f64::INFINITY,
-            Self::Sphere { radius } => 4.0 / 3.0 * PI * radius.powi(3),
-            Self::Cuboid { size } => size.x * size.y * size.z,
-            Self::Cone { radius, height } => PI / 3.0 * radius * radius * height,
-            Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::volume),
-        }
-    }
-
-    /// Smallest full extent, m: the size that errors are measured by; a half-space's is infinite.
-    pub fn smallest_extent(&self) -> f64 {
-        match self {
-            Self::HalfSpace => f64::INFINITY,
-            Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::thickness),
-            Self::Sphere { radius } => 2.0 * radius,
-            Self::Cuboid { size } => size.min_element(),
-            Self::Cone { radius, height } => height.min(2.0 * *radius),
-        }
-    }
-
-    /// Radius of the smallest ball about the centre of mass that holds the shape, m; a
-    /// half-space's is infinite.
-    pub fn bounding_radius(&self) -> f64 {
-        match self {
-            Self::HalfSpace => f64::INFINITY,
-            Self::Sphere { radius } => *radius,
-            Self::Cuboid { size } => size.length() / 2.0,
-            Self::Cone { radius, height } => radius.hypot(height / 4.0).max(0.75 * height),
-            Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::bounding_radius),
-        }
     }
 }
 

@@ -82,6 +82,14 @@ impl CoordinateLaw {
         }
     }
 
+    /// The coordinate that it is of.
+    pub fn coordinate(&self) -> Option<JointAxis> {
+        match self.axis {
+            LawAxis::Coordinate(axis) => Some(axis),
+            LawAxis::Turning(_) => None,
+        }
+    }
+
     /// Whether it is a spring.
     pub fn is_spring(&self) -> bool {
         matches!(self.part, LawPart::Spring { .. })

@@ -18,7 +18,8 @@ pub(super) struct PackedFor {
     bodies: u64,
     joints: usize,
     quarantined: usize,
-    broken: usize,
+    /// Those that broke, and of them those whose bodies have been apart since.
+    broken: [usize; 2],
     attached: [usize; 3],
     bounded_rows: bool,
     /// Whether something beside a joint changed what it is packed as.
@@ -52,7 +53,7 @@ pub(super) struct JointQuery {
     friction: Option<&'static JointFriction>,
     coordinate: Option<&'static JointCoordinate>,
     quarantined: Has<Quarantined>,
-    broken: Has<BrokenJoint>,
+    broken: Option<&'static BrokenJoint>,
 }
 
 /// Whether something beside a joint changed.
@@ -100,7 +101,7 @@ pub(super) fn renew_laws(
 pub(super) fn joints_changed(
     joints: Query<Ref<JointDefinition>>,
     quarantined: Query<(), (With<JointDefinition>, With<Quarantined>)>,
-    broken: Query<(), (With<JointDefinition>, With<BrokenJoint>)>,
+    broken: Query<&BrokenJoint, With<JointDefinition>>,
     attachments: Attachments,
     bodies: Res<Bodies>,
     settings: Res<SolverSettings>,
@@ -111,7 +112,7 @@ pub(super) fn joints_changed(
         bodies: bodies.version,
         joints: joints.iter().len(),
         quarantined: quarantined.iter().len(),
-        broken: broken.iter().len(),
+        broken: [broken.iter().len(), broken.iter().filter(|broken| broken.apart).count()],
         attached: attachments.counts(),
         bounded_rows: takes_bounded_rows(&settings),
         is_stale: false,
@@ -152,6 +153,7 @@ pub(super) fn gather_joints(
         members.get(entity).ok().filter(|(slot, _)| slot.index != u32::MAX).map(|(slot, &kind)| (slot.index, kind))
     };
     let mut stays = vec![false; joints.list.len()];
+    let mut overlapping = Vec::new();
     let mut packed: Vec<(u64, Joint)> = Vec::with_capacity(query.iter().len());
     for mut joint in &mut query {
         let index_before = std::mem::replace(&mut joint.slot.index, u32::MAX);
@@ -160,12 +162,18 @@ pub(super) fn gather_joints(
             continue;
         };
         packed_for.joints += 1;
-        packed_for.broken += usize::from(joint.broken);
+        if let Some(broken) = joint.broken {
+            packed_for.broken[0] += 1;
+            packed_for.broken[1] += usize::from(broken.apart);
+        }
         if joint.quarantined {
             packed_for.quarantined += 1;
             continue;
         }
-        if joint.broken {
+        if let Some(broken) = joint.broken {
+            if !broken.apart && !joint.definition.collide {
+                overlapping.push((a, b));
+            }
             continue;
         }
         let whole = check_joint(&joint.definition, [kind_a, kind_b]).and_then(|()| {
@@ -212,7 +220,7 @@ pub(super) fn gather_joints(
     joints.version += 1;
     joints.list.refill(packed.into_iter().map(|(_, joint)| joint));
     let apart = joints.list.iter().filter(|joint| !joint.definition.collide);
-    joined.rebuild(apart.map(|joint| (joint.a, joint.b)));
+    joined.rebuild(apart.map(|joint| (joint.a, joint.b)).chain(overlapping));
     joints.take_stock();
     for (index, joint) in (0..).zip(&joints.list) {
         if let Ok(mut known) = query.get_mut(joint.entity)

@@ -10,9 +10,9 @@ use bevy::math::{DQuat, DVec3, EulerRot};
 use super::entry::{self, BodyEntry, SceneEntry, ShapeEntry, USUAL_GRAVITY};
 use super::joint::JointEntry;
 use crate::physics::RigidBody;
+use crate::scene::body::{WORLD, WORLD_PREFIX};
 use crate::scene::error::Flaw;
 use crate::scene::mesh::Meshes;
-use crate::scene::spec::{WORLD, WORLD_PREFIX};
 use crate::scene::{
     BodySpec, JointSpec, MAX_BODIES, MaterialSpec, SceneError, SceneSpec, ShapeSpec, ViewSpec, validate,
 };

@@ -8,9 +8,9 @@ use ron::ser::PrettyConfig;
 
 use super::entry::{self, BodyEntry, SceneEntry, ShapeEntry, USUAL_GRAVITY, ViewEntry, unless_same};
 use super::joint::JointEntry;
+use crate::scene::body::WORLD;
 use crate::scene::error::Flaw;
 use crate::scene::number::{Finite, Fraction, NonNegative, Positive};
-use crate::scene::spec::WORLD;
 use crate::scene::{BodySpec, JointSpec, MeshSpec, SceneError, SceneSpec, ShapeSpec};
 
 impl SceneSpec {

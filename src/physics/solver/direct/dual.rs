@@ -25,7 +25,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::constants::{
     DUAL_ACTIVE_SETS, DUAL_ERROR, DUAL_ITERATIONS, DUAL_LAG, DUAL_LOOSE, DUAL_SHIFTS, DUAL_START_ERROR,
 };
-use super::island::{World, world_inertia};
+use super::world::{World, world_inertia};
 use crate::physics::body::Body;
 use crate::physics::body::free_rotation::turn_freely;
 use crate::physics::constraint::row::{RowPair, Twist, Wrench, bounded};

@@ -14,22 +14,14 @@ use super::dual::DualSystem;
 use super::joint::{DirectJoint, SoftLaw};
 use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, body_vector, halves};
 use super::snapshot::Snapshot;
+use super::world::World;
 use crate::physics::body::{Body, world_inverse_inertia};
-use crate::physics::collision::{ContactState, Slot};
 use crate::physics::constraint::row::{Twist, Wrench};
 use crate::physics::joint::{BodyState, Joint, JointRow, Softness};
 use crate::physics::lanes::Record;
 use crate::physics::solver::linear::{BlockLdl, BodyVector, Elimination, Inverse};
 use crate::physics::solver::soft_terms::{SoftTerms, UNLIMITED};
 use crate::physics::solver::substeps::Intervals;
-
-/// The world as an island reads it.
-pub(crate) trait World {
-    fn body(&self, index: u32) -> &Body;
-    fn slot(&self, index: u32) -> &Slot;
-    fn state(&self, slot: u32) -> &ContactState;
-    fn joint(&self, index: u32) -> &Joint;
-}
 
 /// Does the same to the rows of each constraint of an island: contacts, then points held at points, then other joints.
 macro_rules! for_each_constraint {
@@ -448,23 +440,6 @@ pub(super) fn has_gained<'p>(
         free += linear.norm_squared() / mass + angular.dot(&spin);
     }
     kinetic > ENERGY_ROUNDING * free
-}
-
-/// Whether nothing of it is locked.
-pub(super) fn moves_freely(body: &Body) -> bool {
-    body.rotation_freedom == Vector3::repeat(1.0)
-        && body.inverse_mass.min() > 0.0
-        && body.inverse_inertia_body.min() > 0.0
-}
-
-/// World inertia of a body that moves freely.
-pub(super) fn world_inertia(body: &Body) -> Matrix3<f64> {
-    let principal = body.inverse_inertia_body.map(f64::recip);
-    if principal.x == principal.y && principal.y == principal.z {
-        return Matrix3::from_diagonal(&principal);
-    }
-    let axes = body.rotation.to_rotation_matrix().into_inner();
-    axes * Matrix3::from_diagonal(&principal) * axes.transpose()
 }
 
 /// The relative motion that sides without a member give.

@@ -31,7 +31,9 @@ mod rows;
 mod snapshot;
 #[cfg(test)]
 mod tests;
+mod world;
 
-pub(crate) use island::{DirectIsland, World};
+pub(crate) use island::DirectIsland;
 pub(crate) use motion::MotionTerms;
 pub(crate) use rest::Outcome;
+pub(crate) use world::World;

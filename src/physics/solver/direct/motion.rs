@@ -17,8 +17,9 @@ use super::constants::{
     SHORT_ITERATIONS,
 };
 use super::dual::DualTerms;
-use super::island::{DirectIsland, World, momentum_of, moves_freely, relative_motion, world_inertia};
+use super::island::{DirectIsland, momentum_of, relative_motion};
 use super::rows::{Correction, halves};
+use super::world::{World, moves_freely, world_inertia};
 use crate::physics::body::free_rotation::turn_freely;
 use crate::physics::body::{Body, RigidBody};
 use crate::physics::collision::fastest_approach;

@@ -6,9 +6,10 @@ use super::constants::{
     DUAL_REST_SPEED, INERTIA_CHANGE, LONGEST_PAUSE, REST_CONTACT_PENALTY, REST_CORRECTION, REST_CORRECTION_SPEED,
     REST_ITERATIONS, REST_SPEED, UNCHANGED_SPEED,
 };
-use super::island::{DirectIsland, World, momentum_of, moves_freely, world_inertia};
+use super::island::{DirectIsland, momentum_of};
 use super::rows::{Correction, halves};
 use super::snapshot::Snapshot;
+use super::world::{World, moves_freely, world_inertia};
 use crate::physics::body::Body;
 use crate::physics::solver::linear::BodyVector;
 

@@ -1,0 +1,32 @@
+//! The world as islands read it.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::physics::body::Body;
+use crate::physics::collision::{ContactState, Slot};
+use crate::physics::joint::Joint;
+
+/// The world as an island reads it.
+pub(crate) trait World {
+    fn body(&self, index: u32) -> &Body;
+    fn slot(&self, index: u32) -> &Slot;
+    fn state(&self, slot: u32) -> &ContactState;
+    fn joint(&self, index: u32) -> &Joint;
+}
+
+/// Whether nothing of it is locked.
+pub(super) fn moves_freely(body: &Body) -> bool {
+    body.rotation_freedom == Vector3::repeat(1.0)
+        && body.inverse_mass.min() > 0.0
+        && body.inverse_inertia_body.min() > 0.0
+}
+
+/// World inertia of a body that moves freely.
+pub(super) fn world_inertia(body: &Body) -> Matrix3<f64> {
+    let principal = body.inverse_inertia_body.map(f64::recip);
+    if principal.x == principal.y && principal.y == principal.z {
+        return Matrix3::from_diagonal(&principal);
+    }
+    let axes = body.rotation.to_rotation_matrix().into_inner();
+    axes * Matrix3::from_diagonal(&principal) * axes.transpose()
+}
