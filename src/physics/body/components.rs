@@ -245,7 +245,4 @@ pub enum QuarantineReason {
     /// A joint of a body to itself, or between two bodies that do not move.
     #[error("a joint needs two different bodies, one of them dynamic")]
     BadJoint,
-    /// A constraint of a user's own that the method cannot hold: one whose λ is bounded needs another than the exact one.
-    #[error("the exact method holds no constraint whose force is bounded: any other method does")]
-    NotOfMethod,
 }

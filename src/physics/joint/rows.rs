@@ -71,6 +71,8 @@ pub(crate) struct JointRow<N> {
     /// A spring along the row instead of a rigid one.
     pub spring: Option<Softness>,
     pub bound: Bound<N>,
+    /// e of a limit: share of its approach with which C parts again; 0 elsewhere.
+    pub restitution: f64,
 }
 
 /// What λ of a row may be, N or N·m.
@@ -138,7 +140,7 @@ where
     fn translation(&self, jacobian: RowPair<N>, error: N, velocity_term: N) -> JointRow<N> {
         let [a, b] = &self.velocities;
         let (rate, time_rate) = (jacobian.dot(a, b), N::zero());
-        JointRow { jacobian, error, rate, velocity_term, time_rate, spring: None, bound: Bound::None }
+        JointRow { jacobian, error, rate, velocity_term, time_rate, spring: None, bound: Bound::None, restitution: 0.0 }
     }
 
     fn rotation(&self, axis: Vector3<N>, error: N, velocity_term: N) -> JointRow<N> {
@@ -215,8 +217,16 @@ impl JointRow<f64> {
         let none = Vector3::new(0.0, 0.0, 0.0);
         let jacobian = RowPair { linear_a: none, angular_a: none, linear_b: none, angular_b: none };
         let (error, rate, velocity_term, time_rate) = (0.0, 0.0, 0.0, 0.0);
-        Self { jacobian, error, rate, velocity_term, time_rate, spring: None, bound: Bound::None }
+        Self { jacobian, error, rate, velocity_term, time_rate, spring: None, bound: Bound::None, restitution: 0.0 }
     };
+
+    /// λ, where its bounds leave no choice.
+    pub fn given(&self) -> Option<f64> {
+        match self.bound {
+            Bound::Within(lower, upper) if lower == upper => Some(lower),
+            _ => None,
+        }
+    }
 
     /// Whether it is of rotations alone: its C is in rad.
     pub fn only_turns(&self) -> bool {
@@ -328,6 +338,7 @@ fn add_rows_of(function: &RowFunction, bodies: &[BodyState; 2], time: f64, rows:
             time_rate: row.time_rate,
             spring: None,
             bound: if is_bounded { Bound::Within(lower, upper) } else { Bound::None },
+            restitution: row.restitution,
         }
     }));
 }

@@ -3,10 +3,10 @@
 use bevy::ecs::system::SystemChangeTick;
 use bevy::prelude::*;
 
-use crate::physics::joint::{Bound, any_changed};
+use crate::physics::joint::any_changed;
 use crate::physics::{
-    BitSet, Bodies, BodyQuarantined, BodySlot, BodyState, JoinedPairs, Joint, JointDefinition, JointSlot, Joints,
-    Method, QuarantineReason, Quarantined, Refill, RigidBody, Sleep, SolverSettings, StepStats, set_aside,
+    BitSet, Bodies, BodyQuarantined, BodySlot, JoinedPairs, Joint, JointDefinition, JointSlot, Joints,
+    QuarantineReason, Quarantined, Refill, RigidBody, Sleep, StepStats, set_aside,
 };
 
 /// What the joints were packed for. Counts tell that one is gone or was let go; events would be lost
@@ -16,7 +16,6 @@ pub(super) struct PackedFor {
     bodies: u64,
     joints: usize,
     quarantined: usize,
-    bounded_rows: bool,
 }
 
 /// Whether the joints must be packed anew. A condition of its own: it needs little of the world.
@@ -24,29 +23,11 @@ pub(super) fn joints_changed(
     joints: Query<Ref<JointDefinition>>,
     quarantined: Query<(), (With<JointDefinition>, With<Quarantined>)>,
     bodies: Res<Bodies>,
-    settings: Res<SolverSettings>,
     packed_for: Res<PackedFor>,
     ticks: SystemChangeTick,
 ) -> bool {
-    let now = PackedFor {
-        bodies: bodies.version,
-        joints: joints.iter().len(),
-        quarantined: quarantined.iter().len(),
-        bounded_rows: takes_bounded_rows(&settings),
-    };
+    let now = PackedFor { bodies: bodies.version, joints: joints.iter().len(), quarantined: quarantined.iter().len() };
     now != *packed_for || any_changed(&joints, &ticks)
-}
-
-/// Whether the method takes rows of a user's own whose λ is bounded.
-fn takes_bounded_rows(settings: &SolverSettings) -> bool {
-    settings.method != Method::Exact
-}
-
-/// Whether λ of some row is bounded as the bodies are now, but by what springs may give.
-fn has_bounded_rows(joint: &JointDefinition, ends: [u32; 2], bodies: &Bodies, time: f64) -> bool {
-    let mut rows = Vec::new();
-    joint.rows_at(&ends.map(|body| BodyState::of(&bodies.list[body as usize])), time, &mut rows);
-    rows.iter().any(|row| matches!(row.bound, Bound::Within(..)))
 }
 
 /// Packs the joints.
@@ -54,7 +35,6 @@ pub(super) fn gather_joints(
     mut query: Query<(Entity, Ref<JointDefinition>, &mut JointSlot, Has<Quarantined>)>,
     members: Query<(&BodySlot, &RigidBody)>,
     bodies: Res<Bodies>,
-    settings: Res<SolverSettings>,
     mut joints: ResMut<Joints>,
     mut joined: ResMut<JoinedPairs>,
     mut sleep: ResMut<Sleep>,
@@ -63,8 +43,7 @@ pub(super) fn gather_joints(
     mut quarantine: MessageWriter<BodyQuarantined>,
     mut commands: Commands,
 ) {
-    let bounded_rows = takes_bounded_rows(&settings);
-    *packed_for = PackedFor { bodies: bodies.version, bounded_rows, ..default() };
+    *packed_for = PackedFor { bodies: bodies.version, ..default() };
     let member = |entity| {
         members.get(entity).ok().filter(|(slot, _)| slot.index != u32::MAX).map(|(slot, &kind)| (slot.index, kind))
     };
@@ -81,10 +60,7 @@ pub(super) fn gather_joints(
             packed_for.quarantined += 1;
             continue;
         }
-        let is_refused = || !bounded_rows && has_bounded_rows(&definition, [a, b], &bodies, stats.time);
-        let checked = check_joint(&definition, [kind_a, kind_b]);
-        let checked = checked.and_then(|()| if is_refused() { Err(QuarantineReason::NotOfMethod) } else { Ok(()) });
-        if let Err(reason) = checked {
+        if let Err(reason) = check_joint(&definition, [kind_a, kind_b]) {
             set_aside(entity, reason, &mut commands, &mut quarantine);
             packed_for.quarantined += 1;
             continue;
