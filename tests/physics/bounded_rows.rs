@@ -401,3 +401,105 @@ fn limits_that_share_a_load_stay_finite() {
     assert_close(sum, 0.5 * G, 1e-6);
     assert!(angle(&world, rod).abs() < 1e-8);
 }
+
+/// A rod rests on its limit, and a box of 1 kg on the rod, which falls onto it from a little above.
+#[test]
+fn a_limit_bears_what_lies_on_its_rod() {
+    for drop in [0.0, 0.05] {
+        let mut world = world();
+        let post = post(&mut world);
+        let rod = rod(&mut world, post, DVec3::ZERO, 0.0);
+        let limit = law(&mut world, [post, rod], Wants::Least(0.0, 0.0));
+        let load = body(&mut world, Collider::cuboid(0.2, 0.2, 0.2), DVec3::new(0.75, 0.15 + drop, 0.0));
+        world.entity_mut(load).insert(Mass(1.0));
+        let mut overshoot: f64 = 0.0;
+        for _ in 0..240 {
+            step(&mut world);
+            settled(&world);
+            overshoot = overshoot.max(-angle(&world, rod));
+        }
+        let torque = world.get::<JointLoad>(limit).unwrap().torque.z;
+        println!("overshot by {overshoot:.1e} rad, {torque} N·m");
+        // The cone solver's residual of 1e-10 m/s over a step.
+        assert_close(torque, 1.25 * G, 1e-6);
+        assert!(overshoot < 1e-8 && angle(&world, rod).abs() < 1e-8, "{overshoot} rad");
+        assert_close(position(&world, load).y, 0.15, 1e-8);
+    }
+}
+
+/// A rod falls onto its limit a hair above a table that it never touches: they are in reach of each other.
+fn stop_over_a_table(restitution: f64) -> (World, Entity, Entity) {
+    let (mut world, rod, limit) = stop(restitution);
+    let table = (RigidBody::Static, Collider::cuboid(0.4, 0.2, 1.0), Position(DVec3::new(0.8, -0.151, 0.0)));
+    world.spawn(table);
+    (world, rod, limit)
+}
+
+#[test]
+fn a_limit_stops_and_gives_back_with_something_in_reach() {
+    for restitution in [0.0, 0.5, 1.0] {
+        let (mut world, rod, limit) = stop_over_a_table(restitution);
+        let (time, h) = (landing(), 1.0 / world.resource::<SolverSettings>().hz);
+        let mut lowest: f64 = 0.0;
+        let count = (time / h).ceil();
+        for _ in 0..count as u32 {
+            step(&mut world);
+            settled(&world);
+            lowest = lowest.min(angle(&world, rod));
+        }
+        assert!(world.resource::<StepStats>().manifolds > 0);
+        let left = count * h - time;
+        let parted = -restitution * fallen(time)[1];
+        let expected = if restitution > 0.0 { parted - 0.5 * G / INERTIA * left } else { 0.0 };
+        println!("e = {restitution}: {} rad/s, lowest {lowest:.1e} rad", spin(&world, rod).z);
+        // Of second order, as steps near contacts are.
+        assert_close(spin(&world, rod).z, expected, 1e-3);
+        assert!(lowest > -1e-8, "{lowest} rad");
+        if restitution == 0.0 {
+            run(&mut world, 0.5);
+            assert_close(world.get::<JointLoad>(limit).unwrap().torque.z, 0.5 * G, 1e-6);
+        }
+    }
+}
+
+/// A box on the ground, which is without friction, held by a row that has some.
+#[test]
+fn dry_friction_of_a_joint_holds_beside_contacts() {
+    for (friction, acceleration) in [(6.1, 0.0), (4.0, 1.0)] {
+        let mut world = world();
+        world.insert_resource(Gravity(DVec3::new(3.0, -5.0, 0.0)));
+        let floor = ground(&mut world);
+        let slick = SurfaceMaterial { friction: 0.0, ..default() };
+        world.entity_mut(floor).insert(slick);
+        let slider = body(&mut world, Collider::cuboid(0.5, 0.5, 0.5), DVec3::new(1.0, 0.25, 0.0));
+        world.entity_mut(slider).insert((Mass(2.0), slick));
+        let own = Law { bodies: [floor, slider], slides: true, wants: Wants::Speed(0.0, friction) };
+        let own = world.spawn((own, JointLoad::default())).id();
+        for count in 1..=240 {
+            step(&mut world);
+            settled(&world);
+            let time = f64::from(count) / 240.0;
+            assert_close(position(&world, slider).x, 1.0 + 0.5 * acceleration * time * time, 1e-8);
+            let load = world.get::<JointLoad>(own).unwrap().force.x;
+            assert_close(load, -f64::min(friction, 6.0), 1e-6);
+        }
+        assert!(world.resource::<StepStats>().manifolds > 0);
+    }
+}
+
+/// Two limits and a motor with a largest torque on a rod that a box lies against.
+#[test]
+fn a_motor_presses_a_box_against_a_wall_with_its_largest_torque() {
+    let mut world = world();
+    world.insert_resource(Gravity(DVec3::ZERO));
+    let post = post(&mut world);
+    let rod = rod(&mut world, post, DVec3::ZERO, 0.0);
+    let motor = law(&mut world, [post, rod], Wants::Speed(-1.0, 2.0));
+    let wall = (RigidBody::Static, Collider::cuboid(1.0, 0.2, 1.0), Position(DVec3::new(0.8, -0.4, 0.0)));
+    world.spawn((wall, Rotation::default()));
+    run(&mut world, 2.0);
+    settled(&world);
+    assert!(spin(&world, rod).length() < 1e-9, "{:?}", spin(&world, rod));
+    assert_close(world.get::<JointLoad>(motor).unwrap().torque.z, -2.0, 1e-9);
+    assert!(angle(&world, rod) < -0.1);
+}

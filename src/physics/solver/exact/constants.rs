@@ -125,6 +125,10 @@ pub(super) const FORECAST_ERROR: f64 = 1e-13;
 pub(super) const STALLED_ERROR: f64 = 1e-10;
 /// Overlap at the end of a forecast, m, from which on contact points that it did not hold are held.
 pub(super) const UNFORESEEN: f64 = 1e-7;
+/// A limit is taken into a forecast where it would close at that many times its present speed, or at that speed, m/s or
+/// rad/s: of those far from their stops the bias would be the measure of all residuals.
+pub(super) const FORESEEN_SPEEDS: f64 = 4.0;
+pub(super) const FORESEEN_SPEED: f64 = 1.0;
 /// Residual of a solve times its length, m, up to which a step counts as solved.
 pub(super) const UNSOLVED: f64 = 1e-7;
 /// Overlap within which the time of a landing is found, m.

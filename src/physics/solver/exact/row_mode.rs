@@ -69,6 +69,14 @@ impl RowLaw {
         }
     }
 
+    /// The part of that speed that is of its C alone: what velocities are to gain along the row.
+    pub fn bias(self, row: &JointRow<f64>) -> f64 {
+        match self {
+            Self::Boxed(..) => self.speed(row.error, 0.0),
+            Self::Unbounded | Self::Limit(_) => 0.0,
+        }
+    }
+
     /// The mode while it is open, or of no force.
     pub fn open(self) -> RowMode {
         match self {
