@@ -4,6 +4,7 @@ mod allocations;
 mod architecture;
 mod arrows;
 mod at_rest;
+mod bounded_rows;
 mod breaking;
 mod classic;
 mod cones;

@@ -255,7 +255,4 @@ pub enum QuarantineReason {
          largest forces at least 0, strengths over 0"
     )]
     BadJointLaw,
-    /// A constraint of a user's own that the method cannot hold: one whose λ is bounded needs another than the exact one.
-    #[error("the exact method holds no constraint whose force is bounded: any other method does")]
-    NotOfMethod,
 }

@@ -280,6 +280,14 @@ impl JointRow<f64> {
         }
     };
 
+    /// λ, where its bounds leave no choice.
+    pub fn given(&self) -> Option<f64> {
+        match self.bound {
+            Bound::Within(lower, upper) if lower == upper => Some(lower),
+            _ => None,
+        }
+    }
+
     /// Whether it is of rotations alone: its C is in rad.
     pub fn only_turns(&self) -> bool {
         self.jacobian.linear_a == Vector3::zeros() && self.jacobian.linear_b == Vector3::zeros()
@@ -403,7 +411,7 @@ fn add_rows_of(function: &RowFunction, bodies: &[BodyState; 2], time: f64, rows:
             spring: None,
             bound: if is_bounded { Bound::Within(lower, upper) } else { Bound::None },
             is_rate: false,
-            restitution: 0.0,
+            restitution: row.restitution,
         }
     }));
 }

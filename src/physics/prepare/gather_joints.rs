@@ -4,11 +4,11 @@ use bevy::ecs::query::QueryData;
 use bevy::ecs::system::{SystemChangeTick, SystemParam};
 use bevy::prelude::*;
 
-use crate::physics::joint::{Attached, Bound, any_changed};
+use crate::physics::joint::{Attached, any_changed};
 use crate::physics::{
-    Bodies, BodyQuarantined, BodySlot, BodyState, BrokenJoint, JoinedPairs, Joint, JointCoordinate, JointDefinition,
-    JointFriction, JointLimits, JointMotor, JointSlot, Joints, Method, QuarantineReason, Quarantined, Refill,
-    RigidBody, Sleep, SolverSettings, StepStats, set_aside,
+    Bodies, BodyQuarantined, BodySlot, BrokenJoint, JoinedPairs, Joint, JointCoordinate, JointDefinition,
+    JointFriction, JointLimits, JointMotor, JointSlot, Joints, QuarantineReason, Quarantined, Refill, RigidBody, Sleep,
+    StepStats, set_aside,
 };
 
 /// What the joints were packed for. Counts tell that one is gone or was let go; events would be lost
@@ -21,7 +21,6 @@ pub(super) struct PackedFor {
     /// Those that broke, and of them those whose bodies have been apart since.
     broken: [usize; 2],
     attached: [usize; 3],
-    bounded_rows: bool,
     /// Whether something beside a joint changed what it is packed as.
     is_stale: bool,
 }
@@ -104,7 +103,6 @@ pub(super) fn joints_changed(
     broken: Query<&BrokenJoint, With<JointDefinition>>,
     attachments: Attachments,
     bodies: Res<Bodies>,
-    settings: Res<SolverSettings>,
     packed_for: Res<PackedFor>,
     ticks: SystemChangeTick,
 ) -> bool {
@@ -114,22 +112,9 @@ pub(super) fn joints_changed(
         quarantined: quarantined.iter().len(),
         broken: [broken.iter().len(), broken.iter().filter(|broken| broken.apart).count()],
         attached: attachments.counts(),
-        bounded_rows: takes_bounded_rows(&settings),
         is_stale: false,
     };
     now != *packed_for || any_changed(&joints, &ticks)
-}
-
-/// Whether the method takes rows whose λ is bounded.
-fn takes_bounded_rows(settings: &SolverSettings) -> bool {
-    settings.method != Method::Exact
-}
-
-/// Whether λ of some row is bounded as the bodies are now, but by what springs may give.
-fn has_bounded_rows(joint: &JointDefinition, ends: [u32; 2], bodies: &Bodies, time: f64) -> bool {
-    let mut rows = Vec::new();
-    joint.rows_at(&ends.map(|body| BodyState::of(&bodies.list[body as usize])), time, &mut rows);
-    rows.iter().any(|row| matches!(row.bound, Bound::Within(..)))
 }
 
 /// Packs the joints.
@@ -138,7 +123,6 @@ pub(super) fn gather_joints(
     attachments: Attachments,
     members: Query<(&BodySlot, &RigidBody)>,
     bodies: Res<Bodies>,
-    settings: Res<SolverSettings>,
     mut joints: ResMut<Joints>,
     mut joined: ResMut<JoinedPairs>,
     mut sleep: ResMut<Sleep>,
@@ -147,8 +131,7 @@ pub(super) fn gather_joints(
     mut quarantine: MessageWriter<BodyQuarantined>,
     mut commands: Commands,
 ) {
-    let bounded_rows = takes_bounded_rows(&settings);
-    *packed_for = PackedFor { bodies: bodies.version, bounded_rows, attached: attachments.counts(), ..default() };
+    *packed_for = PackedFor { bodies: bodies.version, attached: attachments.counts(), ..default() };
     let member = |entity| {
         members.get(entity).ok().filter(|(slot, _)| slot.index != u32::MAX).map(|(slot, &kind)| (slot.index, kind))
     };
@@ -178,9 +161,7 @@ pub(super) fn gather_joints(
         }
         let whole = check_joint(&joint.definition, [kind_a, kind_b]).and_then(|()| {
             let attached = Attached { limits: joint.limits, motor: joint.motor, friction: joint.friction };
-            let whole = attached.attach(&joint.definition, [a, b].map(|body| &bodies.list[body as usize]))?;
-            let is_refused = !bounded_rows && has_bounded_rows(&whole, [a, b], &bodies, stats.time);
-            if is_refused { Err(QuarantineReason::NotOfMethod) } else { Ok(whole) }
+            attached.attach(&joint.definition, [a, b].map(|body| &bodies.list[body as usize]))
         });
         let mut whole = match whole {
             Ok(whole) => whole,

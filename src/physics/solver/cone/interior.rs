@@ -7,6 +7,8 @@
 //! next. (Acary, Armand, Nguyen & Shpakovych 2023 compare ways to take the shift along.) The product is not let fall
 //! below what the gap between y and û is worth: an x and y pressed to the cone's side can no longer follow.
 //!
+//! Rows whose impulse is bounded on both sides keep the impulse nearest to zero meanwhile.
+//!
 //! dλ = h − D Ĵ dz, D = T⁻¹W²T⁻¹ softened by the compliance ε/ρ, as for [`super::newton`]. Joints are stiff rows.
 
 use nalgebra::{Matrix3, Vector3};
@@ -92,7 +94,7 @@ impl Iterate {
                 *impulse = from_cone(point.law, &Vector3::new(start * point.mass, 0.0, 0.0));
                 logarithms += point.mass.ln();
             } else {
-                *impulse = Vector3::zeros();
+                *impulse = point.law.project(&Vector3::zeros());
             }
             buffers.slack.push(Vector3::new(start, 0.0, 0.0));
         }
@@ -157,6 +159,7 @@ impl Iterate {
         for (index, ((point, impulse), velocity)) in points.iter().zip(&*impulses).zip(&*velocities).enumerate() {
             let (stiffness, offset) = match point.law {
                 _ if !point.is_movable() => (Matrix3::zeros(), Vector3::zeros()),
+                Law::Within(..) => (Matrix3::zeros(), Vector3::zeros()),
                 Law::Joint => {
                     let stiffness = point.mass / SOFTNESS;
                     (Matrix3::from_diagonal_element(stiffness), -stiffness * velocity)
@@ -222,16 +225,16 @@ fn cone_terms(
     (inverse * square * inverse, from_cone(law, &(push + square * gap)))
 }
 
-/// A contact of a body that moves.
+/// A contact of a body that moves, or a limit.
 fn is_cone(point: &ConePoint) -> bool {
-    point.is_movable() && point.law != Law::Joint
+    point.is_movable() && !matches!(point.law, Law::Joint | Law::Within(..))
 }
 
 /// T λ.
 fn to_cone(law: Law, impulse: &Vector3<f64>) -> Vector3<f64> {
     match law {
         Law::Friction(friction) => Vector3::new(friction * impulse.x, impulse.y, impulse.z),
-        Law::Frictionless | Law::Joint => *impulse,
+        Law::Frictionless | Law::Joint | Law::Within(..) => *impulse,
     }
 }
 
@@ -239,7 +242,7 @@ fn to_cone(law: Law, impulse: &Vector3<f64>) -> Vector3<f64> {
 fn from_cone(law: Law, velocity: &Vector3<f64>) -> Vector3<f64> {
     match law {
         Law::Friction(friction) => Vector3::new(velocity.x / friction, velocity.y, velocity.z),
-        Law::Frictionless | Law::Joint => *velocity,
+        Law::Frictionless | Law::Joint | Law::Within(..) => *velocity,
     }
 }
 

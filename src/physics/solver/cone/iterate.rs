@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::constants::ROUNDINGS;
 use super::linear::LinearSystem;
-use super::{BodyVector, ConeOutcome, ConePoint, Elimination};
+use super::{BodyVector, ConeOutcome, ConePoint, Elimination, Law};
 use crate::physics::Refill;
 
 /// The iterate of all methods.
@@ -91,6 +91,10 @@ impl Iterate {
         for (((point, impulse), free), velocity) in
             self.points.iter().zip(&self.impulses).zip(&self.free).zip(&self.velocities)
         {
+            // No cone: what it may bear is no direction in which impulses grow.
+            if matches!(point.law, Law::Within(..)) {
+                continue;
+            }
             pressing -= impulse.dot(free) + point.law.shift(velocity) * impulse.x;
         }
         pressing > 1e4 * self.scaled.iter().map(BodyVector::norm_squared).sum::<f64>()

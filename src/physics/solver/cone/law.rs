@@ -1,4 +1,5 @@
-//! The laws of one point: unilateral contact, with Coulomb friction or without, and the ball joint.
+//! The laws of one point: unilateral contact, with Coulomb friction or without, the ball joint, and a row whose impulse is
+//! bounded.
 //!
 //! In the frame of a contact (normal n from A to B, then two tangents), with λ the impulse on B and u the velocity of
 //! B's point relative to A's, Signorini's condition and Coulomb's law say (De Saxcé & Feng 1998)
@@ -6,7 +7,8 @@
 //! K* ∋ û ⊥ λ ∈ K,  û = u + μ|u_t| n,  K = { |λ_t| ≤ μ λ_n }.
 //!
 //! The shift μ|u_t| makes of Coulomb's law, whose slip is along the ground, one whose slip û is normal to the cone. A
-//! contact without friction has K = { λ_n ≥ 0, λ_t = 0 } and K* = { û_n ≥ 0 }; a joint K = ℝ³ and K* = { 0 }. For all
+//! contact without friction has K = { λ_n ≥ 0, λ_t = 0 } and K* = { û_n ≥ 0 }; a joint K = ℝ³ and K* = { 0 }. A row with
+//! bounds has an interval for K, which is no cone: u = 0 inside, u ≥ 0 at its lower end, u ≤ 0 at its upper one. For all
 //! of them the law holds where the natural map (Acary, Brémond & Huber 2018)
 //!
 //! r = λ/ρ − P_K(λ/ρ − û)
@@ -24,12 +26,14 @@ pub(super) enum Law {
     Frictionless,
     /// In Coulomb's cone of this μ > 0.
     Friction(f64),
+    /// Along the first axis, within these, N·s.
+    Within(f64, f64),
 }
 
 /// Where the projection on K lands, and so what its derivative is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Mode {
-    /// At zero: the points part.
+    /// At zero, or at an end of an interval: the points part.
     Open,
     /// Inside: the points stick.
     Stick,
@@ -42,8 +46,13 @@ impl Law {
     pub fn friction(self) -> f64 {
         match self {
             Self::Friction(friction) => friction,
-            Self::Joint | Self::Frictionless => 0.0,
+            Self::Joint | Self::Frictionless | Self::Within(..) => 0.0,
         }
+    }
+
+    /// Whether it says something of the first axis alone.
+    pub fn is_single(self) -> bool {
+        matches!(self, Self::Frictionless | Self::Within(..))
     }
 
     /// μ|u_t|: how much De Saxcé's velocity is more along the normal.
@@ -54,7 +63,7 @@ impl Law {
     /// The part of a velocity that the law says something of.
     pub fn relevant(self, velocity: &Vector3<f64>) -> Vector3<f64> {
         match self {
-            Self::Frictionless => Vector3::new(velocity.x, 0.0, 0.0),
+            Self::Frictionless | Self::Within(..) => Vector3::new(velocity.x, 0.0, 0.0),
             Self::Joint | Self::Friction(_) => *velocity,
         }
     }
@@ -77,6 +86,7 @@ impl Law {
     /// P_K.
     pub fn project(self, vector: &Vector3<f64>) -> Vector3<f64> {
         match (self, self.mode(vector)) {
+            (Self::Within(lower, upper), _) => Vector3::new(vector.x.max(lower).min(upper), 0.0, 0.0),
             (_, Mode::Open) => Vector3::zeros(),
             (Self::Frictionless, _) => Vector3::new(vector.x, 0.0, 0.0),
             (_, Mode::Stick) => *vector,
@@ -88,6 +98,8 @@ impl Law {
     pub fn mode(self, vector: &Vector3<f64>) -> Mode {
         match self {
             Self::Joint => Mode::Stick,
+            Self::Within(lower, upper) if lower < vector.x && vector.x < upper => Mode::Stick,
+            Self::Within(..) => Mode::Open,
             Self::Frictionless if vector.x > 0.0 => Mode::Stick,
             Self::Frictionless => Mode::Open,
             Self::Friction(friction) => {
@@ -113,6 +125,7 @@ impl Law {
                 let impulse = impulse.x / mass;
                 Vector3::new(impulse - (impulse - velocity.x).max(0.0), 0.0, 0.0)
             }
+            Self::Within(..) => (impulse - self.project(&(impulse - velocity * mass))) / mass,
             Self::Friction(_) => {
                 let impulse = impulse / mass;
                 impulse - self.project(&(impulse - self.shifted(velocity)))
@@ -128,7 +141,9 @@ impl Mode {
         let zero = of(0.0);
         match (self, law) {
             (Self::Open, _) => Matrix3::from_diagonal_element(zero),
-            (Self::Stick, Law::Frictionless) => Matrix3::from_diagonal(&Vector3::new(of(1.0), zero, zero)),
+            (Self::Stick, Law::Frictionless | Law::Within(..)) => {
+                Matrix3::from_diagonal(&Vector3::new(of(1.0), zero, zero))
+            }
             (Self::Stick, _) => Matrix3::from_diagonal_element(of(1.0)),
             (Self::Slip { slant, across, .. }, _) => {
                 let girth = Vector3::new(0.0, -slant.z, slant.y) / slant.y.hypot(slant.z);

@@ -1,4 +1,4 @@
-//! Contact exactly: impulses λ that obey Signorini's condition, Coulomb's cone and the joints of one island to
+//! Contact exactly: impulses λ that obey Signorini's condition, Coulomb's cone, the joints and bounded rows of one island to
 //! rounding, not to a number of iterations. No components here: bodies, points and numbers.
 //!
 //! # The problem

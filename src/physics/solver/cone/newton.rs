@@ -12,7 +12,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{NEWTON_FIRST_LOSS, NEWTON_GAIN, NEWTON_ITERATIONS, SOFTNESS};
-use super::{ConePoint, Iterate, Mode};
+use super::{ConePoint, Iterate, Law, Mode};
 
 impl Iterate {
     /// Iterates as long as that helps. True once within the tolerance; else λ is again what it was unless the last is
@@ -85,6 +85,7 @@ fn linearised(
     let wanted = impulse - mass * law.shifted(velocity);
     let mode = law.mode(&wanted);
     match mode {
+        Mode::Open if matches!(law, Law::Within(..)) => (Matrix3::zeros(), law.project(&wanted) - impulse, false),
         Mode::Open => (Matrix3::zeros(), -impulse, false),
         Mode::Stick => {
             let stiffness = mode.function(law, |along| along * mass / SOFTNESS);

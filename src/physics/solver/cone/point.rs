@@ -42,7 +42,12 @@ impl ConePoint {
 
     /// Of a joint.
     pub fn of_joint(joint: &ConeJoint, roots: &[[Matrix3<f64>; 2]]) -> Self {
-        Self::new(Law::Joint, Matrix3::identity(), &joint.bodies, &joint.jacobians, roots)
+        let law = match joint.bounds {
+            (f64::NEG_INFINITY, f64::INFINITY) => Law::Joint,
+            (0.0, f64::INFINITY) => Law::Frictionless,
+            (lower, upper) => Law::Within(lower, upper),
+        };
+        Self::new(law, Matrix3::identity(), &joint.bodies, &joint.jacobians, roots)
     }
 
     fn new(
@@ -65,7 +70,7 @@ impl ConePoint {
         let sides = [side(0), side(1)];
         let square = |side: &PointSide| match law {
             Law::Joint => side.jacobian.norm_squared() / 3.0,
-            Law::Frictionless | Law::Friction(_) => side.jacobian.row(0).norm_squared(),
+            Law::Frictionless | Law::Friction(_) | Law::Within(..) => side.jacobian.row(0).norm_squared(),
         };
         let mass = 1.0 / sides.iter().flatten().map(square).sum::<f64>();
         Self { law, mass, frame, sides, block: None }
@@ -103,7 +108,7 @@ impl ConePoint {
     /// z += Ĵᵀλ.
     pub fn apply(&self, scaled: &mut [BodyVector], impulse: &Vector3<f64>) {
         for side in self.sides.iter().flatten() {
-            if self.law == Law::Frictionless {
+            if self.law.is_single() {
                 scaled[side.place as usize] += side.jacobian.row(0).transpose() * impulse.x;
             } else {
                 scaled[side.place as usize] += side.jacobian.tr_mul(impulse);
@@ -115,7 +120,7 @@ impl ConePoint {
     pub fn relative(&self, scaled: &[BodyVector]) -> Vector3<f64> {
         let mut sum = Vector3::zeros();
         for side in self.sides.iter().flatten() {
-            if self.law == Law::Frictionless {
+            if self.law.is_single() {
                 sum.x += (side.jacobian.row(0) * scaled[side.place as usize]).x;
             } else {
                 sum += side.jacobian * scaled[side.place as usize];
@@ -127,7 +132,7 @@ impl ConePoint {
     /// Ĵ_iᵀ D Ĵ_k of two of its sides.
     pub fn coupling(&self, stiffness: &Matrix3<f64>, i: usize, k: usize) -> BodyBlock {
         match (&self.sides[i], &self.sides[k]) {
-            (Some(i), Some(k)) if self.law == Law::Frictionless => {
+            (Some(i), Some(k)) if self.law.is_single() => {
                 (stiffness.m11 * i.jacobian.row(0)).tr_mul(&k.jacobian.row(0))
             }
             (Some(i), Some(k)) => i.jacobian.tr_mul(&(stiffness * k.jacobian)),

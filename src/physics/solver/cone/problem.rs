@@ -28,20 +28,22 @@ pub(crate) struct ConeContact {
 pub(crate) type PointJacobian = SMatrix<f64, 3, 6>;
 
 /// Up to three bilateral rows of a joint, along axes of the world or its own; rows that it has not are zero. A joint of
-/// more rows is several of these.
+/// more rows is several of these, and so is one some of whose rows have bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ConeJoint {
     /// A and B, by index; none is immovable.
     pub bodies: [Option<u32>; 2],
     /// J of A and B; an immovable side's is not read.
     pub jacobians: [PointJacobian; 2],
+    /// What the impulse may be, N·s: where that is not all, the first row is its only one.
+    pub bounds: (f64, f64),
 }
 
 #[cfg(test)]
 impl ConeJoint {
     /// A ball joint, with the arms from the centres of mass of A and B, m.
     pub fn ball(bodies: [Option<u32>; 2], arms: &[Vector3<f64>; 2]) -> Self {
-        Self { bodies, jacobians: relative_velocity(arms) }
+        Self { bodies, jacobians: relative_velocity(arms), bounds: (f64::NEG_INFINITY, f64::INFINITY) }
     }
 }
 

@@ -14,7 +14,8 @@ use crate::physics::Refill;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ConeSolver {
     iterate: Iterate,
-    contacts: usize,
+    /// Whether some point pushes only.
+    has_cones: bool,
     edges: Vec<[u32; 2]>,
     proximal: ProximalBuffers,
     interior: InteriorBuffers,
@@ -30,7 +31,7 @@ impl ConeSolver {
                 .iter()
                 .map(|body| [Matrix3::from_diagonal(&body.inverse_mass.map(f64::sqrt)), root(&body.inverse_inertia)]),
         );
-        self.contacts = contacts.len();
+        self.has_cones = !contacts.is_empty() || joints.iter().any(|joint| joint.bounds == (0.0, f64::INFINITY));
         points.refill(contacts.iter().map(|contact| ConePoint::of_contact(contact, roots)));
         points.extend(joints.iter().map(|joint| ConePoint::of_joint(joint, roots)));
         if elimination.count() != bodies.len() || !points.iter().filter_map(ConePoint::edge).eq(edges.iter().copied()) {
@@ -85,16 +86,15 @@ impl ConeSolver {
 
     /// The methods of the module's docs, in their order, until one does it.
     fn run(&mut self) {
-        let Self { iterate, contacts, proximal, interior, .. } = self;
+        let Self { iterate, has_cones, proximal, interior, .. } = self;
         iterate.outcome = ConeOutcome::default();
         let is_guessed = iterate.impulses.iter().any(|impulse| *impulse != Vector3::zeros());
         iterate.refresh();
         iterate.best.clone_from(&iterate.impulses);
         iterate.outcome.residual = iterate.residual().largest;
-        let has_contacts = *contacts > 0;
         let done = iterate.newton()
             || (is_guessed && iterate.proximal_points(proximal, PROXIMAL_POINTS[0]))
-            || (has_contacts && iterate.interior_point(interior))
+            || (*has_cones && iterate.interior_point(interior))
             || iterate.proximal_points(proximal, PROXIMAL_POINTS[1]);
         if !done {
             // A guess may be worse than none.

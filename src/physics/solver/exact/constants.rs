@@ -83,6 +83,32 @@ pub(super) const PARTED: f64 = 1e-5;
 /// a body may have two springs.
 pub(super) const KICKED_SPRING: f64 = 0.7;
 
+// Rows with bounds: `row_mode`, `active_set`, `bounded_rows`, `event_stepper`.
+
+/// τ with which a motor with a largest force comes back to where it is to be, s: many steps, so that it is not stiff, and
+/// long enough for weak ones to brake in. Seen by: `a_motor_that_lagged_comes_back_to_its_place`.
+pub(super) const RETURN_TIME: f64 = 0.2;
+/// Overlap of a limit that is left as it is, m or rad.
+pub(super) const STOPPED_OVERLAP: f64 = 1e-11;
+/// Approach of a limit, or wrong speed of a boxed row, that is left as it is, m/s or rad/s.
+pub(super) const STOPPED_SPEED: f64 = 1e-11;
+/// Speed up to which a limit that touches rests, and a boxed row has the speed that it wants, m/s or rad/s.
+pub(super) const RESTING_SPEED: f64 = 1e-9;
+/// Iterations over which rows hold at most, and two for each row that may.
+pub(super) const ACTIVE_SET_ITERATIONS: usize = 30;
+/// Of these, those in a row that do not lessen the number of contradictions before rows change one by one.
+pub(super) const ACTIVE_SET_PATIENCE: usize = 3;
+/// Error of λ or w that is none, as a share of the largest there is.
+pub(super) const ACTIVE_SET_ERROR: f64 = 1e-9;
+/// Acceleration of a row that is none, m/s² or rad/s²: what differences leave of users' velocity terms.
+pub(super) const NO_ACCELERATION: f64 = 1e-10;
+/// Events in a substep, after which nothing bounces and the rest of it goes by Euler's steps.
+pub(super) const MOST_EVENTS: u32 = 1_000;
+/// Time from an event to the next one, as a share of a substep, that counts as none.
+pub(super) const SHORTEST_EVENT: f64 = 1e-9;
+/// Time that is left of a substep, as a share of it, that is none.
+pub(super) const NO_TIME: f64 = 1e-12;
+
 // Contact: `contact`.
 
 /// Gap up to which surfaces touch, m.
@@ -99,6 +125,10 @@ pub(super) const FORECAST_ERROR: f64 = 1e-13;
 pub(super) const STALLED_ERROR: f64 = 1e-10;
 /// Overlap at the end of a forecast, m, from which on contact points that it did not hold are held.
 pub(super) const UNFORESEEN: f64 = 1e-7;
+/// A limit is taken into a forecast where it would close at that many times its present speed, or at that speed, m/s or
+/// rad/s: of those far from their stops the bias would be the measure of all residuals.
+pub(super) const FORESEEN_SPEEDS: f64 = 4.0;
+pub(super) const FORESEEN_SPEED: f64 = 1.0;
 /// Residual of a solve times its length, m, up to which a step counts as solved.
 pub(super) const UNSOLVED: f64 = 1e-7;
 /// Overlap within which the time of a landing is found, m.

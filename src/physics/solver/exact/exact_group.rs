@@ -2,9 +2,10 @@
 
 use super::bodies::{links_of, member, place_in, put, state_of};
 use super::contact::{ContactGroup, ContactTerms};
+use super::event_stepper::{EventStepper, EventTerms};
 use super::free;
 use super::mechanism::{Mechanism, MemberState};
-use super::stepper::{StepEffort, Stepper};
+use super::stepper::StepEffort;
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::{ContactGraph, Contacts, Pair};
 use crate::physics::disjoint_sets::DisjointSets;
@@ -20,7 +21,7 @@ struct JointedPiece {
     /// The joint of each link.
     joints: Vec<u32>,
     mechanism: Mechanism,
-    stepper: Stepper,
+    stepper: EventStepper,
     effort: StepEffort,
 }
 
@@ -137,7 +138,7 @@ impl ExactGroup {
 
     /// Takes all through the step. `graph` has the contact forces of the step before.
     pub fn step(&mut self, bodies: &Bodies, integrator: ExactIntegrator, terms: &ContactTerms, graph: &ContactGraph) {
-        let ContactTerms { time, h, parts, .. } = *terms;
+        let ContactTerms { time, h, parts, restitution_speed, .. } = *terms;
         for group in &mut self.contact_groups {
             group.step(terms, graph);
         }
@@ -151,7 +152,8 @@ impl ExactGroup {
             }
         }
         for piece in &mut self.pieces {
-            piece.effort = piece.stepper.advance(&mut piece.mechanism, integrator, time, h, parts);
+            let terms = EventTerms { integrator, time, h, substeps: parts, restitution_speed };
+            piece.effort = piece.stepper.advance(&mut piece.mechanism, &terms);
         }
     }
 
@@ -165,7 +167,7 @@ impl ExactGroup {
             for (index, state) in piece.bodies.iter().zip(&mechanism.states).take(mechanism.moving) {
                 put(state, &mut bodies[*index as usize]);
             }
-            for (&joint, load) in piece.joints.iter().zip(&piece.stepper.loads) {
+            for (&joint, load) in piece.joints.iter().zip(piece.stepper.loads()) {
                 joints[joint as usize].set_load(load, [0.0; 6]);
             }
         }
@@ -228,7 +230,10 @@ impl JointedPiece {
             moved |= index < *moving && now != *old;
             *old = now;
         }
-        debug_assert!(links.len() == self.joints.len() && joints.list.len() >= links.len());
+        links
+            .iter_mut()
+            .zip(&self.joints)
+            .for_each(|(link, &joint)| link.renew(&joints.list[joint as usize].definition));
         if moved {
             self.stepper.forget();
         }

@@ -29,7 +29,7 @@ use nalgebra::{Matrix3, SVector, UnitQuaternion, Vector3, Vector4};
 use super::constants::{
     CHANGE_OVER_SQUARE, DIVERGED, GAUSS_ITERATIONS, GAUSS_SOFT, GAUSS_UNCONVERGED, LEAST_CHANGE, NORMAL, SLACK,
 };
-use super::mechanism::{InverseMass, Mechanism, MemberState, RowSpring, place_rows};
+use super::mechanism::{InverseMass, Mechanism, MemberState, RowSpring};
 use super::rotation::{exponential, exponential_less_one, inverse_dexp};
 use super::rows::{MechanismRows, add_wrenches};
 use super::tableau::Tableau;
@@ -51,6 +51,16 @@ struct GaussStage {
     rows: Vec<JointRow<f64>>,
     /// As they were when they were factored.
     system: MechanismRows,
+}
+
+impl GaussStage {
+    /// Sets λ of the rows where it is given.
+    fn give(&mut self, mechanism: &Mechanism) {
+        if !mechanism.modes.is_empty() {
+            let given = self.lambda.iter_mut().zip(&self.rows);
+            given.for_each(|(lambda, row)| *lambda = row.given().unwrap_or(*lambda));
+        }
+    }
 }
 
 /// The stages of a step that converged, from which the next is continued.
@@ -174,6 +184,7 @@ impl<const S: usize> Gauss<S> {
                 if mechanism.may_be_singular {
                     self.stages[stage].lambda.fill(0.0);
                 }
+                self.stages[stage].give(mechanism);
                 self.balance(mechanism, stage);
                 let stage = self.correct(mechanism, stage);
                 change = if stage > change || stage.is_nan() { stage } else { change };
@@ -322,7 +333,7 @@ impl<const S: usize> Gauss<S> {
             stage.states.push(MemberState { position, rotation, linear, angular });
         }
         let GaussStage { states, rows, .. } = &mut self.stages[stage];
-        place_rows(&mechanism.links, states, time + h * nodes[stage], rows);
+        mechanism.place_rows(states, time + h * nodes[stage], rows);
     }
 
     /// Factors the rows of a stage at its present states.
@@ -372,6 +383,7 @@ impl<const S: usize> Gauss<S> {
             let own = rows[link.rows.clone()].iter();
             self.unknowns.extend(own.map(|row| -(row.jacobian.dot(a, b) + row.velocity_term)));
         }
+        system.given.iter().for_each(|&row| self.unknowns[row] = 0.0);
         for (spring, softness) in &system.springs {
             let pull = spring.pull(rows, &system.mobility(spring));
             let given = softness * (pull - spring.each(|row| lambda[row]));

@@ -5,11 +5,13 @@
 //! [`Elimination`]).
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 use super::constants::KICKED_SPRING;
 use super::rotation::{exponential, in_world};
+use super::row_mode::RowMode;
 use crate::physics::body::free_rotation::free_rotation;
 use crate::physics::constraint::row::{Twist, Wrench, bounded};
 use crate::physics::joint::{BodyState, Bound, JointDefinition, JointRow, SpringConstants};
@@ -198,6 +200,8 @@ pub(crate) struct MechanismLink {
     pub definition: JointDefinition,
     /// Its rows among those of all links.
     pub rows: Range<usize>,
+    /// Whether λ of some row may be bounded other than by a spring.
+    pub may_be_bounded: bool,
 }
 
 impl MechanismLink {
@@ -205,7 +209,21 @@ impl MechanismLink {
     pub fn new(definition: &JointDefinition, [a, b]: [u32; 2], states: [&MemberState; 2], time: f64) -> Self {
         let mut rows = Vec::new();
         definition.rows_at(&states.map(BodyState::from), time, &mut rows);
-        Self { a, b, definition: definition.clone(), rows: 0..rows.len() }
+        let may_be_bounded =
+            definition.function.is_some() || rows.iter().any(|row| matches!(row.bound, Bound::Within(..)));
+        Self { a, b, definition: definition.clone(), rows: 0..rows.len(), may_be_bounded }
+    }
+
+    /// Takes in what of its joint changes from step to step: the numbers of its laws, and its turns.
+    pub fn renew(&mut self, definition: &JointDefinition) {
+        let is_same = match (&self.definition.laws, &definition.laws) {
+            (Some(own), Some(laws)) => Arc::ptr_eq(own, laws),
+            _ => true,
+        };
+        if !is_same {
+            self.definition.laws.clone_from(&definition.laws);
+        }
+        self.definition.turned = definition.turned;
     }
 
     /// From the centre of mass of A (0) or of B (1), body axes.
@@ -459,6 +477,8 @@ pub(crate) struct Mechanism {
     /// Whether rows may be redundant or contradict each other: loops, several fixed points, locked axes, rows of a
     /// user's own.
     pub may_be_singular: bool,
+    /// What each row does; empty where none has a bounded λ.
+    pub modes: Vec<RowMode>,
     pub(super) elimination: Elimination,
     pub(super) couplings: Vec<Coupling>,
 }
@@ -483,6 +503,14 @@ impl Mechanism {
         let mut links: Vec<_> = order.iter().map(|&link| links[link as usize].clone()).collect();
         number_rows(&mut links);
         (order, Self { moving, may_be_singular, gives, tree, elimination, couplings: list, links, ..Self::default() })
+    }
+
+    /// The rows of all links at those states and that time, s, as their modes have them.
+    pub fn place_rows(&self, states: &[MemberState], time: f64, rows: &mut Vec<JointRow<f64>>) {
+        place_rows(&self.links, states, time, rows);
+        for (row, mode) in rows.iter_mut().zip(&self.modes) {
+            mode.apply(row);
+        }
     }
 
     /// Rows of all links.

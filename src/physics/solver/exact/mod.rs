@@ -8,9 +8,13 @@
 //! 4. mechanisms ([`mechanism`]) go through the integrator ([`stepper`]; [`lockstep`] and [`gauss`], [`rattle`]), whose
 //!    stages solve J M⁻¹ Jᵀ λ = b ([`rows`]), and are brought back onto their joints ([`projection`]).
 
+mod active_set;
 mod bodies;
+mod bounded_rows;
 mod constants;
 mod contact;
+mod event_search;
+mod event_stepper;
 mod exact_group;
 mod free;
 mod gauss;
@@ -19,6 +23,7 @@ mod mechanism;
 mod projection;
 mod rattle;
 mod rotation;
+mod row_mode;
 mod rows;
 mod stepper;
 mod tableau;

@@ -11,7 +11,7 @@ use super::constants::{
     JOINT_ROUNDING, PROJECTED_TURN, PROJECTION_ITERATIONS, SHORTEST_SHARE, SLOW_PROJECTION, STALE_ROWS,
     STUCK_PROJECTION,
 };
-use super::mechanism::{Mechanism, MemberState, RowSpring, place_rows};
+use super::mechanism::{Mechanism, MemberState, RowSpring};
 use super::rows::{MechanismRows, add_wrenches};
 use crate::physics::constraint::row::{Twist, Wrench};
 use crate::physics::joint::JointRow;
@@ -48,7 +48,7 @@ pub(super) struct JointErrors {
 impl JointProjection {
     /// Rows and their factor at the present states and that time, s.
     pub fn assemble(&mut self, mechanism: &Mechanism, time: f64) {
-        place_rows(&mechanism.links, &mechanism.states, time, &mut self.rows);
+        mechanism.place_rows(&mechanism.states, time, &mut self.rows);
         self.factor(mechanism);
     }
 
@@ -112,7 +112,7 @@ impl JointProjection {
 
     /// The largest error that is left, m or rad. A displacement that does not lessen the errors is halved: a chain that
     /// is almost straight shortens with the square of its bends, which a linear step misses by far.
-    fn project_positions(&mut self, mechanism: &mut Mechanism, time: f64) -> f64 {
+    pub fn project_positions(&mut self, mechanism: &mut Mechanism, time: f64) -> f64 {
         let mut left = self.find_errors(mechanism);
         let mut is_fresh = true;
         for _ in 0..PROJECTION_ITERATIONS {
@@ -165,7 +165,7 @@ impl JointProjection {
 
     /// The errors at the present states and that time, s.
     pub fn errors_at(&mut self, mechanism: &Mechanism, time: f64) -> JointErrors {
-        place_rows(&mechanism.links, &mechanism.states, time, &mut self.rows);
+        mechanism.place_rows(&mechanism.states, time, &mut self.rows);
         self.system.set_jacobians(&self.rows);
         self.find_errors(mechanism)
     }
@@ -181,7 +181,7 @@ impl JointProjection {
         for link in &mechanism.links {
             let mut only_turns = true;
             for row in &self.rows[link.rows.clone()] {
-                let error = if row.spring.is_some() { 0.0 } else { -row.error };
+                let error = if row.spring.is_some() || row.given().is_some() { 0.0 } else { -row.error };
                 found.largest = found.largest.max(error.abs());
                 found.square += error * error;
                 only_turns &= row.only_turns();
@@ -207,7 +207,7 @@ impl JointProjection {
         pulls.iter_mut().for_each(|pull| *pull *= time);
         moved.clear();
         moved.resize(mechanism.members.len(), Wrench::zero());
-        add_wrenches(&mechanism.links, system.jacobians.iter(), pulls, moved);
+        add_wrenches(&mechanism.links, rows.iter().map(|row| &row.jacobian), pulls, moved);
         let Mechanism { members, states, .. } = mechanism;
         for (((member, state), impulse), inverse_mass) in
             members.iter().zip(states).zip(&*moved).zip(&system.inverse_masses)
@@ -223,6 +223,7 @@ impl JointProjection {
             let own = self.rows[link.rows.clone()].iter().zip(link.rates(&self.rows, &mechanism.states));
             self.errors.extend(own.map(|(row, rate)| if row.spring.is_some() { 0.0 } else { -rate }));
         }
+        self.system.given.iter().for_each(|&row| self.errors[row] = 0.0);
         self.system.solve(mechanism, &self.errors, &mut self.impulses);
         self.system.respond(mechanism, &self.impulses, &mut self.moved);
         for (state, gained) in mechanism.states.iter_mut().zip(&self.moved) {

@@ -8,10 +8,10 @@
 
 use super::constants::RATTLE_ITERATIONS;
 use super::gauss::StageIterations;
-use super::mechanism::{Mechanism, MemberState, RowSpring, place_rows};
+use super::mechanism::{Mechanism, MemberState, RowSpring};
 use super::projection::{JointErrors, JointProjection};
 use super::rows::{MechanismRows, add_wrenches};
-use crate::physics::constraint::row::{Twist, Wrench};
+use crate::physics::constraint::row::Wrench;
 use crate::physics::joint::JointRow;
 
 /// The rows and the buffers.
@@ -53,18 +53,10 @@ impl Rattle {
     /// The λ that the iteration starts from, with those of springs.
     fn begin(&mut self, mechanism: &Mechanism, time: f64, h: f64) {
         let Self { rows, system, impulses, pulls, right, wrenches, start, .. } = self;
-        place_rows(&mechanism.links, start, time, rows);
+        mechanism.place_rows(start, time, rows);
         let turn = h * start.iter().fold(0.0, |most: f64, state| most.max(state.angular.norm_squared())).sqrt();
         system.assemble_rigid(mechanism, start, rows, turn);
-        wrenches.clear();
-        wrenches.extend(mechanism.members.iter().zip(&*start).map(|(member, state)| {
-            member.wrench(state, &state.rotation.to_rotation_matrix().into_inner(), &Twist::zero())
-        }));
-        system.pulls(rows, |spring, mobility| spring.pull(rows, mobility), pulls);
-        add_wrenches(&mechanism.links, system.jacobians.iter(), pulls, wrenches);
-        for (wrench, inverse_mass) in wrenches.iter_mut().zip(&system.inverse_masses) {
-            *wrench = inverse_mass.of(wrench);
-        }
+        system.free_accelerations(mechanism, start, rows, pulls, wrenches);
         right.clear();
         for link in &mechanism.links {
             let [a, b] = link.ends().map(|member| &wrenches[member as usize]);
@@ -73,6 +65,7 @@ impl Rattle {
                 Some(_) => 0.0,
             }));
         }
+        system.given.iter().for_each(|&row| right[row] = 0.0);
         system.solve(mechanism, right, impulses);
         impulses.iter_mut().zip(&*pulls).for_each(|(impulse, pull)| *impulse = (*impulse + pull) * (0.5 * h));
     }
@@ -84,7 +77,7 @@ impl Rattle {
         for turn in 1..=RATTLE_ITERATIONS {
             wrenches.clear();
             wrenches.resize(start.len(), Wrench::zero());
-            add_wrenches(&mechanism.links, system.jacobians.iter(), impulses, wrenches);
+            add_wrenches(&mechanism.links, rows.iter().map(|row| &row.jacobian), impulses, wrenches);
             for (index, (state, start)) in mechanism.states.iter_mut().zip(&*start).enumerate() {
                 let member = &mechanism.members[index];
                 *state = *start;

@@ -14,8 +14,10 @@ use crate::physics::solver::linear::{BlockLdl, Triangular};
 /// J, W and the factor.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MechanismRows {
-    /// J.
+    /// J; zero of rows whose λ is given.
     pub jacobians: Vec<RowPair<f64>>,
+    /// The rows whose λ is given.
+    pub given: Vec<usize>,
     /// W of each member.
     pub inverse_masses: Vec<InverseMass>,
     /// The springs with their softness, which is added to their part of the diagonal.
@@ -48,7 +50,7 @@ impl MechanismRows {
         soften: impl Fn(&RowSpring, &Vector3<f64>) -> Matrix3<f64>,
     ) {
         self.set_jacobians(rows);
-        let Self { jacobians, inverse_masses, springs, responses, mobility, factor, .. } = self;
+        let Self { jacobians, given, inverse_masses, springs, responses, mobility, factor, .. } = self;
         let share = (4.0 * turn * turn).clamp(SHIFTS[0], SHIFTS[1]);
         factor.clear(&mechanism.elimination);
         responses.clear();
@@ -81,6 +83,9 @@ impl MechanismRows {
             if mechanism.may_be_singular {
                 shift(&rows[link.rows.clone()], block, share);
             }
+            for row in given.iter().filter(|row| link.rows.contains(row)).map(|row| row - link.rows.start) {
+                block[row * n + row] += 1.0;
+            }
         }
         for coupling in &mechanism.couplings {
             let [rows, columns] =
@@ -101,6 +106,9 @@ impl MechanismRows {
     pub fn set_jacobians(&mut self, rows: &[JointRow<f64>]) {
         self.jacobians.clear();
         self.jacobians.extend(rows.iter().map(|row| row.jacobian));
+        self.given.clear();
+        self.given.extend((0..rows.len()).filter(|&row| rows[row].given().is_some()));
+        self.given.iter().for_each(|&row| self.jacobians[row] = JointRow::EMPTY.jacobian);
     }
 
     /// Mobility of a spring's rows.
@@ -108,7 +116,33 @@ impl MechanismRows {
         spring.each(|row| self.mobility[row])
     }
 
-    /// λ of the springs, which `pull` tells of one and its mobility; zero of other rows.
+    /// J W Jᵀ of one row.
+    pub fn mobility_of(&self, row: usize) -> f64 {
+        self.mobility[row]
+    }
+
+    /// Accelerations that forces and springs alone make at those states. `pulls` are λ of springs and of rows where it is
+    /// given.
+    pub fn free_accelerations(
+        &self,
+        mechanism: &Mechanism,
+        states: &[MemberState],
+        rows: &[JointRow<f64>],
+        pulls: &mut Vec<f64>,
+        accelerations: &mut Vec<Twist<f64>>,
+    ) {
+        accelerations.clear();
+        accelerations.extend(mechanism.members.iter().zip(states).map(|(member, state)| {
+            member.wrench(state, &state.rotation.to_rotation_matrix().into_inner(), &Twist::zero())
+        }));
+        self.pulls(rows, |spring, mobility| spring.pull(rows, mobility), pulls);
+        add_wrenches(&mechanism.links, rows.iter().map(|row| &row.jacobian), pulls, accelerations);
+        for (wrench, inverse_mass) in accelerations.iter_mut().zip(&self.inverse_masses) {
+            *wrench = inverse_mass.of(wrench);
+        }
+    }
+
+    /// λ of the springs, which `pull` tells of one and its mobility; and of rows where it is given; zero of other rows.
     pub fn pulls(
         &self,
         rows: &[JointRow<f64>],
@@ -117,6 +151,7 @@ impl MechanismRows {
     ) {
         pulls.clear();
         pulls.resize(rows.len(), 0.0);
+        self.given.iter().for_each(|&row| pulls[row] = rows[row].given().unwrap_or(0.0));
         for (spring, _) in &self.springs {
             let given = pull(spring, &self.mobility(spring));
             pulls[spring.rows.clone()].iter_mut().zip(&given).for_each(|(pull, given)| *pull = *given);

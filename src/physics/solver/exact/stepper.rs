@@ -35,6 +35,14 @@ pub(crate) struct StepEffort {
     pub jammed: u32,
 }
 
+impl StepEffort {
+    /// Whether a step of so many joints has taken the work that it may.
+    pub(super) fn is_spent(&self, joints: usize) -> bool {
+        let work = u64::from(self.solves) * joints as u64;
+        self.solves >= MOST_EVALUATIONS && work >= MOST_JOINT_EVALUATIONS
+    }
+}
+
 /// Integrators with what they keep from step to step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Stepper {
@@ -43,7 +51,7 @@ pub(crate) struct Stepper {
     /// Which of the two had the last step.
     in_lockstep: bool,
     rattle: Rattle,
-    projection: JointProjection,
+    pub(super) projection: JointProjection,
     /// Steps are divided into 2 to this power substeps.
     divisions: u32,
     /// Substeps in a row that converged.
@@ -60,6 +68,12 @@ impl Stepper {
         self.in_lockstep = false;
         self.divisions = 0;
         self.converged = 0;
+    }
+
+    /// Forgets how the last step went, from which the next would be continued.
+    pub(super) fn forget_history(&mut self) {
+        self.gauss.forget();
+        self.lockstep.forget();
     }
 
     /// All that the next step depends on beside the mechanism.
@@ -87,7 +101,14 @@ impl Stepper {
         effort
     }
 
-    fn step(&mut self, mechanism: &mut Mechanism, integrator: ExactIntegrator, time: f64, h: f64) -> StageIterations {
+    /// One step of h, s, from that time. Where it does not converge the mechanism stays where it was.
+    pub(super) fn step(
+        &mut self,
+        mechanism: &mut Mechanism,
+        integrator: ExactIntegrator,
+        time: f64,
+        h: f64,
+    ) -> StageIterations {
         match integrator {
             ExactIntegrator::Rattle => self.rattle.step(mechanism, time, h),
             ExactIntegrator::Gauss => {
@@ -105,7 +126,7 @@ impl Stepper {
     }
 
     /// Mean load of a link over the last step, of h.
-    fn load(&self, mechanism: &Mechanism, integrator: ExactIntegrator, link: usize, h: f64) -> Wrench<f64> {
+    pub(super) fn load(&self, mechanism: &Mechanism, integrator: ExactIntegrator, link: usize, h: f64) -> Wrench<f64> {
         match integrator {
             ExactIntegrator::Rattle => self.rattle.mean_load(mechanism, link, h),
             ExactIntegrator::Gauss if self.in_lockstep => self.lockstep.mean_load(link),
@@ -132,8 +153,7 @@ impl Stepper {
             let mut size = left.min(whole >> self.divisions);
             let share_of = |size: u32| f64::from(size) / f64::from(whole);
             let start = time + h * share_of(whole - left);
-            let work = u64::from(effort.solves) * mechanism.links.len() as u64;
-            let is_spent = effort.solves >= MOST_EVALUATIONS && work >= MOST_JOINT_EVALUATIONS;
+            let is_spent = effort.is_spent(mechanism.links.len());
             let part = h * share_of(size);
             let iterations =
                 if is_spent { StageIterations::NONE } else { self.step(mechanism, integrator, start, part) };
@@ -172,7 +192,7 @@ impl Stepper {
 
     /// v += h a of forces, springs and drag without the other joints, which the projection brings back, then x += h v;
     /// `step` is the length of the whole step, s.
-    fn euler_step(&mut self, mechanism: &mut Mechanism, time: f64, h: f64, step: f64) {
+    pub(super) fn euler_step(&mut self, mechanism: &mut Mechanism, time: f64, h: f64, step: f64) {
         let Self { projection, loads, .. } = self;
         projection.assemble(mechanism, time);
         projection.kick(mechanism, h, |spring, rows, mobility| {
@@ -188,8 +208,7 @@ impl Stepper {
         for state in &mut mechanism.states {
             state.drift(h);
         }
-        self.gauss.forget();
-        self.lockstep.forget();
+        self.forget_history();
     }
 }
 

@@ -22,6 +22,7 @@ use super::super::stepper::StepEffort;
 use super::gap_points::{GapPoint, GapPoints, PointSearch, ReachablePair};
 use super::group_solver::{GroupSolver, GroupView};
 use super::impacts::{Impacts, approach};
+use super::limit_rows::LimitRows;
 use super::smooth_step::{SmoothStep, SmoothTerms, place};
 use crate::physics::body::{Bodies, Body, SurfaceMaterial};
 use crate::physics::collision::{ContactGraph, FeatureId, Pair, closing_distance};
@@ -89,6 +90,9 @@ pub(crate) struct ContactGroup {
     points: GapPoints,
     search: PointSearch,
     free: Vec<bool>,
+    /// The limits of joints, and which rows are some that are left free.
+    limits: LimitRows,
+    free_rows: Vec<bool>,
     smooth: SmoothStep,
     /// Whether the smooth step ends where something lands.
     lands: bool,
@@ -159,6 +163,7 @@ impl ContactGroup {
         self.shapes.clear();
         self.shapes.extend(list().cloned());
         let joint = |&joint: &u32| &joints.list[joint as usize];
+        self.links.iter_mut().zip(&self.joints).for_each(|(link, index)| link.renew(&joint(index).definition));
         self.joint_loads.clear();
         let loads = self.joints.iter().map(joint).map(|joint| Wrench { linear: joint.force, angular: joint.torque });
         self.joint_loads.extend(loads);
@@ -213,6 +218,13 @@ impl ContactGroup {
                 pair.surface.restitution > 0.0 && may_bounce && !rests
             };
             self.free.extend(self.pairs.iter().enumerate().map(free));
+            self.limits.find(&self.links, &self.states, now);
+            self.free_rows.clear();
+            self.free_rows.resize(self.links.last().map_or(0, |link| link.rows.end), false);
+            for limit in &self.limits.list {
+                let rests = limit.approach().abs() <= least;
+                self.free_rows[limit.row] = limit.restitution > 0.0 && may_bounce && !rests;
+            }
             let h = self.step_until_landing(&mut stride, left, now, start);
             self.commit(h);
             left -= h;
@@ -304,12 +316,12 @@ impl ContactGroup {
         high
     }
 
-    /// A smooth step of h, s, from `now`, s. The deepest overlap of free pairs at its end, m; negative: the least gap
+    /// A smooth step of h, s, from `now`, s. The deepest overlap of free pairs and limits at its end, m; negative: the least gap
     /// of those found.
     fn smooth_step(&mut self, h: f64, is_rough: bool, now: f64, start: &StepStart) -> f64 {
         let StepStart { terms, graph, loads } = start;
         let is_spent = self.is_spent();
-        let Self { smooth, members, moving, links, pairs, free, states, points, shapes, search, .. } = self;
+        let Self { smooth, members, moving, links, pairs, free, free_rows, states, points, shapes, search, .. } = self;
         (smooth.positions.is_rough, smooth.velocities.is_rough) = (is_spent, is_spent);
         let view = GroupView { members, moving: *moving, links };
         let given = SmoothTerms {
@@ -320,6 +332,7 @@ impl ContactGroup {
             gives: links.iter().any(MechanismLink::gives),
             pairs,
             free,
+            free_rows,
             correction_speed: terms.correction_speed,
             closing: terms.h,
             is_rough,
@@ -330,7 +343,10 @@ impl ContactGroup {
         };
         smooth.step(&given, states, points, shapes, search, start_force);
         let landed = smooth.points.list.iter().filter(|point| free[point.pair as usize]);
-        landed.map(|point| -point.gap).fold(f64::NEG_INFINITY, f64::max)
+        let overlap = landed.map(|point| -point.gap).fold(f64::NEG_INFINITY, f64::max);
+        self.limits.find(&self.links, &self.smooth.end, now + h);
+        let landed = self.limits.list.iter().filter(|limit| self.free_rows[limit.row]);
+        landed.map(|limit| -limit.gap).fold(overlap, f64::max)
     }
 
     /// How much deeper held pairs overlap at the end of the smooth step than before, m: contacts that no forecast had.
@@ -346,7 +362,7 @@ impl ContactGroup {
     fn gains_energy(&self) -> bool {
         let Self { smooth, members, moving, states, links, .. } = self;
         let is_driven = !states[*moving..].iter().all(MemberState::is_still);
-        if is_driven || links.iter().any(|link| link.gives() || link.is_driven()) {
+        if is_driven || links.iter().any(|link| link.gives() || link.is_driven() || link.may_be_bounded) {
             return false;
         }
         let kinetic = |states: &[MemberState]| -> f64 {

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::super::constants::{MOST_FACTORISATIONS, MOST_POINT_FACTORISATIONS, SLIDING, TOLERANCES, TOUCHING};
 use super::super::mechanism::{InverseMass, MechanismLink, Member, MemberState, place_rows};
+use super::super::row_mode::RowLaw;
 use super::gap_points::{GapPoint, point_velocity};
 use crate::physics::constraint::row::Wrench;
 use crate::physics::joint::JointRow;
@@ -26,8 +27,10 @@ pub(super) struct GroupSolver {
     joints: Vec<ConeJoint>,
     /// The rows of all links at the poses taken in; the solver has those that are no springs.
     pub rows: Vec<JointRow<f64>>,
-    /// Which rows the axes of each of the solver's joints are.
-    axes: Vec<[Option<u32>; 3]>,
+    /// The laws of these.
+    pub laws: Vec<RowLaw>,
+    /// Which rows the axes of each of the solver's joints are, and −1 where the solver has them the other way round.
+    axes: Vec<([Option<u32>; 3], f64)>,
     /// From B's centre of mass to its anchor, of each link.
     arms: Vec<Vector3<f64>>,
     velocities: Vec<[Vector3<f64>; 2]>,
@@ -49,14 +52,15 @@ pub(super) struct GroupSolver {
 }
 
 impl GroupSolver {
-    /// Takes in the poses at that time, s, and the points to hold. Bodies that constraints do not move have the
-    /// velocities of `states`.
+    /// Takes in the poses at that time, s, the points to hold, and by `bounds` what the impulse of a row may be, N·s: none
+    /// of rows that have no part. Bodies that constraints do not move have the velocities of `states`.
     pub fn set<'s>(
         &mut self,
         view: GroupView,
         states: &[MemberState],
         time: f64,
         points: impl Iterator<Item = &'s GapPoint>,
+        bounds: impl Fn(usize, RowLaw, &JointRow<f64>) -> Option<(f64, f64)>,
     ) {
         let moves = |end: u32| ((end as usize) < view.moving).then_some(end);
         let still = |ends: [u32; 2], arms: &[Vector3<f64>; 2]| {
@@ -80,43 +84,55 @@ impl GroupSolver {
             self.given.contacts.push(still(*ends, arms));
         }
         place_rows(view.links, states, time, &mut self.rows);
+        self.laws.clear();
+        self.laws.extend(self.rows.iter().map(RowLaw::of));
         self.joints.clear();
         self.given.joints.clear();
         self.axes.clear();
         self.arms.clear();
         for link in view.links {
             self.arms.push(link.arm_b(states));
-            self.add_joints(link, link.ends().map(moves), states);
+            self.add_joints(link, link.ends().map(moves), states, &bounds);
         }
         self.solver.set(&self.bodies, &self.contacts, &self.joints);
     }
 
-    /// Adds the joints that a link is to the solver: up to three rows each, of one unit.
-    fn add_joints(&mut self, link: &MechanismLink, bodies: [Option<u32>; 2], states: &[MemberState]) {
+    /// Adds the joints that a link is to the solver: up to three rows each, of one unit, or one that has bounds.
+    fn add_joints(
+        &mut self,
+        link: &MechanismLink,
+        bodies: [Option<u32>; 2],
+        states: &[MemberState],
+        bounds: impl Fn(usize, RowLaw, &JointRow<f64>) -> Option<(f64, f64)>,
+    ) {
         let (mut count, mut unit) = (0, None);
-        for (index, row) in link.rows.clone().zip(&self.rows[link.rows.clone()]).filter(|(_, row)| row.spring.is_none())
-        {
-            let only_turns = Some(row.only_turns());
-            if count % 3 == 0 || unit != only_turns {
+        for index in link.rows.clone().filter(|&row| self.rows[row].spring.is_none()) {
+            let (row, law) = (self.rows[index], self.laws[index]);
+            let Some((lower, upper)) = bounds(index, law, &row) else { continue };
+            let (is_rigid, only_turns) = (law == RowLaw::Unbounded, Some(row.only_turns()));
+            // What pushes one way only is a row that pushes forwards.
+            let (sign, bounds) =
+                if upper == 0.0 && lower < 0.0 { (-1.0, (0.0, -lower)) } else { (1.0, (lower, upper)) };
+            if count % 3 == 0 || unit != only_turns || !is_rigid {
                 (count, unit) = (0, only_turns);
-                self.joints.push(ConeJoint { bodies, jacobians: [PointJacobian::zeros(); 2] });
-                self.axes.push([None; 3]);
+                self.joints.push(ConeJoint { bodies, jacobians: [PointJacobian::zeros(); 2], bounds });
+                self.axes.push(([None; 3], sign));
                 self.given.joints.push(Vector3::zeros());
             }
             let last = self.joints.len() - 1;
-            self.axes[last][count] = Some(index as u32);
-            self.given.joints[last][count] = row.time_rate;
+            self.axes[last].0[count] = Some(index as u32);
+            self.given.joints[last][count] = row.time_rate * sign;
             for end in 0..2 {
                 let own = row.jacobian.of(end);
                 let mut jacobian = self.joints[last].jacobians[end].row_mut(count);
-                jacobian.fixed_columns_mut::<3>(0).tr_copy_from(&own.linear);
-                jacobian.fixed_columns_mut::<3>(3).tr_copy_from(&own.angular);
+                jacobian.fixed_columns_mut::<3>(0).tr_copy_from(&(own.linear * sign));
+                jacobian.fixed_columns_mut::<3>(3).tr_copy_from(&(own.angular * sign));
                 if bodies[end].is_none() {
                     let state = &states[link.ends()[end] as usize];
-                    self.given.joints[last][count] += own.dot(&state.twist());
+                    self.given.joints[last][count] += own.dot(&state.twist()) * sign;
                 }
             }
-            count += 1;
+            count = if is_rigid { count + 1 } else { 0 };
         }
     }
 
@@ -170,6 +186,7 @@ impl GroupSolver {
     pub fn solve(&mut self, states: &mut [MemberState], gains: &[f64], row_gains: &[f64]) {
         self.residual = 0.0;
         if self.is_empty() {
+            self.row_impulses.fill(0.0);
             return;
         }
         self.bias.clone_from(&self.given);
@@ -177,17 +194,18 @@ impl GroupSolver {
             *bias += contact.normal * *gain;
         }
         self.impulses.joints.clear();
-        for (bias, rows) in self.bias.joints.iter_mut().zip(&self.axes) {
-            *bias += of_rows(rows, row_gains);
-            self.impulses.joints.push(of_rows(rows, &self.row_impulses));
+        for (bias, (rows, sign)) in self.bias.joints.iter_mut().zip(&self.axes) {
+            *bias += of_rows(rows, row_gains) * *sign;
+            self.impulses.joints.push(of_rows(rows, &self.row_impulses) * *sign);
         }
+        self.row_impulses.fill(0.0);
         self.velocities.clear();
         self.velocities.extend(states.iter().take(self.bodies.len()).map(|state| [state.linear, state.angular]));
         let tolerance = TOLERANCES[usize::from(self.is_rough)];
         let outcome = self.solver.solve(&mut self.velocities, &self.bias, &mut self.impulses, tolerance);
-        for (rows, impulses) in self.axes.iter().zip(&self.impulses.joints) {
+        for ((rows, sign), impulses) in self.axes.iter().zip(&self.impulses.joints) {
             for (row, impulse) in rows.iter().zip(impulses) {
-                row.iter().for_each(|&row| self.row_impulses[row as usize] = *impulse);
+                row.iter().for_each(|&row| self.row_impulses[row as usize] = *impulse * sign);
             }
         }
         self.residual = outcome.residual;

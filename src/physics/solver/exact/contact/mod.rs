@@ -8,6 +8,7 @@ mod contact_group;
 mod gap_points;
 mod group_solver;
 mod impacts;
+mod limit_rows;
 mod smooth_step;
 
 pub(crate) use contact_group::PointForce;

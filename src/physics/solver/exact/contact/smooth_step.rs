@@ -8,12 +8,18 @@
 //! the cone solver's problem: λ with a linear forecast ĝ of the gaps, whose error (g − ĝ)/h corrects the bias until the
 //! forecast comes true.
 //!
+//! Limits of joints are gaps of their rows; rows whose λ is bounded both ways are brought to the speed that they want by
+//! both impulses, each within half the step's bounds.
+//!
 //! Constant forces are followed exactly, sliding and rolling too; all else with an error of second order.
 
 use nalgebra::Vector3;
 
-use super::super::constants::{FORECAST_ERROR, MOST_FORECASTS, STALLED_ERROR, TOUCHING, UNFORESEEN, UNSOLVED};
+use super::super::constants::{
+    FORECAST_ERROR, FORESEEN_SPEED, FORESEEN_SPEEDS, MOST_FORECASTS, STALLED_ERROR, TOUCHING, UNFORESEEN, UNSOLVED,
+};
 use super::super::mechanism::{InverseMass, MemberState, RowSpring, place_rows};
+use super::super::row_mode::RowLaw;
 use super::gap_points::{GapPoint, GapPoints, PointSearch, ReachablePair};
 use super::group_solver::{GroupSolver, GroupView};
 use crate::physics::body::Body;
@@ -34,6 +40,8 @@ pub(super) struct SmoothTerms<'a> {
     pub pairs: &'a [ReachablePair],
     /// Whether each pair is left free: it bounces and does not rest.
     pub free: &'a [bool],
+    /// Whether each row of links is left free: a limit that bounces and does not rest.
+    pub free_rows: &'a [bool],
     /// Fastest way out of an overlap, m/s.
     pub correction_speed: f64,
     /// Time over which errors of joints and overlaps are closed, s: a whole substep, for a step that is cut may be short.
@@ -60,6 +68,8 @@ pub(super) struct SmoothStep {
     /// How fast gaps open and C of rows grows at the start, m/s: the linear part of the forecast.
     openings: Vec<f64>,
     rates: Vec<f64>,
+    /// The limits that may close in the step, by row.
+    foreseen: Vec<bool>,
     /// Whether the forecast came true.
     pub is_true: bool,
     /// Sliding points at the start that no rigid motion satisfies.
@@ -68,6 +78,14 @@ pub(super) struct SmoothStep {
     rows: Vec<JointRow<f64>>,
     /// Mean load of each link by its springs.
     pub spring_loads: Vec<Wrench<f64>>,
+}
+
+impl SmoothTerms<'_> {
+    /// What the impulse of a row may be in each half of the step, N·s; none of rows left free.
+    fn bounds(&self, row: usize, law: RowLaw, told: &JointRow<f64>) -> Option<(f64, f64)> {
+        let ((lower, upper), half) = (law.forces(told), 0.5 * self.h);
+        (!self.free_rows[row]).then_some((lower * half, upper * half))
+    }
 }
 
 impl SmoothStep {
@@ -88,11 +106,14 @@ impl SmoothStep {
         self.spring_loads.resize(given.view.links.len(), Wrench::zero());
         self.kick(given, given.time);
         self.kicked.clone_from(&self.end);
+        self.foresee_limits(given);
         let [held, _] = &mut self.held;
         held.clear();
         held.extend(start_points.list.iter().filter(|point| !given.free[point.pair as usize]).cloned());
         self.known = held.len();
-        self.positions.set(given.view, &self.kicked, given.time, held.iter());
+        self.positions.set(given.view, &self.kicked, given.time, held.iter(), |row, law, told| {
+            given.bounds(row, law, told).filter(|_| self.foreseen[row])
+        });
         self.jammed = self.positions.jammed(held.iter().map(|point| (point, point.velocity(start))));
         self.positions.impulses.contacts.clear();
         self.positions.impulses.contacts.extend(held.iter().map(|point| start_force(point) * (0.5 * given.h)));
@@ -135,10 +156,25 @@ impl SmoothStep {
         }
     }
 
+    /// Finds the limits that may close in the step; all other rows are foreseen.
+    fn foresee_limits(&mut self, given: &SmoothTerms) {
+        let Self { foreseen, kicked, rows, .. } = self;
+        foreseen.clear();
+        if !given.view.links.iter().any(|link| link.may_be_bounded) {
+            foreseen.resize(given.free_rows.len(), true);
+            return;
+        }
+        place_rows(given.view.links, kicked, given.time, rows);
+        foreseen.extend(rows.iter().map(|row| match RowLaw::of(row) {
+            RowLaw::Limit(side) => row.error * side <= given.h * (FORESEEN_SPEEDS * row.rate.abs()).max(FORESEEN_SPEED),
+            RowLaw::Unbounded | RowLaw::Boxed(..) => true,
+        }));
+    }
+
     fn hold_places(&mut self, given: &SmoothTerms, bodies: &mut [Body], search: &mut PointSearch) {
         // An error that cannot be closed, as of a chain that is stretched too far, is left as it is.
         let is_open = self.held[0].iter().any(|point| point.gap < -STALLED_ERROR)
-            || rigid(&self.positions.rows).any(|(_, row)| row.error.abs() > STALLED_ERROR);
+            || rigid(&self.positions.rows).any(|(row, told)| overlap(self.positions.laws[row], told) > STALLED_ERROR);
         self.is_true = self.forecast(given, bodies, search, 1.0)
             || is_open && !given.is_rough && self.forecast(given, bodies, search, 0.0);
     }
@@ -159,6 +195,7 @@ impl SmoothStep {
             openings,
             rates,
             rows,
+            foreseen,
             ..
         } = self;
         let first_gain = |point: &GapPoint| {
@@ -171,8 +208,14 @@ impl SmoothStep {
         gains.clear();
         gains.extend(held.iter().map(first_gain));
         let share = closed / given.closing;
+        let first_row_gain = |law: RowLaw, row: &JointRow<f64>| match law {
+            RowLaw::Unbounded => row.error * share,
+            RowLaw::Limit(side) if row.error * side > 0.0 => row.error / h,
+            RowLaw::Limit(side) => side * (row.error * side * share).max(-given.correction_speed),
+            RowLaw::Boxed(..) => law.bias(row),
+        };
         row_gains.clear();
-        row_gains.extend(positions.rows.iter().map(|row| row.error * share));
+        row_gains.extend(positions.laws.iter().zip(&positions.rows).map(|(&law, row)| first_row_gain(law, row)));
         let mut before = f64::INFINITY;
         for _ in 0..MOST_FORECASTS {
             end.clone_from(kicked);
@@ -211,16 +254,36 @@ impl SmoothStep {
                     held.push(GapPoint { gap: point.gap - point.opening(end) * h, ..point.clone() });
                 }
             }
-            if held.len() > count {
+            place_rows(given.view.links, end, given.time + h, rows);
+            let mut is_met = held.len() > count;
+            for (row, told) in rows.iter().enumerate().filter(|(row, _)| !given.free_rows[*row]) {
+                if !foreseen[row] && overlap(positions.laws[row], told) > UNFORESEEN {
+                    (foreseen[row], is_met) = (true, true);
+                }
+            }
+            if is_met {
                 worst = f64::INFINITY;
-                positions.set(given.view, kicked, given.time, held.iter());
+                positions.set(given.view, kicked, given.time, held.iter(), |row, law, told| {
+                    given.bounds(row, law, told).filter(|_| foreseen[row])
+                });
                 gains.extend(held[count..].iter().map(first_gain));
                 positions.impulses.contacts.resize(held.len(), Vector3::zeros());
             }
-            place_rows(given.view.links, end, given.time + h, rows);
             for (index, start) in rigid(&positions.rows) {
+                let law = positions.laws[index];
+                let is_open = match law {
+                    RowLaw::Unbounded => false,
+                    RowLaw::Limit(side) => {
+                        let is_clear = rows[index].error * side >= -FORECAST_ERROR;
+                        given.free_rows[index] || !foreseen[index] || is_clear && positions.row_impulses[index] == 0.0
+                    }
+                    RowLaw::Boxed(..) => true,
+                };
+                if is_open {
+                    continue;
+                }
                 let bent = rows[index].error - (start.error + rates[index] * h);
-                let mended = start.error * share + bent / h;
+                let mended = first_row_gain(law, start) + bent / h;
                 worst = worst.max((mended - row_gains[index]).abs() * h);
                 row_gains[index] = mended;
             }
@@ -243,11 +306,13 @@ impl SmoothStep {
         held.clear();
         let is_held = |point: &&GapPoint| !given.free[point.pair as usize] && point.gap <= TOUCHING;
         held.extend(points.list.iter().filter(is_held).cloned());
-        velocities.set(given.view, end, given.time + given.h, held.iter());
+        velocities.set(given.view, end, given.time + given.h, held.iter(), |row, law, told| {
+            given.bounds(row, law, told).filter(|_| overlap(law, told) >= -TOUCHING)
+        });
         gains.clear();
         gains.resize(held.len(), 0.0);
         row_gains.clear();
-        row_gains.resize(velocities.rows.len(), 0.0);
+        row_gains.extend(velocities.laws.iter().zip(&velocities.rows).map(|(law, row)| law.bias(row)));
         let start_force = |point: &GapPoint| {
             find(before, *known, point).map_or_else(Vector3::zeros, |known| positions.impulses.contacts[known])
         };
@@ -285,6 +350,15 @@ pub(super) fn place(bodies: &mut [Body], states: &[MemberState]) {
 /// J M⁻¹ Jᵀ of one row.
 fn mobility(row: &RowPair<f64>, [a, b]: &[InverseMass; 2]) -> f64 {
     row.dot(&a.of(&row.of_a()), &b.of(&row.of_b()))
+}
+
+/// How far a row is from where it holds, m or rad; negative of an open limit; zero of what holds no place.
+fn overlap(law: RowLaw, row: &JointRow<f64>) -> f64 {
+    match law {
+        RowLaw::Unbounded => row.error.abs(),
+        RowLaw::Limit(side) => -row.error * side,
+        RowLaw::Boxed(..) => 0.0,
+    }
 }
 
 /// The rows that are no springs, with their indices.
