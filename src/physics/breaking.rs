@@ -26,6 +26,9 @@ pub(super) fn plugin(app: &mut App) {
     app.add_systems(PhysicsSchedule, (part, watch, break_joints).chain().in_set(PhysicsSystems::Events));
 }
 
+/// Gap, rad or m, from which on a joint has left its limit.
+const LEFT: f64 = 1e-4;
+
 /// What a joint carried in the last steps, as far back as its window goes: force, torque about B's anchor and length of
 /// each step.
 #[derive(Component, Clone, Debug, Default)]
@@ -141,7 +144,9 @@ fn tell_limits(
                     reached.write(message);
                     commands.trigger(message);
                 }
-                watch.pressed = if presses && !went_back { watch.pressed | bit } else { watch.pressed & !bit };
+                // Until it has left the limit it is not reached again.
+                let stays = presses || watch.pressed & bit != 0 && past > -LEFT;
+                watch.pressed = if stays && !went_back { watch.pressed | bit } else { watch.pressed & !bit };
                 watch.rates[limit] = rate;
                 limit += 1;
             }

@@ -62,7 +62,8 @@ impl Attached<'_> {
         match limits.range {
             LimitRange::Range { min, max } => {
                 let axis = joint.axis.ok_or(QuarantineReason::NoSuchAxis)?;
-                if min > max || !(0.0..=1.0).contains(&restitution) {
+                let is_range = min <= max;
+                if !is_range || !(0.0..=1.0).contains(&restitution) {
                     return Err(QuarantineReason::BadJointLaw);
                 }
                 laws.extend(CoordinateLaw::range(axis, [min, max], restitution));

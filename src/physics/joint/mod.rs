@@ -36,8 +36,6 @@ pub use framed::{FixedJoint, GenericJoint, HingeJoint, SliderJoint};
 pub(crate) use kind::{JointKind, any_changed, define_joints, kind_changed};
 pub use law::JointAxis;
 pub(crate) use law::LawPart;
-#[cfg(test)]
-pub(crate) use law::{CoordinateLaw, LawAxis};
 pub use load::JointLoad;
 pub use motion::PrescribedMotion;
 pub(crate) use packed::{Joint, Joints};

@@ -1,6 +1,6 @@
 //! What stands in a scene file, as it stands there.
 
-use bevy::math::{DQuat, DVec3};
+use bevy::math::DVec3;
 use ron::extensions::Extensions;
 use serde::{Deserialize, Serialize};
 
@@ -10,9 +10,6 @@ use crate::scene::number::{Color, Finite, Fraction, NonNegative, Positive, Posit
 
 /// Gravity of a scene that does not say, m/s².
 pub(super) const USUAL_GRAVITY: DVec3 = DVec3::new(0.0, -9.81, 0.0);
-
-/// Of a soft joint that does not say: critical.
-pub(super) const USUAL_DAMPING_RATIO: f64 = 1.0;
 
 /// `mass: 3.0` for `Some(3.0)`.
 pub(super) fn options() -> ron::Options {
@@ -107,31 +104,4 @@ pub(super) enum ShapeEntry {
 pub(super) struct ViewEntry {
     pub eye: Vector,
     pub target: Vector,
-}
-
-/// A value, unless it is the usual one in every bit: −0 is not 0.
-pub(super) fn unless_same<T: Bits>(value: T, usual: T) -> Option<T> {
-    (!value.same_bits(&usual)).then_some(value)
-}
-
-pub(super) trait Bits {
-    fn same_bits(&self, other: &Self) -> bool;
-}
-
-impl Bits for f64 {
-    fn same_bits(&self, other: &Self) -> bool {
-        self.to_bits() == other.to_bits()
-    }
-}
-
-impl Bits for DVec3 {
-    fn same_bits(&self, other: &Self) -> bool {
-        self.to_array().map(f64::to_bits) == other.to_array().map(f64::to_bits)
-    }
-}
-
-impl Bits for DQuat {
-    fn same_bits(&self, other: &Self) -> bool {
-        self.to_array().map(f64::to_bits) == other.to_array().map(f64::to_bits)
-    }
 }

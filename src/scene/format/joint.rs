@@ -5,7 +5,7 @@ use std::ops::Not;
 use bevy::math::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::entry::{USUAL_DAMPING_RATIO, unless_same};
+use super::usual::{USUAL_DAMPING_RATIO, unless_same};
 use crate::physics::{
     Breakable, BrokenJoint, DistanceLaw, JointAxes, JointAxis, JointMotor, MotorTarget, PrescribedMotion, Softness,
 };

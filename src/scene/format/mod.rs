@@ -7,6 +7,7 @@
 mod entry;
 mod joint;
 mod read;
+mod usual;
 mod write;
 
 pub use read::MAX_FILE_BYTES;

@@ -6,8 +6,9 @@ use std::path::{self, Component, MAIN_SEPARATOR, Path, PathBuf};
 use bevy::math::{DQuat, DVec3};
 use ron::ser::PrettyConfig;
 
-use super::entry::{self, BodyEntry, SceneEntry, ShapeEntry, USUAL_GRAVITY, ViewEntry, unless_same};
+use super::entry::{self, BodyEntry, SceneEntry, ShapeEntry, USUAL_GRAVITY, ViewEntry};
 use super::joint::JointEntry;
+use super::usual::unless_same;
 use crate::scene::body::WORLD;
 use crate::scene::error::Flaw;
 use crate::scene::number::{Finite, Fraction, NonNegative, Positive};

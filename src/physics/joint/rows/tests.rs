@@ -1,7 +1,7 @@
 use simba::simd::{SimdValue, WideF32x8};
 
 use super::*;
-use crate::physics::joint::{CoordinateLaw, LawAxis, LawPart, PrescribedMotion, Softness};
+use crate::physics::joint::{PrescribedMotion, Softness};
 use crate::physics::testing::Random;
 
 /// Two bodies with a frame each.
@@ -195,7 +195,7 @@ fn rows_of_laws_are_the_derivatives_of_their_errors() {
         for _ in 0..20 {
             let pair = Pair::random(random, 1.0);
             let start = random.within(0.0, 3.0);
-            let at = |time: f64| laws::row(&law, &pair.later(time), definition.turned, start + time);
+            let at = |time: f64| law_row(&law, &pair.later(time), definition.turned, start + time);
             let now = at(0.0);
             // Central differences: errors of 1e-5², and of rounding over 1e-4²; near half a turn the twist bends.
             let (short, long) = (1e-5, 1e-4);
@@ -230,7 +230,7 @@ fn a_twist_is_the_value_nearest_to_the_last() {
             * pair.frames[0].rotation
             * UnitQuaternion::from_scaled_axis(Vector3::x() * angle)
             * pair.frames[1].rotation.inverse();
-        let row = laws::coordinate(JointAxis::Twist, &pair.state(), turned);
+        let row = coordinate(JointAxis::Twist, &pair.state(), turned);
         assert!((row.error - angle).abs() < 1e-12, "{} instead of {angle}", row.error);
     }
 }

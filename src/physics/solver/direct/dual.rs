@@ -95,7 +95,7 @@ pub(super) struct DualSystem {
     /// The place of each joint, by its global index.
     place_of: HashMap<u32, u32>,
     couplings: Couplings,
-    has_loops: bool,
+    pub has_loops: bool,
     /// Scalar rows.
     pub row_count: usize,
     /// Whether some row changes with time or is a spring: then every substep counts.
@@ -404,7 +404,11 @@ impl DualSystem {
                 return;
             }
             self.factor.solve(&self.couplings.elimination, &mut self.residual[..]);
-            self.impulses.iter_mut().zip(&self.residual).for_each(|(impulse, more)| *impulse += more);
+            for ((impulse, more), aim) in self.impulses.iter_mut().zip(&self.residual).zip(&self.aims) {
+                if !matches!(aim, Aim::Fixed(_)) {
+                    *impulse += more;
+                }
+            }
         }
         self.set_velocities();
         self.drift(world, members, terms.h);

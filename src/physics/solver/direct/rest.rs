@@ -68,6 +68,10 @@ impl DirectIsland {
             let body = world.body(member);
             moves_freely(body) && body.linear.norm() + body.angular.norm() * body.radius <= most
         };
+        // Of loads that are not unique the least are to be told, not those of the step before.
+        if self.dual.as_ref().is_some_and(|dual| dual.has_loops) {
+            return false;
+        }
         if !self.members.iter().all(is_slow) || !self.joints.iter().all(is_rigid) {
             return false;
         }
