@@ -385,7 +385,55 @@ fn a_motor_that_lagged_comes_back_to_its_place() {
     assert_close(position(&world, slider).x, 16.0, 1e-6);
 }
 
-/// Two rods as a loop's sides, three limits against each other and twice the same: loads are not unique.
+/// Two upright rods whose tops a level one joins fall over sideways together, until one of them comes to its limit.
+#[test]
+fn a_limit_that_closes_inside_a_loop_bears_the_loop() {
+    let mut world = world();
+    let post = post(&mut world);
+    let upright = std::f64::consts::FRAC_PI_2;
+    let least = 0.7;
+    let rods = [0.0, 1.0].map(|x| rod(&mut world, post, DVec3::X * x, upright - 0.1));
+    let top =
+        |world: &World, rod: Entity| position(world, rod) + world.get::<Rotation>(rod).unwrap().0 * DVec3::X * 0.5;
+    let middle = (top(&world, rods[0]) + top(&world, rods[1])) / 2.0;
+    let bar = body(&mut world, Collider::cuboid(1.0, 0.1, 0.1), middle);
+    world.entity_mut(bar).insert(Mass(1.0));
+    for (rod, side) in rods.into_iter().zip([-0.5, 0.5]) {
+        world.spawn(BallJoint::new(rod, bar).with_anchors(DVec3::X * 0.5, DVec3::X * side));
+    }
+    let limit = law(&mut world, [post, rods[0]], Wants::Least(least, 0.0));
+    let mut overshoot: f64 = 0.0;
+    for _ in 0..480 {
+        step(&mut world);
+        settled(&world);
+        overshoot = overshoot.max(least - angle(&world, rods[0]));
+    }
+    let torque = world.get::<JointLoad>(limit).unwrap().torque.z;
+    println!("overshot by {overshoot:.1e} rad, {torque} N·m");
+    assert!(overshoot < 1e-8, "{overshoot} rad");
+    // By virtual work: half a rod's weight twice, and the bar's.
+    assert_close(torque, 2.0 * G * least.cos(), 1e-6);
+}
+
+#[test]
+fn rattle_stops_at_a_limit_too() {
+    let (mut world, rod, limit) = stop(0.0);
+    let exact = ExactSettings { integrator: ExactIntegrator::Rattle };
+    world.insert_resource(SolverSettings { exact, ..*world.resource::<SolverSettings>() });
+    let post = world.get::<Law>(limit).unwrap().bodies[0];
+    law(&mut world, [post, rod], Wants::Speed(0.0, 0.5));
+    let mut overshoot: f64 = 0.0;
+    for _ in 0..480 {
+        step(&mut world);
+        settled(&world);
+        overshoot = overshoot.max(-angle(&world, rod));
+    }
+    assert!(overshoot < 1e-10 && angle(&world, rod).abs() < 1e-11, "{overshoot} rad");
+    let torque = world.get::<JointLoad>(limit).unwrap().torque.z;
+    assert!(torque > 0.5 * G - 0.5 - 1e-9 && torque < 0.5 * G + 0.5 + 1e-9, "{torque}");
+}
+
+/// A limit thrice, and one against them: loads are not unique.
 #[test]
 fn limits_that_share_a_load_stay_finite() {
     let mut world = world();
