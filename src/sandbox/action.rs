@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use bevy::prelude::*;
 
+use super::build::JointChange;
+
 /// Something a user asks for; carried out in `Update`, in the order of writing.
 #[derive(Message, Clone, Debug, PartialEq)]
 pub enum SandboxAction {
@@ -38,7 +40,7 @@ pub enum SandboxAction {
         /// Factor on its coordinates.
         scale: f64,
     },
-    /// Joins the two picked bodies where the second was clicked.
+    /// Joins the two picked bodies by the chosen [`super::JoinKind`].
     JoinPicked,
     /// Holds the picked body to the world where it was clicked.
     PinPicked,
@@ -47,9 +49,18 @@ pub enum SandboxAction {
     CutPicked,
     /// Cuts that joint.
     Cut(Entity),
+    /// Changes what stands beside a joint: limits, a motor, friction, strength.
+    ChangeJoint {
+        /// The joint.
+        joint: Entity,
+        /// What it is to be.
+        change: JointChange,
+        /// Whether it goes on with the last change, as a slider does that is dragged: both are undone together.
+        continues: bool,
+    },
     /// Deletes the picked body and its joints.
     DeletePicked,
-    /// Takes back what was added, joined, pinned, cut or deleted last.
+    /// Takes back what was added, joined, pinned, changed, cut or deleted last.
     Undo,
     /// Unpicks; closes the help.
     Escape,

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 
 use super::build::UndoStack;
 use super::camera::{self, Framing};
+use super::motor_keys::check_keys;
 use super::watch::Watch;
 use super::{CurrentScene, Notice, Playback, SandboxAction, Selection, build, files, panel, screenshot};
 use crate::physics::{Collider, Position, RigidBody, Velocity};
@@ -53,6 +54,7 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         SandboxAction::PinPicked => build::pin_picked(world),
         SandboxAction::CutPicked => build::cut_picked(world),
         SandboxAction::Cut(joint) => build::cut(world, joint),
+        SandboxAction::ChangeJoint { joint, change, continues } => build::change_joint(world, joint, change, continues),
         SandboxAction::Undo => build::undo(world),
         SandboxAction::Escape => world.insert_resource(Selection::default()),
         SandboxAction::FrameScene => frame_scene(world),
@@ -64,7 +66,7 @@ fn carry_out(world: &mut World, action: SandboxAction) {
 
 fn load_scene(world: &mut World, scene: String, parameters: Vec<(String, f64)>) {
     let watch = Watch::on(&scene);
-    match scene::load(&scene, &parameters) {
+    match load(&scene, &parameters) {
         Ok(spec) => {
             let entities = replace_bodies(world, &spec);
             world.insert_resource(watch.with_meshes(&spec));
@@ -72,14 +74,21 @@ fn load_scene(world: &mut World, scene: String, parameters: Vec<(String, f64)>) 
             *world.resource_mut::<Notice>() = Notice::None;
             frame_scene(world);
         }
-        Err(error) => *world.resource_mut::<Notice>() = Notice::Error(error.to_string()),
+        Err(problem) => *world.resource_mut::<Notice>() = Notice::Error(problem),
     }
+}
+
+/// A scene whose keys are keys.
+fn load(scene: &str, parameters: &[(String, f64)]) -> Result<SceneSpec, String> {
+    let spec = scene::load(scene, parameters).map_err(|error| error.to_string())?;
+    check_keys(scene, &spec)?;
+    Ok(spec)
 }
 
 fn reload_scene(world: &mut World) {
     let Some(mut current) = world.get_resource::<CurrentScene>().cloned() else { return };
     let mut watch = Watch::on(&current.scene).with_meshes(&current.spec);
-    let notice = match scene::load(&current.scene, &current.parameters) {
+    let notice = match load(&current.scene, &current.parameters) {
         Ok(spec) => {
             current.entities = replace_bodies(world, &spec);
             watch = watch.with_meshes(&spec);
@@ -88,9 +97,9 @@ fn reload_scene(world: &mut World) {
             world.insert_resource(current);
             notice
         }
-        Err(error) => {
-            watch.problem = Some(error.to_string());
-            Notice::Error(error.to_string())
+        Err(problem) => {
+            watch.problem = Some(problem.clone());
+            Notice::Error(problem)
         }
     };
     world.insert_resource(watch);

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use bevy_egui::input::egui_wants_any_keyboard_input;
 
 use super::SandboxAction;
+use super::state::{DrivingKeys, is_control_held};
 
 /// Keys and what they do.
 pub struct Binding {
@@ -43,7 +44,7 @@ pub const BINDINGS: &[Binding] = &[
     binding(&[KeyCode::KeyW], "W", "pin the picked body to the world", SandboxAction::PinPicked),
     binding(&[KeyCode::KeyC], "C", "cut the joint at the pointer", SandboxAction::CutPicked),
     binding(&[KeyCode::Delete, KeyCode::KeyX], "Del or X", "delete the picked body", SandboxAction::DeletePicked),
-    binding(&[KeyCode::KeyZ], "Ctrl+Z", "undo what was built or cut", SandboxAction::Undo).with_control(),
+    binding(&[KeyCode::KeyZ], "Ctrl+Z", "undo what was built, changed or cut", SandboxAction::Undo).with_control(),
     binding(&[KeyCode::KeyF], "F", "frame the scene", SandboxAction::FrameScene),
     binding(&[KeyCode::F12, KeyCode::KeyP], "F12 or P", "screenshot to plumb-N.png", SandboxAction::Screenshot),
     binding(&[KeyCode::KeyH, KeyCode::F1], "H or F1", "this help", SandboxAction::ToggleHelp),
@@ -64,12 +65,12 @@ pub(super) fn plugin(app: &mut App) {
     app.add_systems(PreUpdate, read_keys.after(InputSystems).run_if(not(egui_wants_any_keyboard_input)));
 }
 
-const CONTROL: [KeyCode; 4] = [KeyCode::ControlLeft, KeyCode::ControlRight, KeyCode::SuperLeft, KeyCode::SuperRight];
-
-fn read_keys(keys: Res<ButtonInput<KeyCode>>, mut actions: MessageWriter<SandboxAction>) {
-    let control = keys.any_pressed(CONTROL);
+/// A key that drives a motor does nothing else; with Ctrl it drives none.
+fn read_keys(keys: Res<ButtonInput<KeyCode>>, driving: Res<DrivingKeys>, mut actions: MessageWriter<SandboxAction>) {
+    let control = is_control_held(&keys);
+    let is_free = |key: &KeyCode| control || !driving.0.iter().any(|motors| motors.keys.contains(key));
     for binding in BINDINGS.iter().filter(|binding| binding.with_control == control) {
-        if keys.any_just_pressed(binding.keys.iter().copied()) {
+        if keys.any_just_pressed(binding.keys.iter().copied().filter(is_free)) {
             actions.write(binding.action.clone());
         }
     }

@@ -12,11 +12,12 @@ use bevy::picking::pointer::{PointerLocation, PointerMap, PointerPress};
 use bevy::prelude::*;
 use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
 
+use super::any_joint::{AnyJoint, IsJoint};
 use super::held::{Drag, Held};
 use super::{Picked, Selection};
 use crate::physics::{
-    BallJoint, Collider, Damping, Mass, Position, Quarantined, RenderOrigin, RigidBody, Rotation, Shape, Softness,
-    SolverSettings,
+    BallJoint, BrokenJoint, Collider, Damping, Mass, Position, Quarantined, RenderOrigin, RigidBody, Rotation, Shape,
+    Softness, SolverSettings,
 };
 
 /// Frequency of the joint that holds a single body, Hz: firm, and calm at 60 steps a second.
@@ -95,8 +96,10 @@ fn pick(
     }
     let (Some(hit), Ok(camera)) = (press.hit.position, cameras.get(press.hit.camera)) else { return };
     // The picture, not the last step, is what was hit: it lags by up to one step.
-    let anchor = (transform.rotation.inverse() * (hit - transform.translation)).as_dvec3();
-    let picked = Some(Picked { entity: press.entity, point: anchor });
+    let to_body = transform.rotation.inverse();
+    let anchor = (to_body * (hit - transform.translation)).as_dvec3();
+    let normal = press.hit.normal.and_then(|normal| (to_body * normal).as_dvec3().try_normalize());
+    let picked = Some(Picked { entity: press.entity, point: anchor, normal });
     if adds {
         let is_first = selection.entity() == Some(press.entity);
         *selection = if is_first {
@@ -139,7 +142,7 @@ fn claims(context: &mut egui::Context, position: Vec2) -> bool {
 /// What hangs on a body through joints.
 #[derive(bevy::ecs::system::SystemParam)]
 struct Joined<'w, 's> {
-    joints: Query<'w, 's, &'static BallJoint>,
+    joints: Query<'w, 's, AnyJoint, (IsJoint, Without<BrokenJoint>)>,
     bodies: Query<'w, 's, (&'static RigidBody, &'static Mass)>,
 }
 
@@ -165,11 +168,12 @@ impl Joined<'_, '_> {
     fn mass_of_all(&self, body: Entity) -> f64 {
         let mut found = vec![body];
         let mut next = 0;
+        let joined = self.joints.iter().filter_map(|joint| Some(joint.component()?.bodies())).collect::<Vec<_>>();
         while let Some(&body) = found.get(next) {
-            for joint in &self.joints {
+            for &[a, b] in &joined {
                 let other = match body {
-                    body if body == joint.body_a => joint.body_b,
-                    body if body == joint.body_b => joint.body_a,
+                    body if body == a => b,
+                    body if body == b => a,
                     _ => continue,
                 };
                 if self.mass(other).is_some() && !found.contains(&other) {

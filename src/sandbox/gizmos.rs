@@ -8,8 +8,11 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_egui::egui;
 
+use super::any_joint::{IsJoint, WholeJoint, WholeJointItem};
+use super::glyphs::Placed;
 use super::panel::palette;
-use crate::physics::{BallJoint, Collider, ContactForces, Gravity, JointLoad, Mass, RenderOrigin, RigidBody, Velocity};
+use crate::physics::{Collider, ContactForces, Gravity, Mass, RenderOrigin, RigidBody, StepStats, Velocity};
+use crate::scene::JointComponent;
 
 /// What is drawn over the picture.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,7 +38,7 @@ pub(super) fn plugin(app: &mut App) {
         GizmoConfig { depth_bias: -1.0, line: GizmoLineConfig { width: 1.8, ..default() }, ..default() },
     )
     .init_resource::<ShownGizmos>()
-    .add_systems(PreUpdate, (switch_contact_forces, switch_joint_loads))
+    .add_systems(PreUpdate, switch_contact_forces)
     .add_systems(
         PostUpdate,
         (
@@ -55,23 +58,6 @@ fn switch_contact_forces(mut commands: Commands, shown: Res<ShownGizmos>, forces
     }
 }
 
-fn switch_joint_loads(
-    mut commands: Commands,
-    shown: Res<ShownGizmos>,
-    without: Query<Entity, (With<BallJoint>, Without<JointLoad>)>,
-    with: Query<Entity, (With<BallJoint>, With<JointLoad>)>,
-) {
-    if shown.joints {
-        for joint in &without {
-            commands.entity(joint).insert(JointLoad::default());
-        }
-    } else if shown.is_changed() {
-        for joint in &with {
-            commands.entity(joint).remove::<JointLoad>();
-        }
-    }
-}
-
 /// The section of the panel.
 pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut shown: ResMut<ShownGizmos>) {
     let mut edited = *shown;
@@ -85,8 +71,9 @@ pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut shown: ResMut<ShownGizmos>) {
         (
             &mut edited.joints,
             "joints",
-            "each joint with lines to the centers of mass that it moves; size and color by what it carries: green nothing, \
-             red ten times an average body's weight",
+            "each joint with lines to the centers of mass that it moves; color by what it carries: green nothing, red as \
+             much as it bears, or ten times an average body's weight where it bears anything; arcs and ticks are \
+             limits, yellow arrows motors, gray joints broken",
         ),
         (
             &mut edited.velocities,
@@ -144,6 +131,23 @@ impl Measure {
     fn load(&self, force: f64) -> f32 {
         (force / (10.0 * self.weight)).sqrt().clamp(0.0, 1.0) as f32
     }
+
+    /// How loaded a joint is, 0 to 1: 1 where it breaks, or, of one that bears anything, as [`Self::load`] has it, its
+    /// torque over a length. None: it is broken.
+    fn share(&self, joint: &WholeJointItem, length: f64) -> Option<f32> {
+        let (force, torque) = joint.load.map_or((0.0, 0.0), |load| (load.force.length(), load.torque.length()));
+        match (joint.broken, joint.breakable) {
+            (Some(_), _) => None,
+            (None, Some(strength)) => Some((force / strength.force).max(torque / strength.torque).min(1.0) as f32),
+            (None, None) => Some(self.load(force.max(torque / length))),
+        }
+    }
+
+    /// Of the glyph of a joint between bodies of those shapes: no larger than the smaller one.
+    fn glyph_size(&self, ends: [Option<&Collider>; 2]) -> f32 {
+        let radii = ends.into_iter().flatten().map(|collider| collider.bounding_radius() as f32);
+        radii.filter(|radius| *radius > 0.0).fold(self.size, f32::min)
+    }
 }
 
 /// Shorter than this, an arrow has no direction to draw, m.
@@ -180,27 +184,46 @@ fn draw_contacts(
 
 fn draw_joints(
     mut gizmos: Gizmos<Overlay>,
-    joints: Query<(&BallJoint, &JointLoad)>,
-    poses: Query<(&RigidBody, &Transform)>,
+    joints: Query<WholeJoint, IsJoint>,
+    poses: Query<(&RigidBody, &Transform, Option<&Collider>)>,
     gravity: Res<Gravity>,
+    stats: Res<StepStats>,
     bodies: Query<(&RigidBody, &Collider, &Mass)>,
 ) {
     let measure = Measure::of(&bodies, &gravity);
-    let (idle, loaded) = (color(palette::GREEN).to_linear(), color(palette::VERMILION).to_linear());
-    for (joint, carried) in &joints {
-        let Ok([(kind_a, a), (kind_b, b)]) = poses.get_many([joint.body_a, joint.body_b]) else { continue };
-        let load = measure.load(carried.force.length());
-        let tint = Color::from(idle.mix(&loaded, load));
-        let anchor = |pose: &Transform, anchor: DVec3| pose.translation + pose.rotation * anchor.as_vec3();
-        let (at_a, at_b) = (anchor(a, joint.anchor_a), anchor(b, joint.anchor_b));
-        gizmos.sphere(at_b, measure.size * (0.08 + 0.16 * load), tint).resolution(12);
-        gizmos.line(at_a, at_b, color(palette::PURPLE)); // as long as the joint is torn apart
-        for (kind, pose, at) in [(kind_a, a, at_a), (kind_b, b, at_b)] {
+    let down = gravity.0.normalize_or(DVec3::NEG_Y).as_vec3();
+    for joint in &joints {
+        let Some(component) = joint.joint.component() else { continue };
+        let Ok(ends) = poses.get_many(component.bodies()) else { continue };
+        let size = measure.glyph_size(ends.map(|(.., collider)| collider));
+        let load = measure.share(&joint, f64::from(size));
+        let tint = load.map_or(color([130; 3]), shade);
+        let placed = Placed { joint: &joint, poses: ends.map(|end| *end.1), size, tint, down, time: stats.time };
+        let Some([at_a, at_b]) = placed.anchors() else { continue };
+        for (points, color) in placed.strokes() {
+            if points.iter().all(|point| point.is_finite()) {
+                gizmos.linestrip(points, color);
+            }
+        }
+        let held_at_a_point = !matches!(component, JointComponent::Slider(_) | JointComponent::Distance(_));
+        if matches!(component, JointComponent::Ball(_) | JointComponent::Generic(_)) {
+            gizmos.sphere(at_b, size * (0.08 + 0.16 * load.unwrap_or_default()), tint).resolution(12);
+        }
+        if held_at_a_point {
+            gizmos.line(at_a, at_b, color(palette::PURPLE)); // as long as the joint is torn apart
+        }
+        for ((kind, pose, _), at) in ends.into_iter().zip([at_a, at_b]) {
             if *kind == RigidBody::Dynamic {
                 gizmos.line(pose.translation, at, tint);
             }
         }
     }
+}
+
+/// From green, nothing, to red, all that it bears.
+fn shade(load: f32) -> Color {
+    let (idle, loaded) = (color(palette::GREEN).to_linear(), color(palette::VERMILION).to_linear());
+    Color::from(idle.mix(&loaded, load))
 }
 
 fn draw_bounds(mut gizmos: Gizmos<Overlay>, bodies: Query<(&Collider, &Transform), With<RigidBody>>) {
@@ -231,7 +254,7 @@ mod tests {
 
     fn switches() -> App {
         let mut app = App::new();
-        app.init_resource::<ShownGizmos>().add_systems(PreUpdate, (switch_contact_forces, switch_joint_loads));
+        app.init_resource::<ShownGizmos>().add_systems(PreUpdate, switch_contact_forces);
         app
     }
 
@@ -242,30 +265,6 @@ mod tests {
             app.world_mut().resource_mut::<ShownGizmos>().contacts = shown;
             app.update();
             assert_eq!(app.world().contains_resource::<ContactForces>(), shown);
-        }
-    }
-
-    #[test]
-    fn joints_carry_their_load_only_while_shown_and_so_do_later_ones() {
-        let mut app = switches();
-        let spawn =
-            |app: &mut App| app.world_mut().spawn(BallJoint::new(Entity::PLACEHOLDER, Entity::PLACEHOLDER)).id();
-        let first = spawn(&mut app);
-        app.update();
-        assert!(!app.world().entity(first).contains::<JointLoad>());
-
-        app.world_mut().resource_mut::<ShownGizmos>().joints = true;
-        app.update();
-        let second = spawn(&mut app);
-        app.update();
-        for joint in [first, second] {
-            assert!(app.world().entity(joint).contains::<JointLoad>());
-        }
-
-        app.world_mut().resource_mut::<ShownGizmos>().joints = false;
-        app.update();
-        for joint in [first, second] {
-            assert!(!app.world().entity(joint).contains::<JointLoad>());
         }
     }
 

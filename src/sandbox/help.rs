@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 
 use super::controls::{BINDINGS, MOUSE};
+use super::state::DrivingKeys;
 use super::{SandboxAction, Selection};
 
 /// Whether the help is on view.
@@ -26,7 +27,7 @@ fn toggle(mut actions: MessageReader<SandboxAction>, mut open: ResMut<HelpOpen>)
     }
 }
 
-fn show_help(mut contexts: EguiContexts, mut open: ResMut<HelpOpen>) -> Result {
+fn show_help(mut contexts: EguiContexts, driving: Res<DrivingKeys>, mut open: ResMut<HelpOpen>) -> Result {
     if !open.0 {
         return Ok(());
     }
@@ -41,9 +42,24 @@ fn show_help(mut contexts: EguiContexts, mut open: ResMut<HelpOpen>) -> Result {
             table(ui, "Mouse", MOUSE.iter().copied());
             ui.add_space(8.0);
             table(ui, "Keys", keys);
+            if !driving.0.is_empty() {
+                ui.add_space(8.0);
+                let driven: Vec<_> = driving.0.iter().map(|motors| (&motors.label, driven(&motors.joints))).collect();
+                table(ui, "Motors of this scene", driven.iter().map(|(keys, what)| (keys.as_str(), what.as_str())));
+            }
         });
     open.set_if_neq(HelpOpen(stays));
     Ok(())
+}
+
+/// What keys drive: by name where that is short.
+fn driven(joints: &[String]) -> String {
+    match joints {
+        [one] => format!("drive {one}"),
+        [one, other] => format!("drive {one}, {other}"),
+        [first, ..] => format!("drive {first} and {} more", joints.len() - 1),
+        [] => String::new(),
+    }
 }
 
 fn table<'a>(ui: &mut egui::Ui, title: &str, rows: impl Iterator<Item = (&'a str, &'a str)>) {
@@ -62,6 +78,7 @@ fn show_hint(
     mut contexts: EguiContexts,
     selection: Res<Selection>,
     help: Res<HelpOpen>,
+    driving: Res<DrivingKeys>,
     mut understood: Local<bool>,
 ) -> Result {
     *understood |= selection.body.is_some() || help.0;
@@ -71,7 +88,9 @@ fn show_hint(
     egui::Area::new(egui::Id::new("hint")).anchor(egui::Align2::LEFT_TOP, [16.0, 14.0]).interactable(false).show(
         contexts.ctx_mut()?,
         |ui| {
-            egui::Frame::popup(ui.style()).show(ui, |ui| ui.label("drag a limb  ·  H for help"));
+            let keys =
+                driving.0.iter().map(|motors| format!("  ·  {} drive", motors.label)).take(3).collect::<String>();
+            egui::Frame::popup(ui.style()).show(ui, |ui| ui.label(format!("drag a limb{keys}  ·  H for help")));
         },
     );
     Ok(())

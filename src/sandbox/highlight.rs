@@ -11,8 +11,9 @@ use bevy::render::render_resource::Face;
 use bevy_panorbit_camera::PanOrbitCamera;
 
 use super::Selection;
+use super::any_joint::{AnyJoint, IsJoint};
 use super::meshes::{mesh_of, picture_of};
-use crate::physics::{BallJoint, Collider, RigidBody, Shape};
+use crate::physics::{Collider, RigidBody, Shape};
 use crate::scene::{PictureMesh, SceneEntity};
 
 /// Of the body that was clicked, and of the one it may be joined to.
@@ -95,7 +96,7 @@ fn set_up_marks(mut store: ResMut<GizmoConfigStore>) {
 fn draw_marks(
     selection: Res<Selection>,
     poses: Query<(&RigidBody, &Transform)>,
-    joints: Query<&BallJoint, With<SceneEntity>>,
+    joints: Query<AnyJoint, (IsJoint, With<SceneEntity>)>,
     camera: Single<&GlobalTransform, With<Camera3d>>,
     mut gizmos: Gizmos<Marks>,
 ) {
@@ -105,9 +106,9 @@ fn draw_marks(
         let Ok((_, pose)) = poses.get(picked.entity) else { continue };
         let clicked = place(pose, picked.point);
         gizmos.sphere(clicked, DOT * clicked.distance(eye), color).resolution(16);
-        let own = joints.iter().filter(|joint| joint.body_a == picked.entity || joint.body_b == picked.entity);
-        for joint in own {
-            for (body, anchor) in [(joint.body_a, joint.anchor_a), (joint.body_b, joint.anchor_b)] {
+        let joints = joints.iter().filter_map(|joint| joint.component());
+        for joint in joints.filter(|joint| joint.bodies().contains(&picked.entity)) {
+            for (body, anchor) in joint.ends() {
                 let Ok((kind, pose)) = poses.get(body) else { continue };
                 let end = place(pose, anchor);
                 gizmos.sphere(end, 0.7 * DOT * end.distance(eye), Color::WHITE).resolution(12);

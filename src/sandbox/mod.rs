@@ -11,6 +11,7 @@
 //! [`RenderOrigin`]: crate::physics::RenderOrigin
 
 mod action;
+mod any_joint;
 mod build;
 mod camera;
 mod carry_out;
@@ -19,12 +20,15 @@ mod drag;
 mod files;
 mod ghost;
 mod gizmos;
+mod glyphs;
 mod ground;
 mod held;
 mod help;
 mod highlight;
+mod joint_readings;
 mod light;
 mod meshes;
+mod motor_keys;
 mod panel;
 mod playback;
 mod plots;
@@ -38,7 +42,7 @@ mod watch;
 mod window;
 
 pub use action::SandboxAction;
-pub use build::{Blueprint, Weight};
+pub use build::{Blueprint, JoinKind, JointChange, Weight};
 pub use ghost::{GhostChoice, GhostDistance};
 pub use panel::ChartSource;
 pub use plugin::SandboxPlugin;

@@ -2,15 +2,17 @@
 
 use std::collections::VecDeque;
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_egui::egui;
 use egui_plot::{GridInput, GridMark, HoverPosition, Line, Plot, PlotPoints};
 
 use super::CurrentScene;
+use super::any_joint::{IsJoint, WholeJoint};
 use super::ghost::{self, GhostDistance};
+use super::joint_readings::ReadJoints;
 use super::panel::{Quantity, palette};
-use crate::physics::{Diagnostics, StepStats};
-use crate::physics::{PhysicsSchedule, PhysicsSystems};
+use crate::physics::{Diagnostics, JointAxis, PhysicsSchedule, PhysicsSystems, Position, Rotation, StepStats};
 
 /// Simulation time on view, s.
 const WINDOW: f64 = 10.0;
@@ -24,7 +26,7 @@ pub struct Watched(pub bool);
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Watched>()
         .init_resource::<History>()
-        .add_systems(PreUpdate, (begin_with_scene, switch_diagnostics))
+        .add_systems(PreUpdate, (begin_with_scene, switch_diagnostics, forget_other_joint))
         .add_systems(PhysicsSchedule, record.after(PhysicsSystems::Diagnose).after(ghost::follow));
 }
 
@@ -45,6 +47,22 @@ struct Sample {
     step_seconds: f64,
     /// m; 0 without a ghost.
     ghost: f64,
+    joint: JointSample,
+}
+
+/// What is plotted of a joint, where one is: not a number else.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct JointSample {
+    /// N.
+    force: f64,
+    /// N·m.
+    torque: f64,
+    /// Where it stands along its axis, rad or m.
+    value: f64,
+}
+
+impl JointSample {
+    const NONE: Self = Self { force: f64::NAN, torque: f64::NAN, value: f64::NAN };
 }
 
 impl Sample {
@@ -56,6 +74,11 @@ impl Sample {
             penetration: self.penetration.max(newer.penetration),
             step_seconds: self.step_seconds.max(newer.step_seconds),
             ghost: self.ghost.max(newer.ghost),
+            joint: JointSample {
+                force: self.joint.force.max(newer.joint.force),
+                torque: self.joint.torque.max(newer.joint.torque),
+                ..newer.joint
+            },
             ..newer
         };
     }
@@ -112,11 +135,35 @@ impl History {
     }
 }
 
+/// The joint that is plotted.
+#[derive(SystemParam)]
+struct PlottedJoint<'w, 's> {
+    read: Res<'w, ReadJoints>,
+    joints: Query<'w, 's, WholeJoint, IsJoint>,
+    poses: Query<'w, 's, (&'static Position, &'static Rotation)>,
+}
+
+impl PlottedJoint<'_, '_> {
+    fn sample(&self) -> JointSample {
+        let Some(joint) = self.read.plotted.and_then(|joint| self.joints.get(joint).ok()) else {
+            return JointSample::NONE;
+        };
+        let poses = joint.joint.component().and_then(|joint| self.poses.get_many(joint.bodies()).ok());
+        let value = poses.and_then(|poses| joint.value(poses.map(|(position, rotation)| (position.0, rotation.0))));
+        JointSample {
+            force: joint.load.map_or(f64::NAN, |load| load.force.length()),
+            torque: joint.load.map_or(f64::NAN, |load| load.torque.length()),
+            value: value.unwrap_or(f64::NAN),
+        }
+    }
+}
+
 /// Runs in the step itself: one sample per step, however many there are in a frame.
 fn record(
     stats: Res<StepStats>,
     diagnostics: Option<Res<Diagnostics>>,
     ghost: Res<GhostDistance>,
+    joint: PlottedJoint,
     mut history: ResMut<History>,
 ) {
     if let Some(diagnostics) = diagnostics {
@@ -128,7 +175,16 @@ fn record(
             penetration: diagnostics.penetration,
             step_seconds: stats.step_seconds,
             ghost: ghost.0.unwrap_or_default(),
+            joint: joint.sample(),
         });
+    }
+}
+
+/// What was plotted of another joint is not this one's.
+fn forget_other_joint(read: Res<ReadJoints>, mut last: Local<Option<Entity>>, mut history: ResMut<History>) {
+    if read.plotted != *last {
+        *last = read.plotted;
+        history.samples.iter_mut().for_each(|sample| sample.joint = JointSample::NONE);
     }
 }
 
@@ -164,7 +220,13 @@ struct Chart<'a> {
 }
 
 /// The section of the panel.
-pub(super) fn show(InMut(ui): InMut<egui::Ui>, history: Res<History>, ghost: Res<GhostDistance>) {
+pub(super) fn show(
+    InMut(ui): InMut<egui::Ui>,
+    history: Res<History>,
+    ghost: Res<GhostDistance>,
+    read: Res<ReadJoints>,
+    joints: Query<(WholeJoint, Option<&Name>)>,
+) {
     let start = history.potential_at_start.unwrap_or_default();
     let potential = |sample: &Sample| sample.potential - start;
     let total = |sample: &Sample| sample.kinetic + potential(sample);
@@ -201,10 +263,39 @@ pub(super) fn show(InMut(ui): InMut<egui::Ui>, history: Res<History>, ghost: Res
         about: "largest distance between a body's centre and its ghost's",
         curves: &[("distance", palette::SKY, &|sample| sample.ghost)],
     };
-    let charts: Vec<_> = ghost.0.map(|_| distance).into_iter().chain(charts).collect();
+    let plotted = read.plotted.and_then(|joint| joints.get(joint).ok());
+    let of_joint = plotted.iter().flat_map(|(joint, _)| joint_charts(joint.axis()));
+    let charts: Vec<_> = of_joint.chain(ghost.0.map(|_| distance)).chain(charts).collect();
+    if let Some((_, name)) = plotted {
+        ui.weak(name.map_or("a joint", Name::as_str))
+            .on_hover_text("the joint that is plotted: tick it off in the list");
+    }
     for (place, chart) in charts.iter().enumerate() {
         chart.draw(ui, &history, place + 1 == charts.len());
     }
+}
+
+/// The load of the plotted joint, and where it stands along its axis if it has one.
+fn joint_charts<'a>(axis: Option<JointAxis>) -> impl Iterator<Item = Chart<'a>> {
+    let force = Chart {
+        title: "joint force",
+        unit: "N",
+        about: "what the plotted joint carries",
+        curves: &[("force", palette::VERMILION, &|sample| sample.joint.force)],
+    };
+    let torque = Chart {
+        title: "joint torque",
+        unit: "N·m",
+        about: "the torque about its point that the plotted joint carries",
+        curves: &[("torque", palette::ORANGE, &|sample| sample.joint.torque)],
+    };
+    let stands = axis.map(|axis| Chart {
+        title: if axis.is_angle() { "joint angle" } else { "joint distance" },
+        unit: if axis.is_angle() { "rad" } else { "m" },
+        about: "where the plotted joint stands along its axis",
+        curves: &[("stands at", palette::SKY, &|sample| sample.joint.value)],
+    });
+    [force, torque].into_iter().chain(stands)
 }
 
 impl Chart<'_> {
@@ -250,8 +341,8 @@ impl Chart<'_> {
         ui.push_id(title, |ui| {
             plot.show(ui, |plot| {
                 for (name, color, value) in curves {
-                    let points: PlotPoints =
-                        history.samples.iter().map(|sample| [sample.time, value(sample) * scale.factor]).collect();
+                    let points = history.samples.iter().map(|sample| [sample.time, value(sample) * scale.factor]);
+                    let points: PlotPoints = points.filter(|[_, value]| value.is_finite()).collect();
                     plot.line(Line::new(*name, points).color(color32(*color)).width(1.5));
                 }
                 plot.set_plot_bounds_x(end - WINDOW..=end);
@@ -290,7 +381,16 @@ mod tests {
     use super::*;
 
     fn at(time: f64) -> Sample {
-        Sample { time, kinetic: 0.0, potential: 0.0, joint_error: 0.0, penetration: 0.0, step_seconds: 0.0, ghost: 0.0 }
+        Sample {
+            time,
+            kinetic: 0.0,
+            potential: 0.0,
+            joint_error: 0.0,
+            penetration: 0.0,
+            step_seconds: 0.0,
+            ghost: 0.0,
+            joint: JointSample::NONE,
+        }
     }
 
     #[test]

@@ -35,12 +35,14 @@ pub struct Picked {
     pub entity: Entity,
     /// From its centre of mass, body axes, m.
     pub point: DVec3,
+    /// Of the face that was hit, outward, body axes; none where no face was.
+    pub normal: Option<DVec3>,
 }
 
 impl Selection {
     /// That body alone, picked at its centre of mass.
     pub fn of(entity: Entity) -> Self {
-        Self { body: Some(Picked { entity, point: DVec3::ZERO }), partner: None }
+        Self { body: Some(Picked { entity, point: DVec3::ZERO, normal: None }), partner: None }
     }
 
     /// The body picked by a click.
@@ -91,6 +93,27 @@ pub(super) fn report(world: &mut World, outcome: Result<String, String>) {
         Ok(done) => Notice::Info(done),
         Err(reason) => Notice::Error(reason),
     };
+}
+
+/// The keys that drive motors of the running scene: what else they would do, they do not.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub(super) struct DrivingKeys(pub Vec<DrivenMotors>);
+
+/// What two keys drive.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct DrivenMotors {
+    /// Forward and back.
+    pub keys: [KeyCode; 2],
+    /// The keys as they are labelled.
+    pub label: String,
+    /// Names of the motors' joints.
+    pub joints: Vec<String>,
+}
+
+/// Whether Ctrl (or ⌘) is held.
+pub(super) fn is_control_held(keys: &ButtonInput<KeyCode>) -> bool {
+    use KeyCode::{ControlLeft, ControlRight, SuperLeft, SuperRight};
+    keys.any_pressed([ControlLeft, ControlRight, SuperLeft, SuperRight])
 }
 
 /// Width of the window's right side that the panel covers, logical pixels.

@@ -8,6 +8,7 @@ use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::window::WindowResolution;
 
+use super::motor_keys::check_keys;
 use super::{SandboxAction, SandboxPlugin};
 use crate::physics::SolverSettings;
 use crate::scene::{self, SceneError};
@@ -29,6 +30,9 @@ pub enum LaunchError {
     /// The scene could not be had.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// A motor of the scene names a key that there is not.
+    #[error("{0}")]
+    Keys(String),
     /// No window system.
     #[error("no display to open a window on; 'plumb run SCENE' simulates without one")]
     NoDisplay,
@@ -45,7 +49,8 @@ pub enum LaunchError {
 /// # Errors
 /// The scene, the display or the graphics driver is missing or wrong.
 pub fn launch(launch: Launch) -> Result<(), LaunchError> {
-    scene::load(&launch.scene, &launch.parameters)?;
+    let spec = scene::load(&launch.scene, &launch.parameters)?;
+    check_keys(&launch.scene, &spec).map_err(LaunchError::Keys)?;
     let exit = catch_failed_start(|| run(launch))?;
     match exit {
         AppExit::Success => Ok(()),

@@ -205,6 +205,35 @@ pub(crate) struct JointParts {
     pub coordinate: Option<JointCoordinate>,
 }
 
+impl JointComponent {
+    /// A and B.
+    pub fn bodies(&self) -> [Entity; 2] {
+        for_kind!(self, |joint| [joint.body_a, joint.body_b])
+    }
+
+    /// A and B, to be changed.
+    pub fn bodies_mut(&mut self) -> [&mut Entity; 2] {
+        for_kind!(self, |joint| [&mut joint.body_a, &mut joint.body_b])
+    }
+
+    /// The joint's points on A and B, in their principal axes, m.
+    pub fn anchors(&self) -> [DVec3; 2] {
+        for_kind!(self, |joint| [joint.anchor_a, joint.anchor_b])
+    }
+
+    /// A and B, each with the joint's point on it, in its principal axes, m.
+    #[cfg(feature = "sandbox")]
+    pub fn ends(&self) -> [(Entity, DVec3); 2] {
+        let ([a, b], [on_a, on_b]) = (self.bodies(), self.anchors());
+        [(a, on_a), (b, on_b)]
+    }
+
+    /// Puts it on an entity.
+    pub fn insert(self, entity: &mut EntityWorldMut) {
+        for_kind!(self, |joint| _ = entity.insert(joint));
+    }
+}
+
 impl JointParts {
     /// Of a joint's entity; none of any other, or of a user's own constraint.
     pub fn of_entity(world: &World, entity: Entity) -> Option<Self> {
@@ -240,22 +269,22 @@ impl JointParts {
         friction.into_iter().for_each(|part| _ = entity.insert(part));
         breakable.into_iter().for_each(|part| _ = entity.insert(part));
         broken.into_iter().for_each(|part| _ = entity.insert(part));
-        for_kind!(joint, |joint| _ = entity.insert(joint));
+        joint.insert(entity);
     }
 
     /// A and B.
     pub fn bodies(&self) -> [Entity; 2] {
-        for_kind!(self.joint, |joint| [joint.body_a, joint.body_b])
+        self.joint.bodies()
     }
 
     /// A and B, to be changed.
     pub fn bodies_mut(&mut self) -> [&mut Entity; 2] {
-        for_kind!(&mut self.joint, |joint| [&mut joint.body_a, &mut joint.body_b])
+        self.joint.bodies_mut()
     }
 
     /// The joint's points on A and B, in their principal axes, m.
     pub fn anchors(&self) -> [DVec3; 2] {
-        for_kind!(self.joint, |joint| [joint.anchor_a, joint.anchor_b])
+        self.joint.anchors()
     }
 
     /// As components, of a joint between two bodies.
@@ -318,7 +347,7 @@ impl JointParts {
         let mut spec = JointSpec {
             friction: self.friction.map_or(0.0, |friction| friction.0),
             motor: self.motor,
-            keys: self.keys.clone(),
+            keys: self.keys.clone().filter(|_| self.motor.is_some()),
             breakable: self.breakable,
             broken: self.broken,
             coordinate: self.coordinate.map_or(0.0, |coordinate| coordinate.value),

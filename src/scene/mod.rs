@@ -26,8 +26,12 @@ pub use error::SceneError;
 pub use format::MAX_FILE_BYTES;
 pub use hull::HullSpec;
 pub use info::{Parameter, SceneInfo};
+#[cfg(feature = "sandbox")]
+pub(crate) use joint::JointComponent;
 pub(crate) use joint::JointParts;
 pub use joint::{JointKindSpec, JointSpec, LimitSpec, MotorKeys};
 pub use mesh::{MAX_MESH_BYTES, MeshError, MeshSpec, PictureMesh, TriangleMesh, builtin_meshes};
 pub use spawn::{BodyColor, SceneEntity, SpawnedScene};
 pub use spec::{MAX_BODIES, SceneSpec, ViewSpec};
+#[cfg(feature = "sandbox")]
+pub(crate) use validate::check_parts;

@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 
 use bevy::math::{DQuat, DVec3};
 
+#[cfg(feature = "sandbox")]
+use super::JointParts;
 use super::error::Flaw;
 use super::number::{Finite, Fraction, NonNegative, NumberError, Positive};
 use super::{BodySpec, JointKindSpec, JointSpec, LimitSpec, MAX_BODIES, SceneError, SceneSpec, ShapeSpec, ViewSpec};
@@ -141,6 +143,16 @@ fn check_joint<'a>(joint: &JointSpec, body: impl Fn(&str) -> Option<&'a BodySpec
         }
     }
     check_laws(joint)
+}
+
+/// Whether limits, motor, friction and strength make sense on a joint.
+///
+/// # Errors
+/// What does not, in one line.
+#[cfg(feature = "sandbox")]
+pub(crate) fn check_parts(joint: &JointParts) -> Result<(), String> {
+    let end = BodySpec::pin("", DVec3::ZERO);
+    check_laws(&joint.to_spec([&end; 2])).map_err(|(field, problem)| format!("{field}: {problem}"))
 }
 
 fn check_laws(joint: &JointSpec) -> Result<(), FieldFlaw> {

@@ -76,7 +76,7 @@ fn pick(stage: &mut Stage, a: Picked, b: Option<Picked>) {
 }
 
 fn at(entity: Entity, x: f64, y: f64, z: f64) -> Picked {
-    Picked { entity, point: DVec3::new(x, y, z) }
+    Picked { entity, point: DVec3::new(x, y, z), normal: None }
 }
 
 /// The two ends of the only joint, world.
@@ -228,7 +228,7 @@ fn joins_that_make_no_sense_are_refused() {
     stage.act(SandboxAction::JoinPicked);
     assert_eq!(counts(&mut stage).1, 1);
     assert_refused(&mut stage, SandboxAction::JoinPicked, "already");
-    // At another place it makes a hinge of the two.
+    // At another place it makes an axis of the two.
     pick(&mut stage, at(left, 0.0, 0.0, 0.0), Some(at(right, 0.0, -0.5, 0.0)));
     stage.act(SandboxAction::JoinPicked);
     assert_eq!(counts(&mut stage).1, 2);

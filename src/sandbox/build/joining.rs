@@ -1,22 +1,24 @@
-//! Ball joints between picked bodies, pins to the world, and cutting them.
+//! Joints between picked bodies, pins to the world, and cutting them.
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
+use super::join_kind::{JoinKind, place_of};
 use super::joints::{Pin, idle_without, joints};
 use super::names::{name_of, unique_name};
 use super::undo::{Deed, UndoStack, remove};
-use crate::physics::{BallJoint, Collider, Position, RigidBody, Rotation};
+use crate::physics::{BallJoint, Collider, RigidBody};
+use crate::sandbox::any_joint::noun;
 use crate::sandbox::state::report;
-use crate::sandbox::{Picked, Selection, camera};
-use crate::scene::{BodySpec, SceneEntity};
+use crate::sandbox::{Selection, camera};
+use crate::scene::{BodySpec, JointComponent, JointParts, SceneEntity};
 
 /// Two joints of the same bodies closer than this share of a bounding radius are one and the same.
 const SAME_PLACE: f64 = 0.01;
 /// Where nothing is picked, a joint is meant that lies within this angle of the pointer, rad.
 const POINTING: f64 = 0.03;
 
-/// Joins the two picked bodies where the second was clicked.
+/// Joins the two picked bodies by the [`JoinKind`] that is chosen.
 pub fn join_picked(world: &mut World) {
     let outcome = try_join(world);
     report(world, outcome);
@@ -33,21 +35,32 @@ fn try_join(world: &mut World) -> Result<String, String> {
     if !moves(world, a.entity) && !moves(world, b.entity) {
         return Err(format!("neither {name_a} nor {name_b} can move: a joint would do nothing"));
     }
-    let place = place_of(world, b).ok_or("a picked body is gone")?;
-    let anchor = anchor_at(world, a.entity, place).ok_or("a picked body is gone")?;
-    let radius = world.get::<Collider>(b.entity).map_or(1.0, Collider::bounding_radius);
-    let again = joints(world).into_iter().any(|(_, ball)| {
-        links(&ball, a.entity, b.entity)
-            && place_of_joint(world, &ball).is_some_and(|there| there.distance(place) < SAME_PLACE * radius)
-    });
-    if again {
+    let kind = *world.resource::<JoinKind>();
+    let joint = kind.between(world, a, b)?;
+    if is_there(world, &joint) {
         return Err(format!("{name_a} and {name_b} are joined there already"));
     }
-    let ball = BallJoint::new(a.entity, b.entity).with_anchors(anchor, b.point);
     let what = format!("{name_a} to {name_b}");
-    let joint = world.spawn((Name::new(what.clone()), SceneEntity, ball)).id();
-    world.resource_mut::<UndoStack>().push(format!("joining {what}"), Deed::Added(vec![joint]));
-    Ok(format!("joined {what}"))
+    let mut entity = world.spawn((Name::new(what.clone()), SceneEntity));
+    joint.insert(&mut entity);
+    let entity = entity.id();
+    world.resource_mut::<UndoStack>().push(format!("joining {what}"), Deed::Added(vec![entity]));
+    Ok(format!("joined {what} by a {}", noun(&joint)))
+}
+
+/// Whether a joint of that kind holds the same places of the same bodies.
+fn is_there(world: &mut World, joint: &JointComponent) -> bool {
+    let Some(places) = ends_of_joint(world, joint) else { return false };
+    let [_, b] = joint.bodies();
+    let radius = world.get::<Collider>(b).map_or(1.0, Collider::bounding_radius);
+    let near = |one: DVec3, other: DVec3| one.distance(other) < SAME_PLACE * radius;
+    joints(world).into_iter().filter(|(_, other)| noun(other) == noun(joint)).any(|(_, other)| {
+        let Some(mut there) = ends_of_joint(world, &other) else { return false };
+        if other.bodies() != joint.bodies() {
+            there.reverse();
+        }
+        links(&other, joint.bodies()) && near(there[0], places[0]) && near(there[1], places[1])
+    })
 }
 
 /// Holds the picked body to the world at the place that was clicked.
@@ -64,7 +77,7 @@ fn try_pin(world: &mut World) -> Result<String, String> {
     if !moves(world, picked.entity) {
         return Err(format!("{name} cannot move: there is nothing to pin"));
     }
-    let place = place_of(world, picked).ok_or("the picked body is gone")?;
+    let place = place_of(world, picked.entity, picked.point).ok_or("the picked body is gone")?;
     let pin_name = unique_name(world, "world:pin"); // as scene files name what stands for the world
     let pin = BodySpec::pin(pin_name, place).spawn(world);
     world.entity_mut(pin).insert(Pin);
@@ -87,20 +100,20 @@ pub fn cut_picked(world: &mut World) {
 fn meant_joint(world: &mut World) -> Result<Entity, String> {
     let selection = *world.resource::<Selection>();
     let mut candidates = joints(world);
-    candidates.retain(|(_, ball)| match (selection.body, selection.partner) {
-        (Some(a), Some(b)) => links(ball, a.entity, b.entity),
-        (Some(a), None) => ball.body_a == a.entity || ball.body_b == a.entity,
+    candidates.retain(|(_, joint)| match (selection.body, selection.partner) {
+        (Some(a), Some(b)) => links(joint, [a.entity, b.entity]),
+        (Some(a), None) => joint.bodies().contains(&a.entity),
         _ => true,
     });
     let picked = selection.partner.or(selection.body);
     let aim = world.run_system_cached(camera::aim).ok().flatten().ok_or("there is no picture to point into")?;
-    let toward = match picked.and_then(|picked| place_of(world, picked)) {
+    let toward = match picked.and_then(|picked| place_of(world, picked.entity, picked.point)) {
         Some(place) if !aim.by_pointer => (place - aim.origin).normalize_or(aim.direction),
         _ => aim.direction,
     };
     let nearest = candidates
         .into_iter()
-        .filter_map(|(joint, ball)| Some((joint, toward.angle_between(place_of_joint(world, &ball)? - aim.origin))))
+        .filter_map(|(entity, joint)| Some((entity, toward.angle_between(place_of_joint(world, &joint)? - aim.origin))))
         .min_by(|(_, a), (_, b)| a.total_cmp(b));
     match (nearest, picked) {
         (Some((joint, _)), Some(_)) => Ok(joint),
@@ -120,37 +133,30 @@ pub fn cut(world: &mut World, joint: Entity) {
 }
 
 fn try_cut(world: &mut World, joint: Entity) -> Result<String, String> {
-    let ball = *world.get::<BallJoint>(joint).ok_or("that joint is gone")?;
+    JointParts::of_entity(world, joint).ok_or("that joint is gone")?;
     let what = name_of(world, joint);
-    let cut = [(joint, ball)];
-    let pins = idle_without(world, &cut);
-    let deed = remove(world, pins, &cut);
+    let pins = idle_without(world, &[joint]);
+    let deed = remove(world, pins, &[joint]);
     world.resource_mut::<UndoStack>().push(format!("cutting {what}"), deed);
     Ok(format!("cut {what}"))
 }
 
-fn links(ball: &BallJoint, a: Entity, b: Entity) -> bool {
-    (ball.body_a, ball.body_b) == (a, b) || (ball.body_a, ball.body_b) == (b, a)
+fn links(joint: &JointComponent, [a, b]: [Entity; 2]) -> bool {
+    joint.bodies() == [a, b] || joint.bodies() == [b, a]
 }
 
 fn moves(world: &World, body: Entity) -> bool {
     world.get::<RigidBody>(body) == Some(&RigidBody::Dynamic)
 }
 
-/// World, m.
-fn place_of(world: &World, picked: Picked) -> Option<DVec3> {
-    let body = world.get_entity(picked.entity).ok()?;
-    Some(body.get::<Position>()?.0 + body.get::<Rotation>()?.0 * picked.point)
+/// The points on A and B, world, m.
+fn ends_of_joint(world: &World, joint: &JointComponent) -> Option<[DVec3; 2]> {
+    let [(a, on_a), (b, on_b)] = joint.ends();
+    Some([place_of(world, a, on_a)?, place_of(world, b, on_b)?])
 }
 
-/// A place of the world from a body's centre of mass, body axes, m.
-fn anchor_at(world: &World, body: Entity, place: DVec3) -> Option<DVec3> {
-    let body = world.get_entity(body).ok()?;
-    Some(body.get::<Rotation>()?.0.inverse() * (place - body.get::<Position>()?.0))
-}
-
-/// Half-way between the two points that a joint holds together, world, m.
-fn place_of_joint(world: &World, ball: &BallJoint) -> Option<DVec3> {
-    let end = |entity, point| place_of(world, Picked { entity, point });
-    Some(end(ball.body_a, ball.anchor_a)?.midpoint(end(ball.body_b, ball.anchor_b)?))
+/// Half-way between the two points, world, m.
+fn place_of_joint(world: &World, joint: &JointComponent) -> Option<DVec3> {
+    let [on_a, on_b] = ends_of_joint(world, joint)?;
+    Some(on_a.midpoint(on_b))
 }

@@ -2,37 +2,31 @@
 
 use bevy::prelude::*;
 
-use crate::physics::BallJoint;
-use crate::scene::SceneEntity;
+use crate::sandbox::any_joint::IsJoint;
+use crate::scene::{JointComponent, JointParts, SceneEntity};
 
 /// A body without a shape that stands still, made by [`pin_picked`](super::pin_picked): it goes when it holds nothing.
 #[derive(Component)]
 pub struct Pin;
 
 /// The joints of the scene and of the user; not the one that drags.
-pub fn joints(world: &mut World) -> Vec<(Entity, BallJoint)> {
-    let mut joints = world.query_filtered::<(Entity, &BallJoint), With<SceneEntity>>();
-    joints.iter(world).map(|(joint, ball)| (joint, *ball)).collect()
+pub fn joints(world: &mut World) -> Vec<(Entity, JointComponent)> {
+    let mut query = world.query_filtered::<Entity, (IsJoint, With<SceneEntity>)>();
+    let joints: Vec<Entity> = query.iter(world).collect();
+    joints.into_iter().filter_map(|joint| Some((joint, JointParts::of_entity(world, joint)?.joint))).collect()
 }
 
 /// A body's own.
-pub fn joints_of(world: &mut World, body: Entity) -> Vec<(Entity, BallJoint)> {
-    let mut joints = joints(world);
-    joints.retain(|(_, ball)| ball.body_a == body || ball.body_b == body);
-    joints
+pub fn joints_of(world: &mut World, body: Entity) -> Vec<Entity> {
+    joints(world).into_iter().filter(|(_, joint)| joint.bodies().contains(&body)).map(|(entity, _)| entity).collect()
 }
 
 /// The pins that would hold nothing without these joints.
-pub fn idle_without(world: &mut World, cut: &[(Entity, BallJoint)]) -> Vec<Entity> {
-    let all = joints(world);
-    let mut idle: Vec<Entity> = cut.iter().flat_map(|(_, ball)| [ball.body_a, ball.body_b]).collect();
+pub fn idle_without(world: &mut World, cut: &[Entity]) -> Vec<Entity> {
+    let (cut, kept): (Vec<_>, Vec<_>) = joints(world).into_iter().partition(|(joint, _)| cut.contains(joint));
+    let mut idle: Vec<Entity> = cut.iter().flat_map(|(_, joint)| joint.bodies()).collect();
     idle.sort_unstable();
     idle.dedup();
-    idle.retain(|&end| {
-        let stays = |(joint, ball): &(Entity, BallJoint)| {
-            (ball.body_a == end || ball.body_b == end) && !cut.iter().any(|(gone, _)| gone == joint)
-        };
-        world.get::<Pin>(end).is_some() && !all.iter().any(stays)
-    });
+    idle.retain(|end| world.get::<Pin>(*end).is_some() && !kept.iter().any(|(_, joint)| joint.bodies().contains(end)));
     idle
 }

@@ -4,7 +4,10 @@
 //! do the same. What was asked for and makes no sense is said in a [`Notice`](super::Notice), and nothing happens.
 
 mod blueprint;
+mod changing;
+mod join_kind;
 mod joining;
+mod joint_change;
 mod joints;
 mod names;
 mod spawning;
@@ -12,7 +15,10 @@ mod undo;
 
 pub use blueprint::{Blueprint, Weight};
 pub(super) use blueprint::{choose_mesh, stem};
+pub(super) use changing::change_joint;
+pub use join_kind::JoinKind;
 pub(super) use joining::{cut, cut_picked, join_picked, pin_picked};
+pub use joint_change::JointChange;
 pub(super) use names::unique_name;
 pub(super) use spawning::spawn_body;
 pub(super) use undo::{UndoStack, delete_picked, undo};
@@ -20,5 +26,5 @@ pub(super) use undo::{UndoStack, delete_picked, undo};
 use bevy::prelude::*;
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<Blueprint>().init_resource::<UndoStack>();
+    app.init_resource::<Blueprint>().init_resource::<JoinKind>().init_resource::<UndoStack>();
 }

@@ -4,12 +4,13 @@ use std::collections::HashMap;
 
 use bevy::prelude::*;
 
+use super::joint_change::JointChange;
 use super::joints::{Pin, idle_without, joints_of};
 use super::names::name_of;
-use crate::physics::{BallJoint, RigidBody};
+use crate::physics::RigidBody;
 use crate::sandbox::state::report;
 use crate::sandbox::{Selection, drag};
-use crate::scene::{BodySpec, SceneEntity};
+use crate::scene::{BodySpec, JointParts, SceneEntity};
 
 /// How many deeds are remembered.
 const DEPTH: usize = 64;
@@ -28,8 +29,15 @@ pub enum Deed {
     Removed {
         /// What each was.
         bodies: Vec<(Entity, BodySpec)>,
-        /// The entity, its name, and what it joined.
-        joints: Vec<(Entity, Name, BallJoint)>,
+        /// The entity, its name, and what it was.
+        joints: Vec<(Entity, Name, JointParts)>,
+    },
+    /// This joint is another.
+    Changed {
+        /// Its entity.
+        joint: Entity,
+        /// What makes it what it was.
+        back: JointChange,
     },
 }
 
@@ -52,14 +60,23 @@ impl UndoStack {
         self.deeds.last().map(|(what, _)| what.as_str())
     }
 
+    /// Whether a change of that joint would be one more like the last deed.
+    pub fn goes_on(&self, joint: Entity, change: &JointChange) -> bool {
+        match self.deeds.last() {
+            Some((_, Deed::Changed { joint: last, back })) => *last == joint && back.is_alike(change),
+            _ => false,
+        }
+    }
+
     /// What came back came back as other entities: earlier deeds mean those from now on.
     fn rename(&mut self, renamed: &HashMap<Entity, Entity>) {
         let now = |entity: &mut Entity| *entity = *renamed.get(entity).unwrap_or(entity);
         for (_, deed) in &mut self.deeds {
             match deed {
                 Deed::Added(entities) => entities.iter_mut().for_each(now),
+                Deed::Changed { joint, .. } => now(joint),
                 Deed::Removed { joints, .. } => {
-                    joints.iter_mut().flat_map(|(_, _, ball)| [&mut ball.body_a, &mut ball.body_b]).for_each(now);
+                    joints.iter_mut().flat_map(|(_, _, parts)| parts.bodies_mut()).for_each(now);
                 }
             }
         }
@@ -81,10 +98,11 @@ pub fn delete_picked(world: &mut World) {
 }
 
 /// Despawns bodies and joints, and tells what they were.
-pub fn remove(world: &mut World, bodies: Vec<Entity>, joints: &[(Entity, BallJoint)]) -> Deed {
+pub fn remove(world: &mut World, bodies: Vec<Entity>, joints: &[Entity]) -> Deed {
     let bodies = bodies.into_iter().filter_map(|body| Some((body, describe(world, body)?))).collect::<Vec<_>>();
     let name = |joint| world.get::<Name>(joint).cloned().unwrap_or_default();
-    let joints: Vec<_> = joints.iter().map(|&(joint, ball)| (joint, name(joint), ball)).collect();
+    let whole = |&joint: &Entity| Some((joint, name(joint), JointParts::of_entity(world, joint)?));
+    let joints: Vec<_> = joints.iter().filter_map(whole).collect();
     let gone = joints.iter().map(|&(joint, ..)| joint).chain(bodies.iter().map(|&(body, _)| body));
     for entity in gone.collect::<Vec<_>>() {
         world.despawn(entity);
@@ -112,23 +130,25 @@ fn take_back(world: &mut World, deed: Deed) -> bool {
             !gone.contains(&true)
         }
         Deed::Removed { bodies, joints } => restore(world, bodies, joints),
+        Deed::Changed { joint, mut back } => back.write(world, joint),
     }
 }
 
 /// Spawns bodies and joints anew; a joint whose other body has gone meanwhile stays away. Tells
 /// whether anything came back.
-fn restore(world: &mut World, bodies: Vec<(Entity, BodySpec)>, joints: Vec<(Entity, Name, BallJoint)>) -> bool {
+fn restore(world: &mut World, bodies: Vec<(Entity, BodySpec)>, joints: Vec<(Entity, Name, JointParts)>) -> bool {
     let mut renamed = HashMap::new();
     for (was, body) in bodies {
         renamed.insert(was, respawn(world, &body));
     }
-    for (was, name, mut ball) in joints {
-        for end in [&mut ball.body_a, &mut ball.body_b] {
+    for (was, name, mut parts) in joints {
+        for end in parts.bodies_mut() {
             *end = *renamed.get(end).unwrap_or(end);
         }
-        let ends = [ball.body_a, ball.body_b];
-        if ends.into_iter().all(|end| world.get::<RigidBody>(end).is_some()) {
-            renamed.insert(was, world.spawn((name, SceneEntity, ball)).id());
+        if parts.bodies().into_iter().all(|end| world.get::<RigidBody>(end).is_some()) {
+            let mut joint = world.spawn((name, SceneEntity));
+            renamed.insert(was, joint.id());
+            parts.insert(&mut joint);
         }
     }
     world.resource_mut::<UndoStack>().rename(&renamed);

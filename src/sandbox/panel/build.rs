@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_egui::egui;
 
 use super::super::build::{UndoStack, stem};
-use super::super::{Blueprint, SandboxAction, Selection, Weight};
+use super::super::{Blueprint, JoinKind, SandboxAction, Selection, Weight};
 use super::buttons::{ActionButton, button_row, tooltip};
 use super::theme::Quantity;
 use crate::scene::{MeshSpec, ShapeSpec, builtin_meshes};
@@ -37,6 +37,7 @@ pub(super) fn show(
     InMut(ui): InMut<egui::Ui>,
     mut blueprint: ResMut<Blueprint>,
     mut form: Local<BuildForm>,
+    mut join: ResMut<JoinKind>,
     selection: Res<Selection>,
     undo: Res<UndoStack>,
     mut actions: MessageWriter<SandboxAction>,
@@ -81,6 +82,7 @@ pub(super) fn show(
     });
     ui.horizontal(|ui| weight(ui, &mut edited));
     blueprint.set_if_neq(edited);
+    join_kind(ui, &mut join);
 
     button_row(
         ui,
@@ -97,6 +99,19 @@ pub(super) fn show(
     if ui.add_enabled(undoes.is_some(), button).on_hover_text(tooltip(&SandboxAction::Undo)).clicked() {
         actions.write(SandboxAction::Undo);
     }
+}
+
+/// What joints are made as.
+fn join_kind(ui: &mut egui::Ui, chosen: &mut ResMut<JoinKind>) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = egui::vec2(2.0, 2.0);
+        ui.label("join by").on_hover_text("what 'Join' makes of two picked bodies");
+        for (kind, name, about) in JoinKind::ALL {
+            if ui.selectable_label(**chosen == kind, name).on_hover_text(about).clicked() {
+                chosen.set_if_neq(kind);
+            }
+        }
+    });
 }
 
 fn sizes(ui: &mut egui::Ui, shape: &mut ShapeSpec) {

@@ -8,6 +8,7 @@ mod build;
 mod buttons;
 mod chart;
 mod files;
+mod joint;
 mod playback;
 mod readouts;
 mod scenes;
@@ -23,6 +24,7 @@ pub(super) use theme::{Quantity, palette};
 use bevy::prelude::*;
 use bevy_egui::{EguiContext, EguiPrimaryContextPass, PrimaryEguiContext, egui};
 
+use super::joint_readings::ReadJoints;
 use super::state::Covered;
 use super::{ghost, gizmos, plots};
 
@@ -93,7 +95,10 @@ fn sections(ui: &mut egui::Ui, world: &mut World) -> Result<bool> {
             section(ui, world, "Ghost", false, ghost::show)?;
             section(ui, world, "Chart", false, chart::show)?;
             section(ui, world, "Solver", true, solver::show)?;
-            section(ui, world, "Selected body", true, selection::show)?;
+            let list_open = section(ui, world, "Selected body", true, selection::show)?;
+            if !list_open && !world.resource::<ReadJoints>().open.is_empty() {
+                world.resource_mut::<ReadJoints>().open.clear();
+            }
             section(ui, world, "Read-outs", true, readouts::show)?;
             section(ui, world, "World", false, world::show)?;
             Ok(plots_open)

@@ -4,34 +4,86 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_egui::egui;
 
-use super::super::{SandboxAction, Selection};
+use super::super::any_joint::{IsJoint, WholeJoint, WholeJointItem, noun};
+use super::super::joint_readings::ReadJoints;
+use super::super::{JointChange, SandboxAction, Selection};
+use super::joint;
 use super::theme::Quantity;
-use crate::physics::{BallJoint, Mass, Position, RigidBody, Velocity};
-use crate::scene::SceneEntity;
+use crate::physics::{Mass, Position, RigidBody, Rotation, Velocity};
+use crate::scene::{JointComponent, SceneEntity};
 
 /// How many joints are listed.
 const LISTED: usize = 12;
 
+/// What the section shows of bodies.
+type Bodies<'w, 's> = Query<
+    'w,
+    's,
+    (
+        Option<&'static Name>,
+        &'static RigidBody,
+        &'static Position,
+        &'static Rotation,
+        &'static Velocity,
+        Option<&'static Mass>,
+    ),
+>;
+
 pub(super) fn show(
     InMut(ui): InMut<egui::Ui>,
     selection: Res<Selection>,
-    bodies: Query<(Option<&Name>, &RigidBody, &Position, &Velocity, Option<&Mass>)>,
-    joints: Query<(Entity, &BallJoint), With<SceneEntity>>,
+    bodies: Bodies,
+    joints: Query<(Entity, WholeJoint), (IsJoint, With<SceneEntity>)>,
+    mut read: ResMut<ReadJoints>,
+    mut changing: Local<bool>,
     mut actions: MessageWriter<SandboxAction>,
 ) {
-    let Some((entity, (name, kind, position, velocity, mass))) =
-        selection.entity().and_then(|entity| Some((entity, bodies.get(entity).ok()?)))
-    else {
-        ui.weak("none: click a body in the picture");
-        return;
-    };
-    let name_of = |entity| match bodies.get(entity) {
+    let mut now = ReadJoints { open: Vec::new(), ..read.clone() };
+    *changing &= ui.input(|input| input.pointer.any_down());
+    match selection.entity().filter(|entity| bodies.contains(*entity)) {
+        None => _ = ui.weak("none: click a body in the picture"),
+        Some(body) => {
+            show_body(ui, &selection, body, &bodies, &mut actions);
+            let own = |(_, joint): &(Entity, WholeJointItem)| {
+                joint.joint.component().is_some_and(|joint| joint.bodies().contains(&body))
+            };
+            for (entity, joint) in joints.iter().filter(own).take(LISTED) {
+                let (change, cut) = show_joint(ui, body, entity, &joint, &bodies, &mut now);
+                if cut {
+                    actions.write(SandboxAction::Cut(entity));
+                }
+                if let Some(change) = change {
+                    actions.write(SandboxAction::ChangeJoint { joint: entity, change, continues: *changing });
+                    *changing = ui.input(|input| input.pointer.any_down());
+                }
+            }
+            let more = joints.iter().filter(own).count().saturating_sub(LISTED);
+            if more > 0 {
+                ui.weak(format!("and {more} more joints"));
+            }
+        }
+    }
+    read.set_if_neq(now);
+}
+
+fn name_of(bodies: &Bodies, body: Entity) -> String {
+    match bodies.get(body) {
         Ok((Some(name), ..)) if name.starts_with("world:") => "the world".into(),
         Ok((Some(name), ..)) => name.to_string(),
-        _ => entity.to_string(),
-    };
+        _ => body.to_string(),
+    }
+}
+
+fn show_body(
+    ui: &mut egui::Ui,
+    selection: &Selection,
+    body: Entity,
+    bodies: &Bodies,
+    actions: &mut MessageWriter<SandboxAction>,
+) {
+    let Ok((name, kind, position, _, velocity, mass)) = bodies.get(body) else { return };
     ui.horizontal(|ui| {
-        ui.strong(name.map_or_else(|| entity.to_string(), ToString::to_string));
+        ui.strong(name.map_or_else(|| body.to_string(), ToString::to_string));
         let kind = format!("{kind:?}").to_lowercase();
         ui.weak(match mass {
             Some(mass) => format!("{kind}, {}", Quantity::text(mass.0 * 1000.0, "g")),
@@ -44,7 +96,8 @@ pub(super) fn show(
         });
     });
     if let Some(partner) = selection.partner {
-        ui.label(format!("and {}", name_of(partner.entity))).on_hover_text("picked with Shift held, to be joined");
+        let partner = name_of(bodies, partner.entity);
+        ui.label(format!("and {partner}")).on_hover_text("picked with Shift held, to be joined");
     }
     egui::Grid::new("selected body").num_columns(2).show(ui, |ui| {
         for (label, vector, unit) in
@@ -55,19 +108,50 @@ pub(super) fn show(
             ui.end_row();
         }
     });
-    let own = joints.iter().filter(|(_, ball)| ball.body_a == entity || ball.body_b == entity);
-    for (joint, ball) in own.clone().take(LISTED) {
-        let other = if ball.body_a == entity { ball.body_b } else { ball.body_a };
-        ui.horizontal(|ui| {
-            if ui.small_button("✂ cut").on_hover_text("cut this joint").clicked() {
-                actions.write(SandboxAction::Cut(joint));
-            }
-            ui.add(egui::Label::new(format!("joined to {}", name_of(other))).truncate());
-        });
+}
+
+/// A line of the list, which opens. Tells what is to be changed, and whether the joint is to be cut.
+fn show_joint(
+    ui: &mut egui::Ui,
+    body: Entity,
+    entity: Entity,
+    joint: &WholeJointItem,
+    bodies: &Bodies,
+    read: &mut ReadJoints,
+) -> (Option<JointChange>, bool) {
+    let Some(component) = joint.joint.component() else { return (None, false) };
+    let [a, b] = component.bodies();
+    let other = name_of(bodies, if a == body { b } else { a });
+    let broken = if joint.broken.is_some() { ", broken" } else { "" };
+    let id = ui.make_persistent_id(entity);
+    let mut state = egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, false);
+    let mut cut = false;
+    let header = ui.horizontal(|ui| {
+        state.show_toggle_button(ui, egui::collapsing_header::paint_default_icon);
+        cut = ui.small_button("✂ cut").on_hover_text("cut this joint").clicked();
+        let label = egui::Label::new(format!("{} to {other}{broken}", noun(&component))).truncate();
+        if ui.add(label.sense(egui::Sense::click())).on_hover_text("click to open").clicked() {
+            state.toggle(ui);
+        }
+    });
+    let opened = state.show_body_indented(&header.response, ui, |ui| {
+        let value = value_of(joint, &component, bodies);
+        let mut plotted = read.plotted == Some(entity);
+        if ui.checkbox(&mut plotted, "plot").on_hover_text("plot its load and where it stands").changed() {
+            read.plotted = plotted.then_some(entity);
+        }
+        joint::show(ui, joint, value)
+    });
+    if opened.is_some() {
+        read.open.push(entity);
     }
-    if own.clone().nth(LISTED).is_some() {
-        ui.weak(format!("and {} more joints", own.count() - LISTED));
-    }
+    (opened.and_then(|opened| opened.inner), cut)
+}
+
+/// Where a joint stands along its axis.
+fn value_of(joint: &WholeJointItem, component: &JointComponent, bodies: &Bodies) -> Option<f64> {
+    let [Ok(a), Ok(b)] = component.bodies().map(|body| bodies.get(body)) else { return None };
+    joint.value([a, b].map(|(_, _, position, rotation, ..)| (position.0, rotation.0)))
 }
 
 fn vector_text(v: DVec3, unit: &str) -> String {

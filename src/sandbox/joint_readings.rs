@@ -1,0 +1,106 @@
+//! Joints whose load somebody looks at: those alone carry it.
+
+use bevy::prelude::*;
+
+use super::any_joint::IsJoint;
+use super::gizmos::ShownGizmos;
+use crate::physics::JointLoad;
+
+/// Joints of which the panel shows numbers.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub(super) struct ReadJoints {
+    /// Those that are open in the list.
+    pub open: Vec<Entity>,
+    /// The one that is plotted.
+    pub plotted: Option<Entity>,
+}
+
+impl ReadJoints {
+    fn contains(&self, joint: Entity) -> bool {
+        self.open.contains(&joint) || self.plotted == Some(joint)
+    }
+}
+
+/// Marks a load that is there to be looked at, and goes when nobody does.
+#[derive(Component)]
+struct LookedAt;
+
+pub(super) fn plugin(app: &mut App) {
+    app.init_resource::<ReadJoints>().add_systems(PreUpdate, switch_joint_loads);
+}
+
+fn switch_joint_loads(
+    mut commands: Commands,
+    shown: Res<ShownGizmos>,
+    read: Res<ReadJoints>,
+    without: Query<Entity, (IsJoint, Without<JointLoad>)>,
+    with: Query<Entity, (IsJoint, With<LookedAt>)>,
+) {
+    let begin = |joint: Entity| _ = commands.entity(joint).insert((JointLoad::default(), LookedAt));
+    if shown.joints {
+        without.iter().for_each(begin);
+    } else {
+        let read = read.open.iter().chain(&read.plotted).copied();
+        read.filter(|joint| without.contains(*joint)).for_each(begin);
+    }
+    if !shown.joints && (shown.is_changed() || read.is_changed()) {
+        for joint in with.iter().filter(|joint| !read.contains(*joint)) {
+            commands.entity(joint).remove::<(JointLoad, LookedAt)>();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::{BallJoint, HingeJoint};
+
+    fn switches() -> App {
+        let mut app = App::new();
+        app.init_resource::<ShownGizmos>();
+        plugin(&mut app);
+        app
+    }
+
+    fn carries_load(app: &App, joint: Entity) -> bool {
+        app.world().entity(joint).contains::<JointLoad>()
+    }
+
+    #[test]
+    fn joints_carry_their_load_only_while_shown_and_so_do_later_ones() {
+        let mut app = switches();
+        let ball = BallJoint::new(Entity::PLACEHOLDER, Entity::PLACEHOLDER);
+        let first = app.world_mut().spawn(ball).id();
+        app.update();
+        assert!(!carries_load(&app, first));
+
+        app.world_mut().resource_mut::<ShownGizmos>().joints = true;
+        app.update();
+        let second = app.world_mut().spawn(HingeJoint::new(Entity::PLACEHOLDER, Entity::PLACEHOLDER)).id();
+        app.update();
+        assert!([first, second].iter().all(|joint| carries_load(&app, *joint)));
+
+        app.world_mut().resource_mut::<ShownGizmos>().joints = false;
+        app.update();
+        assert!(![first, second].iter().any(|joint| carries_load(&app, *joint)));
+    }
+
+    #[test]
+    fn a_joint_that_the_panel_shows_carries_its_load_alone() {
+        let mut app = switches();
+        let spawn = |app: &mut App| {
+            let hinge = HingeJoint::new(Entity::PLACEHOLDER, Entity::PLACEHOLDER);
+            app.world_mut().spawn(hinge).id()
+        };
+        let joints = [spawn(&mut app), spawn(&mut app), spawn(&mut app)];
+        let own = app.world_mut().spawn((BallJoint::new(joints[0], joints[1]), JointLoad::default())).id();
+        *app.world_mut().resource_mut::<ReadJoints>() = ReadJoints { open: vec![joints[0]], plotted: Some(joints[1]) };
+        app.update();
+        assert_eq!(joints.map(|joint| carries_load(&app, joint)), [true, true, false]);
+
+        *app.world_mut().resource_mut::<ReadJoints>() = ReadJoints::default();
+        app.update();
+        assert_eq!(joints.map(|joint| carries_load(&app, joint)), [false; 3]);
+        assert!(carries_load(&app, own), "what an application added stays");
+    }
+}
