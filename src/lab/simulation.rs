@@ -9,7 +9,7 @@ use xxhash_rust::xxh3::Xxh3;
 
 use crate::physics::hash_state;
 use crate::physics::{
-    BodyState, Position, Quarantined, Rotation, SolverSettings, StepStats, Velocity, headless_app, step,
+    BodyState, JointLoad, Position, Quarantined, Rotation, SolverSettings, StepStats, Velocity, headless_app, step,
 };
 use crate::scene::{SceneSpec, SpawnedScene};
 
@@ -20,6 +20,7 @@ pub struct Simulation {
     entities: SpawnedScene,
     poses: QueryState<(&'static Position, &'static Rotation, &'static Velocity)>,
     states: Vec<BodyState>,
+    loads: Vec<JointLoad>,
 }
 
 /// A scene's bodies at one time.
@@ -31,6 +32,8 @@ pub struct Sample<'a> {
     pub time: f64,
     /// In the order of [`SceneSpec::bodies`].
     pub bodies: &'a [BodyState],
+    /// In the order of [`SceneSpec::joints`]; none unless they are [read](Simulation::read_loads).
+    pub loads: &'a [JointLoad],
 }
 
 /// A body or joint that the step has set aside.
@@ -48,7 +51,8 @@ impl Simulation {
         let mut world = std::mem::take(headless_app().world_mut());
         world.insert_resource(settings);
         let entities = scene.spawn(&mut world);
-        let mut simulation = Self { poses: world.query(), world, scene, entities, states: Vec::new() };
+        let mut simulation =
+            Self { poses: world.query(), world, scene, entities, states: Vec::new(), loads: Vec::new() };
         simulation.gather();
         simulation
     }
@@ -70,6 +74,17 @@ impl Simulation {
                 angular: velocity.angular,
             },
         ));
+        let entities = self.entities.joints.iter();
+        self.loads.clear();
+        self.loads.extend(entities.map_while(|&joint| self.world.get::<JointLoad>(joint)));
+    }
+
+    /// Has samples tell the loads of joints, from the next step on.
+    pub fn read_loads(&mut self) {
+        for &joint in &self.entities.joints {
+            self.world.entity_mut(joint).insert(JointLoad::default());
+        }
+        self.gather();
     }
 
     /// The bodies now.
@@ -78,7 +93,7 @@ impl Simulation {
         let step = world.resource::<StepStats>().steps;
         // steps/hz, not steps × (1/hz): one rounding instead of two.
         let time = step as f64 / world.resource::<SolverSettings>().hz;
-        Sample { step, time, bodies: &self.states }
+        Sample { step, time, bodies: &self.states, loads: &self.loads }
     }
 
     /// The scene it was made from.

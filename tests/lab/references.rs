@@ -33,7 +33,7 @@ fn follow(scene: &SceneSpec, times: impl Iterator<Item = f64>, mut at: impl FnMu
     for (step, time) in (0..).zip(times) {
         let mut bodies = start.clone();
         at(time, &mut bodies);
-        truth.observe(&Sample { step, time, bodies: &bodies });
+        truth.observe(&Sample { step, time, bodies: &bodies, loads: &[] });
     }
     truth
 }

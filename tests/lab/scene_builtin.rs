@@ -1,6 +1,7 @@
 //! The built-in scenes: that they are what DESIGN says, valid at both ends of every parameter, and
 //! sound at the start.
 
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::path::Path;
 
 use bevy::math::DVec3;
@@ -10,7 +11,8 @@ use plumb::physics::{
     Velocity,
 };
 use plumb::scene::{
-    BodySpec, JointSpec, MAX_BODIES, MaterialSpec, SceneEntity, SceneInfo, SceneSpec, catalog, find, load,
+    BodySpec, JointKindSpec, JointSpec, MAX_BODIES, MaterialSpec, SceneEntity, SceneInfo, SceneSpec, catalog, find,
+    load,
 };
 
 /// A built-in scene with some parameters given.
@@ -45,7 +47,7 @@ fn all_scenes_are_there_the_start_scene_first() {
     let names: Vec<_> = catalog().iter().map(|scene| scene.name).collect();
     let expected = "limbs pendulum rods chain hanging joint_grid top heavy_top incline slide_roll rolling painleve \
                     bounce spheres cradle wall stack pyramid pyramids sandwich arch card_house dominoes pile \
-                    far";
+                    far four_bar bricard andrews arm servo stop hinge_chain bridge tower car ragdolls";
     assert_eq!(names.join(" "), expected);
     for scene in catalog() {
         assert!(scene.seconds > 0.0 && !scene.about.is_empty() && !scene.truth.is_empty(), "{}", scene.name);
@@ -74,7 +76,8 @@ fn anchors_of_every_joint_coincide_at_the_start() {
         for values in corners(info) {
             let scene = info.make(&values).unwrap_or_else(|error| panic!("{error}"));
             let by_name: std::collections::HashMap<_, _> = scene.bodies.iter().map(|b| (b.name.as_str(), b)).collect();
-            for JointSpec { body_a, body_b, anchor_a, anchor_b, .. } in &scene.joints {
+            let meet = scene.joints.iter().filter(|joint| !matches!(joint.kind, JointKindSpec::Distance(_)));
+            for JointSpec { body_a, body_b, anchor_a, anchor_b, .. } in meet {
                 let gap = by_name[body_a.as_str()].point(*anchor_a) - by_name[body_b.as_str()].point(*anchor_b);
                 assert!(gap.length() <= 1e-12, "{} {values:?}: {body_a} to {body_b} {gap}", info.name);
             }
@@ -100,6 +103,10 @@ fn body_counts_are_as_designed() {
     assert_eq!(count("card_house", &[]), 15 + 1);
     assert_eq!(count("dominoes", &[]), 20 + 1);
     assert_eq!(count("painleve", &[]), 1 + 1);
+    assert_eq!(count("four_bar", &[("n", 40.0)]), 41 + 40 + 1);
+    assert_eq!(count("bridge", &[("load", 1.0)]), 30 + 2 + 1);
+    assert_eq!(count("tower", &[]), 5 * 5 + 3);
+    assert_eq!(count("ragdolls", &[("n", 10.0)]), 10 * 11 + 8 + 1);
 }
 
 #[test]
@@ -159,27 +166,31 @@ fn rods_and_chain_start_where_their_references_do() {
 
 #[test]
 fn gravity_is_as_designed() {
-    let ten = ["rods", "chain", "hanging", "joint_grid", "stack", "pyramid", "pyramids", "sandwich", "far"];
+    let ten =
+        ["rods", "chain", "hanging", "joint_grid", "stack", "pyramid", "pyramids", "sandwich", "far", "hinge_chain"];
     for info in catalog() {
         let gravity = built(info.name, &[]).gravity;
         let strength = match info.name {
-            "top" | "wall" => 0.0,
+            "top" | "wall" | "servo" | "andrews" => 0.0,
             name if ten.contains(&name) => 10.0,
             _ => 9.81,
         };
         assert!((gravity.length() - strength).abs() < 1e-14, "{}: {gravity}", info.name);
-        if info.name != "incline" {
+        if !["incline", "hinge_chain"].contains(&info.name) {
             assert_eq!(gravity, DVec3::new(0.0, -strength, 0.0), "{}", info.name);
         }
     }
     let (sin, cos) = 20_f64.to_radians().sin_cos();
     assert_eq!(built("incline", &[("theta", 20.0)]).gravity, 9.81 * DVec3::new(sin, -cos, 0.0));
+    assert_eq!(built("hinge_chain", &[]).gravity, 10.0 * FRAC_1_SQRT_2 * DVec3::new(0.0, -1.0, -1.0));
     assert_eq!(built("joint_grid", &[("tilt", 20.0)]).gravity, DVec3::new(0.0, -10.0 * cos, 10.0 * sin));
 }
 
 #[test]
 fn what_does_not_collide_by_design_has_no_layers() {
-    for name in ["pendulum", "rods", "chain", "hanging", "joint_grid", "top", "heavy_top"] {
+    let hung = ["pendulum", "rods", "chain", "hanging", "joint_grid", "top", "heavy_top"];
+    let machines = ["four_bar", "bricard", "andrews", "arm", "servo", "stop", "hinge_chain"];
+    for name in hung.into_iter().chain(machines) {
         let scene = built(name, &[]);
         let shapes: Vec<_> = scene.bodies.iter().filter(|body| body.shape.is_some()).collect();
         assert!(!shapes.is_empty() && shapes.iter().all(|body| body.layers == CollisionLayers::NONE), "{name}");
@@ -266,4 +277,32 @@ fn limbs_has_figures_a_long_chain_and_loose_things_joined_by_like_masses() {
             assert!(ratio <= 8.0, "{} to {}: {ratio}", joint.body_a, joint.body_b);
         }
     }
+}
+
+#[test]
+fn figures_have_hinged_elbows_and_knees_and_limits_at_every_joint() {
+    for (scene, figures) in [("limbs", 3), ("ragdolls", 1)] {
+        let scene = built(scene, &[]);
+        let of_limbs = |joint: &&JointSpec| joint.limits.is_some();
+        let hinged: Vec<_> = scene.joints.iter().filter(|joint| joint.kind == JointKindSpec::Hinge).collect();
+        assert_eq!(hinged.len(), 4 * figures);
+        for joint in hinged {
+            assert!(joint.body_b.ends_with("forearm") || joint.body_b.ends_with("shin"), "{}", joint.body_b);
+        }
+        // All but the three strings' two ends each and the gymnast's two grips.
+        let figure = |joint: &&JointSpec| {
+            !["string", "bar", "link"].iter().any(|word| joint.body_a.contains(word) || joint.body_b.contains(word))
+        };
+        let own = scene.joints.iter().filter(figure);
+        assert!(own.clone().count() >= 10 * figures && own.clone().all(|joint| of_limbs(&joint)));
+    }
+}
+
+#[test]
+fn a_ragdoll_is_as_heavy_and_as_tall_as_designed() {
+    let scene = built("ragdolls", &[]);
+    let parts = scene.bodies.iter().filter(|body| body.name.starts_with("doll"));
+    let mass: f64 = parts.clone().filter_map(|part| part.mass).sum();
+    assert!((mass - 70.0).abs() < 1e-12, "{mass} kg");
+    assert_eq!(parts.count(), 11);
 }

@@ -35,7 +35,7 @@ fn error_of(scene: &SceneSpec, seconds: f64, mut change: impl FnMut(f64, &mut [B
         let time = step as f64 / 100.0;
         let mut bodies = at_start(scene);
         change(time, &mut bodies);
-        truth.observe(&Sample { step, time, bodies: &bodies });
+        truth.observe(&Sample { step, time, bodies: &bodies, loads: &[] });
     }
     truth.error().expect("something to compare")
 }
@@ -288,7 +288,7 @@ fn a_ball_rests_on_the_wall_it_was_thrown_at() {
             let time = f64::from(step) / 100.0;
             let mut bodies = at_start(&scene);
             bodies[1].position.x = (start + 10.0 * time).min(stops_at);
-            truth.observe(&Sample { step: step as u64, time, bodies: &bodies });
+            truth.observe(&Sample { step: step as u64, time, bodies: &bodies, loads: &[] });
         }
         (truth.error().unwrap(), truth.further[0].error().unwrap())
     };
@@ -339,7 +339,8 @@ fn unknown_answers_are_none() {
 #[test]
 fn every_answer_belongs_to_a_scene() {
     for name in "pendulum rods chain joint_grid top heavy_top incline slide_roll rolling bounce spheres \
-                 cradle wall hanging stack pyramid pyramids sandwich painleve dominoes arch card_house far"
+                 cradle wall hanging stack pyramid pyramids sandwich painleve dominoes arch card_house far four_bar \
+                 bricard andrews arm servo stop hinge_chain bridge tower ragdolls"
         .split_whitespace()
     {
         let truth = known(&scene(name, &[("r", 1.0)].map(|p| p)[..usize::from(name == "chain")]));

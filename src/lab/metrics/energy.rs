@@ -17,7 +17,7 @@ pub struct EnergyMetrics {
     pub end: f64,
     /// Largest |E − E₀|/S over the run; S is the largest kinetic energy of the answer, or of the
     /// run where the answer does not say, or for a scene at rest its weight × its height. None
-    /// where S is 0.
+    /// where S is 0, or where motors do work.
     pub max_relative_drift: Option<f64>,
 }
 
@@ -51,6 +51,7 @@ impl EnergyMeter {
         match scale {
             EnergyScale::Known(joules) => joules,
             EnergyScale::LargestKinetic => self.kinetic_max,
+            EnergyScale::NotKept => 0.0,
             EnergyScale::WeightTimesHeight => {
                 let weight: f64 = bodies.iter().map(|body| body.mass * body.gravity.length()).sum();
                 weight * height(scene, bodies.iter().map(|body| &scene.bodies[body.index]))

@@ -2,18 +2,51 @@
 
 use std::collections::HashMap;
 
-use bevy::math::DVec3;
+use bevy::math::{DQuat, DVec3};
 
-use crate::physics::{BodyState, RigidBody};
-use crate::scene::SceneSpec;
+use crate::physics::{BodyState, DistanceLaw, RigidBody};
+use crate::scene::{JointKindSpec, JointSpec, SceneSpec};
 
 /// A rigid joint.
 struct Limb {
     bodies: [usize; 2],
     /// In the axes of the simulated bodies.
     anchors: [DVec3; 2],
+    holds: Hold,
     /// Smaller bounding diameter of the bodies that have a shape, m.
     diameter: f64,
+}
+
+/// Where the anchors may be.
+#[derive(Clone, Copy)]
+enum Hold {
+    /// At one place, but for those axes of A's frame, given in A's axes, that are not held.
+    Axes { frame: DQuat, held: DVec3 },
+    /// That far from each other.
+    Distance { min: f64, max: f64 },
+}
+
+impl Hold {
+    /// Of a joint between bodies in those rotations; none where it is a spring.
+    fn of(joint: &JointSpec, rotations: [DQuat; 2]) -> Option<Self> {
+        let held = match joint.kind {
+            JointKindSpec::Distance(DistanceLaw::Range { min, max }) => return Some(Self::Distance { min, max }),
+            JointKindSpec::Distance(DistanceLaw::Spring { .. }) => return None,
+            JointKindSpec::Generic { translations, .. } => translations.map(|held| f64::from(u8::from(held))).into(),
+            JointKindSpec::Slider => DVec3::new(0.0, 1.0, 1.0),
+            JointKindSpec::Ball | JointKindSpec::Hinge | JointKindSpec::Fixed => DVec3::ONE,
+        };
+        Some(Self::Axes { frame: joint.axes.frames(rotations)[0], held })
+    }
+
+    /// How far anchors are from where they may be, m, for the way from A's to B's in the world and A's rotation.
+    fn gap(&self, apart: DVec3, rotation: DQuat) -> f64 {
+        match *self {
+            Self::Axes { held: DVec3::ONE, .. } => apart.length(),
+            Self::Axes { frame, held } => (held * ((rotation * frame).inverse() * apart)).length(),
+            Self::Distance { min, max } => (min - apart.length()).max(apart.length() - max).max(0.0),
+        }
+    }
 }
 
 /// Watches the joints of a run.
@@ -34,7 +67,8 @@ impl JointMeter {
                 let BodyState { position, rotation, .. } = states[limb.bodies[side]];
                 position + rotation * limb.anchors[side]
             });
-            self.of_limb = self.of_limb.max(one.distance(other) / limb.diameter);
+            let gap = limb.holds.gap(other - one, states[limb.bodies[0]].rotation);
+            self.of_limb = self.of_limb.max(gap / limb.diameter);
         }
     }
 }
@@ -62,7 +96,8 @@ fn limbs(scene: &SceneSpec) -> Vec<Limb> {
             let bodies = bodies?;
             let diameter = diameter(bodies[0]).min(diameter(bodies[1]));
             let anchors = [anchor(bodies[0], joint.anchor_a), anchor(bodies[1], joint.anchor_b)];
-            Some(Limb { bodies, anchors, diameter })
+            let holds = Hold::of(joint, bodies.map(|body| scene.bodies[body].rotation))?;
+            Some(Limb { bodies, anchors, holds, diameter })
         })
         .collect()
 }

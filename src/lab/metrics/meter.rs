@@ -64,6 +64,9 @@ impl Meter {
         if statics.is_some() {
             world.init_resource::<JointForces>();
         }
+        if truth.as_ref().is_some_and(|truth| truth.reads_loads) {
+            simulation.read_loads();
+        }
         let sample = simulation.sample();
         if let Some(truth) = &mut truth {
             truth.observe(&sample);

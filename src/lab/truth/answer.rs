@@ -21,6 +21,8 @@ pub struct Truth {
     pub fails_above: Option<f64>,
     /// What the forces must add up to, in a scene at rest.
     pub statics: Option<Statics>,
+    /// Whether [`Sample::loads`] are compared.
+    pub reads_loads: bool,
     /// What else is known of the scene, each with an error of its own.
     pub further: Vec<Self>,
     summary: Summary,
@@ -57,6 +59,8 @@ pub enum EnergyScale {
     WeightTimesHeight,
     /// The run's own largest kinetic energy.
     LargestKinetic,
+    /// Motors, springs or torques do work: energy is none of the scene's errors.
+    NotKept,
 }
 
 impl Truth {
@@ -75,6 +79,7 @@ impl Truth {
             stays: false,
             fails_above: None,
             statics: None,
+            reads_loads: false,
             further: Vec::new(),
             summary,
             distance: Box::new(distance),
@@ -117,8 +122,15 @@ impl Truth {
         self
     }
 
+    /// It compares the loads of joints.
+    pub(super) fn of_loads(mut self) -> Self {
+        self.reads_loads = true;
+        self
+    }
+
     /// Something else that is known of the scene.
     pub(super) fn and(mut self, other: Self) -> Self {
+        self.reads_loads |= other.reads_loads;
         self.further.push(other);
         self
     }

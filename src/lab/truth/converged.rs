@@ -15,9 +15,9 @@ use xxhash_rust::xxh3::xxh3_64;
 
 use super::answer::{ROUNDING, Truth};
 use super::bodies::dynamic;
-use super::instant::{Instant, TIME_TOLERANCE};
+use super::instant::{Instant, TIME_TOLERANCE, Table};
 use crate::lab::simulation::{Sample, Simulation};
-use crate::physics::{BodyState, SolverSettings, StepStats};
+use crate::physics::{SolverSettings, StepStats};
 use crate::scene::SceneSpec;
 
 /// Why nothing is known of a scene's answer.
@@ -68,11 +68,7 @@ impl Marks {
     }
 
     fn instants(&self, sample: &Sample) -> Vec<Instant> {
-        let instant = |&(body, mark): &(usize, DVec3)| {
-            let BodyState { position, rotation, linear, angular } = sample.bodies[body];
-            let arm = rotation * mark;
-            Instant { time: sample.time, position: position + arm, velocity: linear + angular.cross(arm) }
-        };
+        let instant = |&(body, mark): &(usize, DVec3)| Instant::of_point(sample.time, &sample.bodies[body], mark);
         self.0.iter().map(instant).collect()
     }
 }
@@ -85,25 +81,9 @@ pub fn converged(scene: &SceneSpec, seconds: f64) -> Result<Truth, Unknown> {
     let reference = known_or_worked_out(scene, seconds.min(MOST_SECONDS))?;
     let marks = Marks::of(scene);
     let uncertainty = reference.uncertainty;
-    let mut before: Vec<Instant> = Vec::new();
-    let mut next = 0;
-    let distance = move |sample: &Sample| {
-        let now = marks.instants(sample);
-        let mut largest: Option<f64> = None;
-        while let Some(points) = reference.points.get(next)
-            && let time = (next + 1) as f64 * INTERVAL
-            && time <= sample.time + TIME_TOLERANCE
-        {
-            let distances = points
-                .iter()
-                .enumerate()
-                .map(|(mark, point)| Instant::between(before.get(mark), &now[mark], time).distance(*point));
-            largest = Some(distances.fold(largest.unwrap_or(0.0), f64::max));
-            next += 1;
-        }
-        before = now;
-        largest
-    };
+    let times = (1..).map(|n: u32| f64::from(n) * INTERVAL);
+    let mut table = Table::new(times.zip(reference.points.iter().cloned()).collect());
+    let distance = move |sample: &Sample| table.distance(marks.instants(sample));
     Ok(Truth::largest("all bodies, from where fine runs agree", "m", distance).with_uncertainty(uncertainty))
 }
 

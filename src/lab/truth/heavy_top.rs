@@ -8,7 +8,7 @@ use bevy::math::{DQuat, DVec3};
 use crate::scene::{SceneSpec, ShapeSpec};
 
 use super::answer::{Poses, Truth};
-use super::bodies::{anchor_on, dynamic};
+use super::bodies::{anchor_on, angle_between, dynamic};
 use crate::lab::simulation::Sample;
 use crate::physics::BodyState;
 
@@ -140,11 +140,6 @@ fn slow_precession(top: Top) -> Option<f64> {
     let discriminant = momentum * momentum - 4.0 * top.transverse * top.cos_tilt * top.torque;
     // The smaller root without cancellation, also for cos α = 0.
     (discriminant >= 0.0).then(|| 2.0 * top.torque / (momentum + momentum.signum() * discriminant.sqrt()))
-}
-
-/// Exact for small angles, where acos is not.
-fn angle_between(a: DVec3, b: DVec3) -> f64 {
-    a.cross(b).length().atan2(a.dot(b))
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use bevy::math::DVec3;
 
+use crate::physics::BodyState;
+
 /// A reference time this close to a step is at that step: steps × h is rounded.
 pub(super) const TIME_TOLERANCE: f64 = 1e-9;
 
@@ -14,6 +16,12 @@ pub(super) struct Instant {
 }
 
 impl Instant {
+    /// Of a point of a body, from its centre of mass in body axes.
+    pub fn of_point(time: f64, body: &BodyState, point: DVec3) -> Self {
+        let arm = body.rotation * point;
+        Self { time, position: body.position + arm, velocity: body.linear + body.angular.cross(arm) }
+    }
+
     /// The point at a time between two steps, by cubic Hermite interpolation: fourth order in
     /// the step, so that steps that miss the reference times cost no method its order.
     pub fn between(before: Option<&Self>, after: &Self, time: f64) -> DVec3 {
@@ -23,6 +31,39 @@ impl Instant {
         let r = 1.0 - s;
         r * r * ((1.0 + 2.0 * s) * before.position + s * step * before.velocity)
             + s * s * ((1.0 + 2.0 * r) * after.position - r * step * after.velocity)
+    }
+}
+
+/// Places at some times, the earliest first, and how many of them have been compared.
+pub(super) struct Table {
+    rows: Vec<(f64, Vec<DVec3>)>,
+    next: usize,
+    before: Vec<Instant>,
+}
+
+impl Table {
+    /// Times, s, each with one place for each of the points compared.
+    pub fn new(rows: Vec<(f64, Vec<DVec3>)>) -> Self {
+        Self { rows, next: 0, before: Vec::new() }
+    }
+
+    /// The largest distance of the points from their places at the times since the last call; none where there are none.
+    /// The start is the scene's own, not an answer.
+    pub fn distance(&mut self, now: Vec<Instant>) -> Option<f64> {
+        let mut largest: Option<f64> = None;
+        while let Some((time, places)) = self.rows.get(self.next)
+            && now.first().is_some_and(|instant| *time <= instant.time + TIME_TOLERANCE)
+        {
+            if *time > 0.0 {
+                let distance = |(point, place): (usize, &DVec3)| {
+                    Instant::between(self.before.get(point), &now[point], *time).distance(*place)
+                };
+                largest = Some(places.iter().enumerate().map(distance).fold(largest.unwrap_or(0.0), f64::max));
+            }
+            self.next += 1;
+        }
+        self.before = now;
+        largest
     }
 }
 

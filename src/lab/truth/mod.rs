@@ -4,25 +4,39 @@
 //! known for those parameters. Constants (masses, lengths, gravity, friction) are read from the
 //! scene, so that an answer follows its parameters.
 
+mod andrews;
 mod answer;
+mod arm;
 mod bodies;
 mod bounce;
+mod bricard;
+mod bridge;
+mod car;
 mod converged;
 mod cradle;
 mod dominoes;
 mod elliptic;
 mod far;
+mod four_bar;
 mod heavy_top;
+mod hinge_chain;
+mod hinges;
 mod incline;
 mod instant;
+mod limits;
 mod painleve;
 mod pendulum;
+mod ragdolls;
 mod rolling;
+mod servo;
 mod slide_roll;
 mod spheres;
 mod statics;
 mod stays_put;
+mod stop;
+mod table;
 mod top;
+mod tower;
 mod trajectory;
 mod wall;
 
@@ -53,6 +67,17 @@ pub fn of(scene: &SceneSpec, settings: &SolverSettings) -> Option<Truth> {
         "cradle" => cradle::truth(scene),
         "dominoes" => dominoes::truth(scene),
         "wall" => wall::truth(scene),
+        "four_bar" => four_bar::truth(scene),
+        "bricard" => bricard::truth(scene),
+        "andrews" => andrews::truth(scene),
+        "arm" => arm::truth(scene),
+        "servo" => servo::truth(scene),
+        "stop" => stop::truth(scene),
+        "hinge_chain" => hinge_chain::truth(scene),
+        "bridge" => bridge::truth(scene),
+        "tower" => tower::truth(scene),
+        "car" => car::truth(scene),
+        "ragdolls" => ragdolls::truth(scene),
         "far" => far::truth(scene, settings),
         _ => None,
     }

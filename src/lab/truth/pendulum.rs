@@ -1,14 +1,12 @@
 //! The rigid pendulum released at rest, in closed form:
 //! sin(θ/2) = k sn(ω₀ t + K, k), k = sin(θ₀/2), ω₀² = m g l/I_pivot.
 
-use std::f64::consts::TAU;
-
 use bevy::math::{DQuat, DVec3};
 
 use crate::scene::{SceneSpec, ShapeSpec};
 
 use super::answer::{EnergyScale, Poses, Truth};
-use super::bodies::{anchor_on, dynamic};
+use super::bodies::{anchor_on, dynamic, wrapped};
 use super::elliptic::{jacobi, quarter_period};
 use crate::lab::simulation::Sample;
 
@@ -95,11 +93,18 @@ impl Swing {
     pub fn angle(&self, time: f64) -> f64 {
         2.0 * (self.modulus * jacobi(self.frequency * time + self.quarter, self.complement).sn).asin()
     }
-}
 
-/// The same angle, −π to π.
-fn wrapped(angle: f64) -> f64 {
-    angle - TAU * (angle / TAU).round()
+    /// When it first is at an angle between 0 and its start, s, by bisection.
+    pub fn time_to(&self, angle: f64) -> f64 {
+        let (mut before, mut after) = (0.0, self.quarter / self.frequency);
+        loop {
+            let middle = 0.5 * (before + after);
+            if middle <= before || middle >= after {
+                return middle;
+            }
+            *(if self.angle(middle) > angle { &mut before } else { &mut after }) = middle;
+        }
+    }
 }
 
 #[cfg(test)]

@@ -7,9 +7,8 @@ use crate::scene::{SceneSpec, ShapeSpec};
 
 use super::answer::Truth;
 use super::bodies::{anchor_on, dynamic};
-use super::instant::{Instant, TIME_TOLERANCE};
+use super::instant::{Instant, Table};
 use crate::lab::simulation::Sample;
-use crate::physics::BodyState;
 
 const RODS: [(usize, &str); 3] = [
     (1, include_str!("../../../assets/reference/rods-1.csv")),
@@ -35,46 +34,24 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     } else {
         ("tip of the last rod", RODS.iter().find(|(known, _)| *known == moving.len())?.1, -anchor_on(scene, last)?)
     };
-    let (reference, uncertainty) = parse(table);
-    let mut previous: Option<Instant> = None;
-    let mut next = 0;
-    let distance = move |sample: &Sample| {
-        let instant = instant(sample, last, tracked);
-        let mut largest: Option<f64> = None;
-        while let Some((time, point)) = reference.get(next)
-            && *time <= instant.time + TIME_TOLERANCE
-        {
-            let distance = Instant::between(previous.as_ref(), &instant, *time).distance(*point);
-            // The start is the scene's own, not an answer.
-            if *time > 0.0 {
-                largest = Some(largest.unwrap_or(0.0).max(distance));
-            }
-            next += 1;
-        }
-        previous = Some(instant);
-        largest
-    };
+    let (places, uncertainty) = parse(table);
+    let mut table = Table::new(places);
+    let distance =
+        move |sample: &Sample| table.distance(vec![Instant::of_point(sample.time, &sample.bodies[last], tracked)]);
     Some(Truth::largest(name, "m", distance).with_uncertainty(uncertainty + LAST_DIGIT))
 }
 
 /// Places are given in 12 decimals: off by half of the last along two axes, m.
 const LAST_DIGIT: f64 = 0.71e-12;
 
-/// The tracked point of a body.
-fn instant(sample: &Sample, body: usize, tracked: DVec3) -> Instant {
-    let BodyState { position, rotation, linear, angular } = sample.bodies[body];
-    let arm = rotation * tracked;
-    Instant { time: sample.time, position: position + arm, velocity: linear + angular.cross(arm) }
-}
-
 /// Places by time from `t_s,x_m,y_m,z_m,uncertainty_m` with a header, and the largest uncertainty.
-fn parse(table: &str) -> (Vec<(f64, DVec3)>, f64) {
+fn parse(table: &str) -> (Vec<(f64, Vec<DVec3>)>, f64) {
     let mut uncertainty: f64 = 0.0;
     let number = |field: Option<&str>| field.and_then(|field| field.parse().ok()).expect("a table of this crate");
     let row = |line: &str| {
         let mut fields = line.split(',');
         let mut next = || number(fields.next());
-        let place = (next(), DVec3::new(next(), next(), next()));
+        let place = (next(), vec![DVec3::new(next(), next(), next())]);
         uncertainty = uncertainty.max(next());
         place
     };
@@ -92,9 +69,9 @@ mod tests {
             let (rows, uncertainty) = parse(table);
             assert!(uncertainty > 0.0 && uncertainty < 1e-9);
             assert_eq!(rows.len(), 21);
-            for (n, (time, point)) in rows.iter().enumerate() {
+            for (n, (time, places)) in rows.iter().enumerate() {
                 assert!((time - 0.1 * n as f64).abs() < 1e-12);
-                assert!(point.is_finite() && point.z == 0.0);
+                assert!(places.iter().all(|place| place.is_finite() && place.z == 0.0));
             }
         }
     }

@@ -9,7 +9,7 @@ use crate::scene::{BodySpec, JointSpec, MeshSpec, SceneInfo, SceneSpec, ShapeSpe
 
 pub(super) const LIMBS: SceneInfo = SceneInfo {
     name: "limbs",
-    about: "three figures of boxes, balls and cones on ball joints, a garland and loose things, meshes among them, to pick and drag",
+    about: "three figures of boxes, balls and cones with elbows, knees and limits, a garland and loose things, meshes among them, to pick and drag",
     truth: "joints hold, bodies come to rest",
     parameters: &[],
     seconds: 10.0,
@@ -59,8 +59,8 @@ fn add_puppet(scene: &mut SceneSpec, bar: usize) {
     let hanging =
         Side { upper_arm: DVec3::new(0.05, -1.0, 0.0), forearm: DVec3::NEG_Y, thigh: DVec3::NEG_Y, shin: DVec3::NEG_Y };
     let waving = Side { upper_arm: DVec3::new(1.0, 0.45, 0.0), forearm: DVec3::new(0.2, 1.0, 0.15), ..hanging };
-    let pelvis = DVec3::new(BAR.x - 0.7, soles_to_pelvis() + 0.03, BAR.z);
-    let figure = Figure { scene: &mut *scene, name: "ann", pelvis, facing: DQuat::IDENTITY, scale: 1.0 };
+    let pelvis = DVec3::new(BAR.x - 0.7, soles_to_pelvis(true) + 0.03, BAR.z);
+    let figure = Figure { scene: &mut *scene, name: "ann".to_owned(), pelvis, facing: DQuat::IDENTITY, scale: 1.0 };
     let clothes = Clothes([palette::RED, palette::RED, palette::BLUE, palette::YELLOW]);
     let Holds { chest, hat, .. } = figure.build([hanging, waving], clothes);
     // Two between head and arms carry the body, the third holds the head up.
@@ -84,7 +84,7 @@ fn add_puppet(scene: &mut SceneSpec, bar: usize) {
 fn add_gymnast(scene: &mut SceneSpec, bar: usize) {
     let stretched = Side { upper_arm: DVec3::Y, forearm: DVec3::Y, thigh: DVec3::NEG_Y, shin: DVec3::NEG_Y };
     let pelvis = DVec3::new(BAR.x + 0.75, 1.495, BAR.z);
-    let figure = Figure { scene: &mut *scene, name: "bo", pelvis, facing: DQuat::IDENTITY, scale: 1.0 };
+    let figure = Figure { scene: &mut *scene, name: "bo".to_owned(), pelvis, facing: DQuat::IDENTITY, scale: 1.0 };
     let clothes = Clothes([palette::TEAL, palette::TEAL, palette::SLATE, palette::ORANGE]);
     for hand in figure.build([stretched, stretched], clothes).hands {
         let (bar, hand) = (&scene.bodies[bar], &scene.bodies[hand]);
@@ -114,7 +114,7 @@ fn add_sitting_child(scene: &mut SceneSpec) {
         shin: DVec3::new(0.0, -1.0, 0.12),
     };
     let pelvis = seat + (SCALE * hip_above_seat() + 0.005) * DVec3::Y + facing * DVec3::new(0.0, 0.0, 0.08);
-    let figure = Figure { scene, name: "cy", pelvis, facing, scale: SCALE };
+    let figure = Figure { scene, name: "cy".to_owned(), pelvis, facing, scale: SCALE };
     figure.build([side, side], Clothes([palette::YELLOW, palette::GREEN, palette::PURPLE, palette::RED]));
 }
 

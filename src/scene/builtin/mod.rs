@@ -1,26 +1,33 @@
 //! The built-in scenes, one file a family. Bodies joined or stacked are made in the order in which
 //! one holds the next.
 
+mod andrews;
 mod bouncing;
+mod car;
 mod dominoes;
+mod driven;
 mod far;
 mod figure;
 mod gravity;
 mod grid;
 mod hanging;
+mod hinged;
 mod limbs;
+mod linkages;
 mod palette;
 mod pile;
+mod ragdolls;
 mod random;
 mod sliding;
 mod stacking;
 mod standing;
 mod tops;
+mod tower;
 
 use super::SceneInfo;
 
 /// Every built-in scene, the start scene first.
-pub(super) static ALL: [SceneInfo; 25] = [
+pub(super) static ALL: [SceneInfo; 36] = [
     limbs::LIMBS,
     hanging::PENDULUM,
     hanging::RODS,
@@ -46,4 +53,15 @@ pub(super) static ALL: [SceneInfo; 25] = [
     dominoes::DOMINOES,
     pile::PILE,
     far::FAR,
+    linkages::FOUR_BAR,
+    linkages::BRICARD,
+    andrews::ANDREWS,
+    driven::ARM,
+    driven::SERVO,
+    driven::STOP,
+    hinged::HINGE_CHAIN,
+    hinged::BRIDGE,
+    tower::TOWER,
+    car::CAR,
+    ragdolls::RAGDOLLS,
 ];

@@ -40,8 +40,12 @@ pub(super) const SERIES_TURN: f64 = 0.8;
 
 /// Least and largest share of its trace that is added to each block on the diagonal where rows may be redundant.
 pub(super) const SHIFTS: [f64; 2] = [1e-10, 1e-3];
-/// Iterations of the method of multipliers: each leaves ε/(σ² + ε) of the error along a singular value σ.
-pub(super) const MULTIPLIER_ITERATIONS: usize = 6;
+/// Iterations of the method of multipliers at least and at most: each leaves ε/(σ² + ε) of the error along a singular
+/// value σ. Seen by: `bricard` and `andrews`, whose order is lost with the least.
+pub(super) const MULTIPLIER_ITERATIONS: [usize; 2] = [6, 32];
+/// Share of the residual that an iteration of the method of multipliers leaves from which on it ends: rounding, or rows
+/// that contradict each other.
+pub(super) const MULTIPLIER_STALLED: f64 = 0.9;
 /// Iterations of the projection of positions at most.
 pub(super) const PROJECTION_ITERATIONS: usize = 60;
 /// Error of a joint over the length of its arms that rounding leaves.

@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::constants::{LOOSE, MULTIPLIER_ITERATIONS, SHIFTS};
+use super::constants::{LOOSE, MULTIPLIER_ITERATIONS, MULTIPLIER_STALLED, SHIFTS};
 use super::mechanism::{InverseMass, Mechanism, MechanismLink, MemberState, RowSpring};
 use crate::physics::constraint::row::{RowPair, Twist, Wrench};
 use crate::physics::joint::JointRow;
@@ -164,21 +164,37 @@ impl MechanismRows {
         self.factor.solve(&mechanism.elimination, x);
     }
 
-    /// λ ← A⁻¹ b; where A may be singular, by a few iterations of the method of multipliers from zero.
+    /// λ ← A⁻¹ b; where A may be singular, by iterations of the method of multipliers from zero, for as long as they get
+    /// nearer.
     pub fn solve(&mut self, mechanism: &Mechanism, b: &[f64], lambda: &mut Vec<f64>) {
         lambda.clear();
         lambda.extend_from_slice(b);
         self.solve_once(mechanism, lambda);
-        let turns = if mechanism.may_be_singular { MULTIPLIER_ITERATIONS } else { 1 };
+        if !mechanism.may_be_singular {
+            return;
+        }
         let mut residual = std::mem::take(&mut self.residual);
-        for _ in 1..turns {
+        let mut before = f64::INFINITY;
+        for count in 1..MULTIPLIER_ITERATIONS[1] {
             self.find_residual(mechanism, b, lambda, &mut residual);
+            let left = self.size(&residual);
+            let is_stalled = left.is_nan() || left > MULTIPLIER_STALLED * before;
+            if count >= MULTIPLIER_ITERATIONS[0] && is_stalled {
+                break;
+            }
+            before = left;
             self.solve_once(mechanism, &mut residual);
             for (lambda, more) in lambda.iter_mut().zip(&residual) {
                 *lambda += more;
             }
         }
         self.residual = residual;
+    }
+
+    /// The norm of a residual, each row by its mobility: units differ.
+    fn size(&self, residual: &[f64]) -> f64 {
+        let rows = residual.iter().zip(&self.mobility).filter(|(_, mobility)| **mobility > 0.0);
+        rows.map(|(left, mobility)| left * left / mobility).sum::<f64>().sqrt()
     }
 
     /// b − A λ.
