@@ -24,9 +24,8 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     let distance =
         move |sample: &Sample| table.distance(vec![Instant::of_point(sample.time, &sample.bodies[forearm], tip)]);
     let arm = Arm::of(scene)?;
-    let peaks: Vec<f64> = (0..arm.links.len())
-        .map(|link| rows(TABLE).map(|row| row[4 + link].abs()).fold(0.0, f64::max))
-        .collect();
+    let peaks: Vec<f64> =
+        (0..arm.links.len()).map(|link| rows(TABLE).map(|row| row[4 + link].abs()).fold(0.0, f64::max)).collect();
     let errors = move || {
         let (arm, mut before) = (arm.clone(), 0.0);
         move |sample: &Sample| {
@@ -127,7 +126,8 @@ impl Arm {
             force += own;
             torques.push((*axis, torque));
             let inner = torques.len() - 1;
-            let before = self.links.len().checked_sub(inner + 2).map_or(DQuat::IDENTITY, |place| motions[place].0.rotation);
+            let before =
+                self.links.len().checked_sub(inner + 2).map_or(DQuat::IDENTITY, |place| motions[place].0.rotation);
             at = before * link.anchors[0];
         }
         torques.reverse();

@@ -425,7 +425,8 @@ fn add_rows_of(function: &RowFunction, bodies: &[BodyState; 2], time: f64, rows:
             spring: None,
             bound: if is_bounded { Bound::Within(lower, upper) } else { Bound::None },
             is_rate: false,
-            restitution: row.restitution,
+            // Nor does what is no number bounce.
+            restitution: if row.restitution > 0.0 { row.restitution.min(1.0) } else { 0.0 },
         }
     }));
 }

@@ -6,7 +6,10 @@
 //! 2. the last have a step of their own ([`contact`]), with joints and contacts by the cone solver;
 //! 3. free bodies move in closed form ([`free`]) if no torque turns them;
 //! 4. mechanisms ([`mechanism`]) go through the integrator ([`stepper`]; [`lockstep`] and [`gauss`], [`rattle`]), whose
-//!    stages solve J M⁻¹ Jᵀ λ = b ([`rows`]), and are brought back onto their joints ([`projection`]).
+//!    stages solve J M⁻¹ Jᵀ λ = b ([`rows`]), and are brought back onto their joints ([`projection`]);
+//! 5. those some of whose rows have a bounded λ ([`row_mode`]: limits, dry friction, motors with a largest force) go from
+//!    event to event ([`event_stepper`], [`event_search`]); at each, impacts pass ([`bounded_rows`]), and an
+//!    [`active_set`] tells which rows hold from there.
 
 mod active_set;
 mod bodies;

@@ -86,6 +86,17 @@ impl SmoothTerms<'_> {
         let ((lower, upper), half) = (law.forces(told), 0.5 * self.h);
         (!self.free_rows[row]).then_some((lower * half, upper * half))
     }
+
+    /// What velocities are to gain along a row by its C at the start, m/s, where that share of errors is closed.
+    fn row_gain(&self, law: RowLaw, row: &JointRow<f64>, closed: f64) -> f64 {
+        let share = closed / self.closing;
+        match law {
+            RowLaw::Unbounded => row.error * share,
+            RowLaw::Limit(side) if row.error * side > 0.0 => row.error / self.h,
+            RowLaw::Limit(side) => side * (row.error * side * share).max(-self.correction_speed),
+            RowLaw::Boxed(..) => law.bias(row),
+        }
+    }
 }
 
 impl SmoothStep {
@@ -207,15 +218,9 @@ impl SmoothStep {
         };
         gains.clear();
         gains.extend(held.iter().map(first_gain));
-        let share = closed / given.closing;
-        let first_row_gain = |law: RowLaw, row: &JointRow<f64>| match law {
-            RowLaw::Unbounded => row.error * share,
-            RowLaw::Limit(side) if row.error * side > 0.0 => row.error / h,
-            RowLaw::Limit(side) => side * (row.error * side * share).max(-given.correction_speed),
-            RowLaw::Boxed(..) => law.bias(row),
-        };
         row_gains.clear();
-        row_gains.extend(positions.laws.iter().zip(&positions.rows).map(|(&law, row)| first_row_gain(law, row)));
+        row_gains
+            .extend(positions.laws.iter().zip(&positions.rows).map(|(&law, row)| given.row_gain(law, row, closed)));
         let mut before = f64::INFINITY;
         for _ in 0..MOST_FORECASTS {
             end.clone_from(kicked);
@@ -232,7 +237,7 @@ impl SmoothStep {
             }
             place(bodies, end);
             points.find(given.pairs, bodies, |pair| margin(pair, bodies), search);
-            if positions.is_empty() {
+            if positions.is_empty() && foreseen.iter().all(|is_foreseen| *is_foreseen) {
                 return true;
             }
             let mut worst: f64 = 0.0;
@@ -269,23 +274,21 @@ impl SmoothStep {
                 gains.extend(held[count..].iter().map(first_gain));
                 positions.impulses.contacts.resize(held.len(), Vector3::zeros());
             }
-            for (index, start) in rigid(&positions.rows) {
-                let law = positions.laws[index];
-                let is_open = match law {
-                    RowLaw::Unbounded => false,
-                    RowLaw::Limit(side) => {
-                        let is_clear = rows[index].error * side >= -FORECAST_ERROR;
-                        given.free_rows[index] || !foreseen[index] || is_clear && positions.row_impulses[index] == 0.0
-                    }
-                    RowLaw::Boxed(..) => true,
-                };
-                if is_open {
-                    continue;
+            let mended = |row: usize, start: &JointRow<f64>| {
+                let bent = rows[row].error - (start.error + rates[row] * h);
+                given.row_gain(positions.laws[row], start, closed) + bent / h
+            };
+            let is_bent = |row: &usize| match positions.laws[*row] {
+                RowLaw::Unbounded => true,
+                RowLaw::Limit(side) if foreseen[*row] && !given.free_rows[*row] => {
+                    positions.row_impulses[*row] != 0.0 || rows[*row].error * side < -FORECAST_ERROR
                 }
-                let bent = rows[index].error - (start.error + rates[index] * h);
-                let mended = first_row_gain(law, start) + bent / h;
-                worst = worst.max((mended - row_gains[index]).abs() * h);
-                row_gains[index] = mended;
+                RowLaw::Limit(_) | RowLaw::Boxed(..) => false,
+            };
+            for (row, start) in rigid(&positions.rows).filter(|(row, _)| is_bent(row)) {
+                let mended = mended(row, start);
+                worst = worst.max((mended - row_gains[row]).abs() * h);
+                row_gains[row] = mended;
             }
             if worst <= FORECAST_ERROR || worst >= 0.5 * before && worst < STALLED_ERROR {
                 return true;
