@@ -85,6 +85,10 @@ pub(super) const DUAL_ACTIVE_SETS: usize = 10;
 /// loops, in which rows may be redundant, so much that the factor keeps half its digits (`bricard`).
 pub(super) const DUAL_SHIFTS: [f64; 2] = [1e-13, 1e-7];
 
+/// Shares that are tried where these leave an error over [`DUAL_ACCEPTED`], m or rad (`four_bar` as it lies flat).
+pub(super) const DUAL_SOFTER: [f64; 3] = [1e-5, 1e-3, 1e-1];
+pub(super) const DUAL_ACCEPTED: f64 = 1e-6;
+
 /// Mobility of a row that has its impulse already: it takes no other.
 pub(super) const DUAL_LOOSE: f64 = 1e200;
 

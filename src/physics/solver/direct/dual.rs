@@ -23,7 +23,8 @@ use bevy::platform::collections::HashMap;
 use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{
-    DUAL_ACTIVE_SETS, DUAL_ERROR, DUAL_ITERATIONS, DUAL_LAG, DUAL_LOOSE, DUAL_SHIFTS, DUAL_START_ERROR,
+    DUAL_ACCEPTED, DUAL_ACTIVE_SETS, DUAL_ERROR, DUAL_ITERATIONS, DUAL_LAG, DUAL_LOOSE, DUAL_SHIFTS, DUAL_SOFTER,
+    DUAL_START_ERROR,
 };
 use super::world::{World, world_inertia};
 use crate::physics::body::Body;
@@ -98,8 +99,6 @@ pub(super) struct DualSystem {
     pub has_loops: bool,
     /// Scalar rows.
     pub row_count: usize,
-    /// Whether some row changes with time or is a spring: then every substep counts.
-    pub is_driven: bool,
     /// Where the bodies are when the substep begins: members, then partners.
     starts: Vec<MemberState>,
     /// Where they are at its end.
@@ -117,6 +116,8 @@ pub(super) struct DualSystem {
     /// Those that are in the matrix as they were asked to, before bounds.
     asked: Vec<Aim>,
     impulses: Vec<f64>,
+    /// With the least error so far.
+    best: Vec<f64>,
     residual: Vec<f64>,
     /// Impulse on B and moment about its centre of mass of each link over the step so far, whose length is `spent`, s.
     loads: Vec<Wrench<f64>>,
@@ -166,11 +167,9 @@ impl DualSystem {
         // A tree held at one point has as many joints as bodies.
         let held = entities.iter().filter(|(_, ends)| ends.iter().any(|&end| end as usize >= members.len())).count();
         let has_loops = entities.len() + usize::from(held == 0) > members.len();
-        let definitions = || links.iter().map(|link| &world.joint(link.joint).definition);
-        let is_driven = definitions().any(|joint| joint.is_driven() || joint.is_soft());
         let loads = vec![Wrench::zero(); links.len()];
         let place_of = (0..).zip(&links).map(|(place, link)| (link.joint, place)).collect();
-        Some(Self { links, place_of, couplings, has_loops, is_driven, loads, row_count: first, ..Self::default() })
+        Some(Self { links, place_of, couplings, has_loops, loads, row_count: first, ..Self::default() })
     }
 
     /// Takes the island through a substep: where its members are at its end stands in [`Self::ends`].
@@ -314,7 +313,7 @@ impl DualSystem {
             return;
         }
         let share = (terms.correction_speed * terms.h / worst).min(1.0);
-        self.assemble();
+        self.assemble(DUAL_SOFTER[0]);
         self.factor.solve(&self.couplings.elimination, &mut self.residual[..]);
         for link in &self.links {
             for index in link.first..link.first + link.count {
@@ -330,10 +329,10 @@ impl DualSystem {
         self.set_aims(terms);
     }
 
-    /// Factors A of the rows that are in it.
-    fn assemble(&mut self) {
-        let Self { links, couplings, rows, responses, aims, factor, diagonal, .. } = self;
-        let shift = DUAL_SHIFTS[usize::from(self.has_loops)];
+    /// Factors A of the rows that are in it, with at least that share of each row's mobility added to it.
+    fn assemble(&mut self, softer: f64) {
+        let Self { links, couplings, rows, responses, aims, factor, diagonal, has_loops, .. } = self;
+        let shift = DUAL_SHIFTS[usize::from(*has_loops)].max(softer);
         factor.clear(&couplings.elimination);
         for (place, link) in links.iter().enumerate() {
             let n = link.count;
@@ -367,10 +366,16 @@ impl DualSystem {
 
     /// The impulses with which all rows do what they are to.
     fn find_impulses(&mut self, world: &impl World, members: &[u32], terms: &DualTerms) {
-        self.start_impulses();
         for round in 0..DUAL_ACTIVE_SETS {
-            self.assemble();
-            self.iterate(world, members, terms);
+            // Near a pose in which rows are redundant a factor may ask for more than a substep can follow: then a softer
+            // one does.
+            for softer in 0..=DUAL_SOFTER.len() {
+                self.start_impulses();
+                self.assemble(softer.checked_sub(1).map_or(0.0, |softer| DUAL_SOFTER[softer]));
+                if self.iterate(world, members, terms) <= DUAL_ACCEPTED {
+                    break;
+                }
+            }
             // In the last rounds rows only leave: so it ends.
             if !self.mend_active_set(terms.h, 2 * round <= DUAL_ACTIVE_SETS) {
                 break;
@@ -385,12 +390,9 @@ impl DualSystem {
         }
     }
 
-    fn iterate(&mut self, world: &impl World, members: &[u32], terms: &DualTerms) {
-        for (impulse, aim) in self.impulses.iter_mut().zip(&self.aims) {
-            if let Aim::Fixed(fixed) = aim {
-                *impulse = *fixed;
-            }
-        }
+    /// Newton's iterations with the factor at hand. The largest error that is left, m or rad.
+    fn iterate(&mut self, world: &impl World, members: &[u32], terms: &DualTerms) -> f64 {
+        let mut least = f64::INFINITY;
         for iteration in 0..DUAL_ITERATIONS {
             self.set_velocities();
             // At first from the rows alone: they tell where the ends will be to second order.
@@ -400,8 +402,16 @@ impl DualSystem {
                 self.place_ends(world, terms);
             }
             let worst = self.find_residual(terms.h, is_linear);
-            if !is_linear && worst <= DUAL_ERROR {
-                return;
+            if !is_linear {
+                if worst <= DUAL_ERROR {
+                    return worst;
+                }
+                // Or else the last that was better.
+                if worst.is_nan() || worst >= least {
+                    break;
+                }
+                least = worst;
+                self.best.clone_from(&self.impulses);
             }
             self.factor.solve(&self.couplings.elimination, &mut self.residual[..]);
             for ((impulse, more), aim) in self.impulses.iter_mut().zip(&self.residual).zip(&self.aims) {
@@ -410,9 +420,13 @@ impl DualSystem {
                 }
             }
         }
+        if least.is_finite() {
+            self.impulses.clone_from(&self.best);
+        }
         self.set_velocities();
         self.drift(world, members, terms.h);
         self.place_ends(world, terms);
+        least
     }
 
     fn place_ends(&mut self, world: &impl World, terms: &DualTerms) {

@@ -60,8 +60,8 @@ impl DirectIsland {
     pub fn set_off(&mut self, world: &impl World, terms: &MotionTerms) -> bool {
         let sets_off = self.can_set_off(world, terms);
         if sets_off {
-            // What is driven or swings has its own pace, however slowly it turns.
-            let far = if self.dual.as_ref().is_some_and(|dual| dual.is_driven) { 0.0 } else { MOTION_TURN };
+            // Its motion is told to second order: fewer substeps would be felt.
+            let far = if self.dual.is_some() { 0.0 } else { MOTION_TURN };
             self.intervals = terms.substeps.for_bodies(self.members.iter().map(|&member| world.body(member)), far);
             self.moves = true;
         }
