@@ -193,15 +193,26 @@ fn law(row: &JointRow<f64>, mass: f64, force: f64, h: f64, least: f64) -> Law {
         Bound::Within(lower, upper) => (force * h).clamp(lower, upper),
         _ => force * h,
     };
-    Law {
+    let ahead = row.error + row.rate * h;
+    let mut law = Law {
         error: row.error - open,
         stiffness: JOINT_PENALTY * mass,
         bias: -allowed,
         expected,
         bound,
-        is_active: allowed * open >= 0.0 || expected != 0.0,
+        is_active: expected != 0.0 || ahead * open <= 0.0,
         ..Law::default()
+    };
+    // What its largest force cannot do alone it does not do with others.
+    if row.bound.is_boxed()
+        && let Bound::Within(lower, upper) = bound
+    {
+        let needed = mass * (allowed - row.rate);
+        if needed < lower || needed > upper {
+            (law.is_active, law.impulse) = (false, needed.clamp(lower, upper));
+        }
     }
+    law
 }
 
 impl Rows for AnyJoint {

@@ -76,7 +76,7 @@ pub(super) const TOUCHING: f64 = 1e-5;
 /// Error of a row at the end of a substep, m or rad, from which on the impulses of joints without contacts are mended
 /// again, and how often at most (`machines`: how far hinges part).
 pub(super) const DUAL_ERROR: f64 = 1e-9;
-pub(super) const DUAL_ITERATIONS: usize = 8;
+pub(super) const DUAL_ITERATIONS: usize = 12;
 
 /// How often it is told anew which limits and largest forces are met (`machines`).
 pub(super) const DUAL_ACTIVE_SETS: usize = 10;
@@ -87,12 +87,12 @@ pub(super) const DUAL_SHIFTS: [f64; 2] = [1e-13, 1e-7];
 
 /// Shares that are tried where these leave an error over [`DUAL_ACCEPTED`], m or rad (`four_bar` as it lies flat).
 pub(super) const DUAL_SOFTER: [f64; 3] = [1e-5, 1e-3, 1e-1];
-pub(super) const DUAL_ACCEPTED: f64 = 1e-6;
+pub(super) const DUAL_ACCEPTED: f64 = 1e-5;
 
 /// Mobility of a row that has its impulse already: it takes no other.
 pub(super) const DUAL_LOOSE: f64 = 1e200;
 
-/// Error of a row at the start of a step, m or rad, which somebody else left, and which is corrected in the poses alone.
+/// Error of a row at the start of a substep, m or rad, from which on it is corrected in the poses alone.
 pub(super) const DUAL_START_ERROR: f64 = 1e-7;
 
 /// Error, m or rad, from which on a motion with a largest force lags behind.

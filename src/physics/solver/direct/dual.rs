@@ -41,6 +41,9 @@ pub(super) struct DualTerms {
     /// Simulation time at its start, and its length, s.
     pub time: f64,
     pub h: f64,
+    /// For how long forces act in it, s: h, but in the first substep of all half of it, for velocities are half a substep
+    /// behind the poses from then on.
+    pub kick: f64,
     /// Fastest correction of errors that the island starts with, m/s.
     pub correction_speed: f64,
     /// Approach from which limits bounce, m/s or rad/s.
@@ -122,6 +125,7 @@ pub(super) struct DualSystem {
     /// Impulse on B and moment about its centre of mass of each link over the step so far, whose length is `spent`, s.
     loads: Vec<Wrench<f64>>,
     spent: f64,
+    last_kick: f64,
     factor: BlockLdl<f64, Triangular>,
     scratch: Vec<JointRow<f64>>,
 }
@@ -194,13 +198,11 @@ impl DualSystem {
         }
         self.place_rows(world, terms.time, false);
         self.set_mobilities(world, members, terms.h);
-        self.kick(world, members, terms.h);
+        self.kick(world, members, terms.kick);
         self.set_aims(terms);
-        if is_first {
-            self.mend_start(world, terms);
-        }
+        self.mend_start(world, terms);
         self.find_impulses(world, members, terms);
-        self.note(terms.h);
+        self.note(terms.kick);
     }
 
     /// Takes in what joints carried in the step before.
@@ -210,7 +212,7 @@ impl DualSystem {
         self.impulses.clear();
         for link in &self.links {
             let joint = world.joint(link.joint);
-            self.impulses.extend(joint.multipliers[..link.count].iter().map(|force| force * terms.h));
+            self.impulses.extend(joint.multipliers[..link.count].iter().map(|force| force * terms.kick));
         }
     }
 
@@ -299,7 +301,8 @@ impl DualSystem {
         }
     }
 
-    /// Moves members out of what rows are apart when the step begins, in their poses alone: somebody else left it.
+    /// Moves members out of what rows are apart when the substep begins, in their poses alone: somebody else left it, or a
+    /// substep that did not converge.
     fn mend_start(&mut self, world: &impl World, terms: &DualTerms) {
         let Self { rows, aims, residual, .. } = self;
         residual.clear();
@@ -369,15 +372,21 @@ impl DualSystem {
         for round in 0..DUAL_ACTIVE_SETS {
             // Near a pose in which rows are redundant a factor may ask for more than a substep can follow: then a softer
             // one does.
-            for softer in 0..=DUAL_SOFTER.len() {
-                self.start_impulses();
-                self.assemble(softer.checked_sub(1).map_or(0.0, |softer| DUAL_SOFTER[softer]));
-                if self.iterate(world, members, terms) <= DUAL_ACCEPTED {
+            let mut least = (f64::INFINITY, 0.0);
+            for softer in [0.0].into_iter().chain(DUAL_SOFTER) {
+                let left = self.solve(softer, world, members, terms);
+                if left < least.0 {
+                    least = (left, softer);
+                }
+                if left <= DUAL_ACCEPTED {
                     break;
                 }
             }
+            if least.0 > DUAL_ACCEPTED && least.1 != DUAL_SOFTER[DUAL_SOFTER.len() - 1] {
+                self.solve(least.1, world, members, terms);
+            }
             // In the last rounds rows only leave: so it ends.
-            if !self.mend_active_set(terms.h, 2 * round <= DUAL_ACTIVE_SETS) {
+            if !self.mend_active_set(terms, 2 * round <= DUAL_ACTIVE_SETS) {
                 break;
             }
         }
@@ -388,6 +397,13 @@ impl DualSystem {
         for (impulse, aim) in self.impulses.iter_mut().zip(&self.aims) {
             *impulse = if let Aim::Fixed(fixed) = aim { *fixed } else { 0.0 };
         }
+    }
+
+    /// With at least that share of mobility added. The largest error that is left, m or rad.
+    fn solve(&mut self, softer: f64, world: &impl World, members: &[u32], terms: &DualTerms) -> f64 {
+        self.start_impulses();
+        self.assemble(softer);
+        self.iterate(world, members, terms)
     }
 
     /// Newton's iterations with the factor at hand. The largest error that is left, m or rad.
@@ -492,7 +508,7 @@ impl DualSystem {
     }
 
     /// Whether some row is not as it was assumed to be.
-    fn mend_active_set(&mut self, h: f64, may_return: bool) -> bool {
+    fn mend_active_set(&mut self, &DualTerms { h, kick, .. }: &DualTerms, may_return: bool) -> bool {
         let Self { links, rows, scratch, velocities, aims, asked, impulses, .. } = self;
         let mut changed = false;
         for link in &*links {
@@ -502,7 +518,8 @@ impl DualSystem {
                 match rows[index].bound {
                     Bound::Norm { most, place: 0, count } if most.is_finite() => {
                         let group = index..index + count as usize;
-                        changed |= mend_spring(&asked[group.clone()], &mut aims[group], most * h, |k| speed(index + k));
+                        changed |=
+                            mend_spring(&asked[group.clone()], &mut aims[group], most * kick, |k| speed(index + k));
                     }
                     Bound::Within(lower, upper) => {
                         // How far it is from what it is to do: by its rate, or by its error at the end.
@@ -510,8 +527,13 @@ impl DualSystem {
                             Aim::Rate(rate) => speed(index) + rows[index].time_rate - rate,
                             _ => scratch[index].error / h,
                         };
-                        let now =
-                            bounded_aim(aims[index], asked[index], impulses[index], [lower * h, upper * h], left * h);
+                        let now = bounded_aim(
+                            aims[index],
+                            asked[index],
+                            impulses[index],
+                            [lower * kick, upper * kick],
+                            left * h,
+                        );
                         if now != aims[index] && (may_return || matches!(now, Aim::Fixed(_))) {
                             (aims[index], changed) = (now, true);
                         }
@@ -526,6 +548,7 @@ impl DualSystem {
     /// Adds the impulses to those of the step.
     fn note(&mut self, h: f64) {
         self.spent += h;
+        self.last_kick = h;
         for (link, load) in self.links.iter().zip(&mut self.loads) {
             for row in link.first..link.first + link.count {
                 *load = load.plus(&self.rows[row].jacobian.of_b(), self.impulses[row]);
@@ -542,15 +565,15 @@ impl DualSystem {
         body.has_stepped = true;
     }
 
-    /// Writes what a joint carried: the mean over the step so far, and of each row in the last substep of length h, s.
-    pub fn store(&self, index: u32, joint: &mut Joint, h: f64) {
+    /// Writes what a joint carried: the mean over the step so far, and of each row in the last substep.
+    pub fn store(&self, index: u32, joint: &mut Joint) {
         let Some(&place) = self.place_of.get(&index) else { return };
         let (link, load) = (&self.links[place as usize], &self.loads[place as usize]);
         let arm = self.starts[link.ends[1] as usize].rotation * joint.definition.frames[1].anchor;
         joint.force = load.linear / self.spent;
         joint.torque = (load.angular - arm.cross(&load.linear)) / self.spent;
         for (multiplier, impulse) in joint.multipliers.iter_mut().zip(&self.impulses[link.first..][..link.count]) {
-            *multiplier = impulse / h;
+            *multiplier = impulse / self.last_kick;
         }
     }
 }
@@ -559,11 +582,13 @@ impl DualSystem {
 fn aim_of(row: &JointRow<f64>, mobility: f64, old: f64, terms: &DualTerms) -> Aim {
     let h = terms.h;
     if let Some(constants) = row.spring {
+        let share = terms.kick / h;
         let mass = if mobility > 0.0 { 1.0 / mobility } else { 0.0 };
         let [stiffness, damping] = constants.per_mass(mass).map(|constant| constant * mass);
         let (half, quarter) = (0.5 * h * damping, 0.25 * h * h * stiffness);
-        let weight = half + quarter;
-        let bias = if weight > 0.0 { (h * stiffness * row.error + (half - quarter) * old) / weight } else { 0.0 };
+        let weight = share * (half + quarter);
+        let bias =
+            if weight > 0.0 { share * (h * stiffness * row.error + (half - quarter) * old) / weight } else { 0.0 };
         return Aim::Spring { weight, bias };
     }
     if let Some(rate) = row.rebound(h, terms.least_bounce) {

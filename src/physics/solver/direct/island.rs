@@ -388,7 +388,7 @@ impl DirectIsland {
     /// Writes what a joint carried in `h`, s.
     pub fn store_joint(&self, index: usize, joint: &mut Joint, h: f64) {
         if let Some(dual) = self.dual.as_ref().filter(|_| self.moves) {
-            dual.store(self.joints[index], joint, h);
+            dual.store(self.joints[index], joint);
             return;
         }
         match index.checked_sub(self.points) {
