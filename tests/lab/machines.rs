@@ -2,8 +2,9 @@
 
 use std::convert::Infallible;
 
-use plumb::lab::{Metrics, Plan, measure};
-use plumb::physics::SolverSettings;
+use plumb::lab::{Metrics, Plan, Simulation, measure};
+use plumb::physics::{BrokenJoint, SolverSettings};
+use plumb::scene::load;
 
 fn run(name: &str, parameters: &[(&str, f64)], settings: SolverSettings, seconds: Option<f64>) -> Metrics {
     let parameters: Vec<_> = parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
@@ -31,8 +32,8 @@ fn errors(metrics: &Metrics) -> Vec<f64> {
 fn a_four_bar_stays_a_parallelogram_through_its_flat_poses() {
     let metrics = run("four_bar", &[("n", 1.0)], accurate(240.0), Some(20.0));
     let [angle, tilt] = errors(&metrics)[..] else { panic!("two answers") };
-    assert!(angle < 1e-6 && tilt < 1e-12, "{angle:e} rad, axes {tilt:e} rad");
-    assert!(metrics.energy.max_relative_drift.unwrap() < 1e-9, "{:?}", metrics.energy);
+    assert!(angle < 1e-9 && tilt < 1e-12, "{angle:e} rad, axes {tilt:e} rad");
+    assert!(metrics.energy.max_relative_drift.unwrap() < 1e-11, "{:?}", metrics.energy);
     assert!(metrics.joint_error_max_m < 1e-12, "{:e} m", metrics.joint_error_max_m);
 }
 
@@ -44,24 +45,27 @@ fn forty_four_bars_in_a_row_move_as_one() {
     assert!(metrics.joint_error_max_m < 1e-7, "{:e} m", metrics.joint_error_max_m);
 }
 
-/// Overconstrained: one of its thirty rows follows from the others.
+/// Overconstrained: one of its thirty rows follows from the others. Where solves end before their residual does, the
+/// rods are off by 0.2 mm.
 #[test]
 fn bricards_rods_follow_their_reference() {
-    let metrics = run("bricard", &[], accurate(960.0), None);
+    let metrics = run("bricard", &[], accurate(240.0), None);
     let [centres, tilt] = errors(&metrics)[..] else { panic!("two answers") };
     assert!(centres < 1e-9 && tilt < 1e-12, "{centres:e} m, axes {tilt:e} rad");
+    assert!(metrics.energy.max_relative_drift.unwrap() < 1e-11, "{:?}", metrics.energy);
 }
 
+/// The published angles are met to 1.4e-9 rad at 10 kHz and at any rate above.
 #[test]
 fn andrews_squeezer_comes_to_the_published_angles() {
     let error = errors(&run("andrews", &[], accurate(10_000.0), None))[0];
-    assert!(error < 2e-5, "{error:e} rad");
+    assert!(error < 1e-8, "{error:e} rad");
 }
 
 #[test]
 fn an_arm_follows_what_is_prescribed_to_it() {
-    let tip = errors(&run("arm", &[], accurate(240.0), None))[0];
-    assert!(tip < 1e-8, "{tip:e} m");
+    let [tip, torques, _] = errors(&run("arm", &[], accurate(240.0), None))[..] else { panic!("three answers") };
+    assert!(tip < 1e-8 && torques < 1e-6, "{tip:e} m, {torques:e} N·m");
     let [tip, _, torques] = errors(&run("arm", &[], game(), None))[..] else { panic!("three answers") };
     assert!(tip < 1e-3 && torques < 0.02, "{tip:e} m, {torques} of the torques' peaks");
 }
@@ -78,12 +82,27 @@ fn a_servo_is_the_damped_oscillator() {
 
 #[test]
 fn a_servo_faster_than_the_steps_does_not_grow() {
-    for settings in [game(), accurate(240.0), SolverSettings::steady()] {
-        for frequency in [100.0, 1e4] {
+    let rates = [100.0, 1e4];
+    for (settings, frequencies) in
+        [(game(), &rates[..1]), (accurate(240.0), &rates), (SolverSettings::steady(), &rates)]
+    {
+        for &frequency in frequencies {
             let error = errors(&run("servo", &[("f", frequency), ("zeta", 0.7)], settings, None))[0];
             assert!(error < 1.0 + 1e-9, "{frequency} Hz: {error:e} rad");
         }
     }
+}
+
+/// An error of the time of a stop shows in the angle with twice the speed, 5 rad/s, and adds up.
+#[test]
+fn a_rod_meets_its_limit_at_its_time_and_rests_there_or_keeps_its_energy() {
+    let [angle, overshoot, torque] = errors(&run("stop", &[], accurate(240.0), None))[..] else { panic!("three") };
+    assert!(angle < 1e-10 && overshoot < 1e-10 && torque < 1e-10, "{angle:e} {overshoot:e} rad, {torque:e}");
+    // A hundred stops.
+    let metrics = run("stop", &[("e", 1.0)], accurate(240.0), Some(100.0));
+    let [angle, overshoot] = errors(&metrics)[..] else { panic!("two answers") };
+    assert!(angle < 1e-8 && overshoot < 1e-10, "{angle:e} {overshoot:e} rad");
+    assert!(metrics.energy.max_relative_drift.unwrap() < 1e-9, "{:?}", metrics.energy);
 }
 
 #[test]
@@ -116,14 +135,59 @@ fn a_towers_rods_carry_a_quarter_each() {
     }
 }
 
+/// What breaks after a second and a half, when strength has counted for half a second, of a tower at that share of its
+/// lowest rods' load.
+fn broken(settings: SolverSettings, share: f64) -> usize {
+    let weight = (5.0 * 100.0 + 20.0) * 9.81;
+    let strength = ("f".to_owned(), share * 0.25 * weight);
+    let mut simulation = Simulation::new(load("tower", &[strength]).unwrap(), settings);
+    (0..(1.5 * settings.hz) as u32).for_each(|_| simulation.step());
+    let joints = simulation.entities().joints.iter();
+    joints.filter(|&&joint| simulation.world().get::<BrokenJoint>(joint).is_some()).count()
+}
+
+#[test]
+fn a_tower_snaps_at_the_load_of_its_lowest_rods() {
+    for (settings, margin) in [(accurate(240.0), 1e-3), (game(), 0.02)] {
+        assert_eq!(broken(settings, 1.0 + margin), 0, "it stands");
+        assert!(broken(settings, 1.0 - margin) >= 4, "it snaps");
+    }
+}
+
+/// Later the ground may bear it on two wheels across from each other: how four rigid wheels share its weight is not
+/// unique, and a wheel that bears nothing spins.
+#[test]
+fn a_car_accelerates_to_rounding_by_its_motors_torques() {
+    let error = errors(&run("car", &[("sprung", 0.0), ("speed", 1000.0)], accurate(240.0), Some(1.0)))[0];
+    assert!(error < 1e-8, "{error:e} m/s");
+}
+
 #[test]
 fn a_car_accelerates_by_its_motors_torques_over_its_inertia() {
-    for speed in [1000.0, 10.0, 0.0] {
+    for speed in [1000.0, 0.0] {
         let parameters = [("sprung", 0.0), ("speed", speed)];
         let metrics = run("car", &parameters, game(), None);
         let error = errors(&metrics)[0];
         assert!(error < 0.06, "{speed} rad/s: {error} m/s");
     }
+}
+
+#[test]
+fn a_row_of_hinges_keeps_to_its_plane_and_limits_at_speed() {
+    for limit in [0.0, 45.0] {
+        let metrics = run("hinge_chain", &[("limit", limit)], game(), Some(3.0));
+        assert!(metrics.joint_error_max_m < 1e-6, "{limit}°: {:e} m", metrics.joint_error_max_m);
+        let (tilt, overshoot) = (errors(&metrics)[0], errors(&metrics).get(1).copied().unwrap_or(0.0));
+        assert!(tilt < 1e-5 && overshoot < 0.1_f64.to_radians(), "{limit}°: {tilt:e} rad, {overshoot:e} rad");
+    }
+}
+
+/// Until it lies, a second after it is dropped.
+#[test]
+fn a_ragdoll_keeps_its_joints_and_limits_to_rounding() {
+    let metrics = run("ragdolls", &[], accurate(240.0), Some(1.0));
+    let worst = errors(&metrics).into_iter().fold(metrics.joint_error_max_m, f64::max);
+    assert!(worst < 1e-8, "{worst:e} m or rad");
 }
 
 #[test]

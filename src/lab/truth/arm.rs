@@ -30,7 +30,8 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
         let (arm, mut before) = (arm.clone(), 0.0);
         move |sample: &Sample| {
             let from = std::mem::replace(&mut before, sample.time);
-            (sample.step > 0 && !sample.loads.is_empty()).then(|| arm.errors(sample, from))
+            // A method whose velocities lag starts with less than a whole step's impulse.
+            (sample.step > 1 && !sample.loads.is_empty()).then(|| arm.errors(sample, from))
         }
     };
     let (mut absolute, mut relative) = (errors.clone()(), errors());
