@@ -212,6 +212,7 @@ impl JointComponent {
     }
 
     /// A and B, to be changed.
+    #[cfg(feature = "sandbox")]
     pub fn bodies_mut(&mut self) -> [&mut Entity; 2] {
         for_kind!(self, |joint| [&mut joint.body_a, &mut joint.body_b])
     }
@@ -278,6 +279,7 @@ impl JointParts {
     }
 
     /// A and B, to be changed.
+    #[cfg(feature = "sandbox")]
     pub fn bodies_mut(&mut self) -> [&mut Entity; 2] {
         self.joint.bodies_mut()
     }
