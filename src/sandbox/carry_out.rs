@@ -5,6 +5,7 @@ use bevy::prelude::*;
 
 use super::build::UndoStack;
 use super::camera::{self, Framing};
+use super::joint_readings::ReadJoints;
 use super::motor_keys::check_keys;
 use super::watch::Watch;
 use super::{CurrentScene, Notice, Playback, SandboxAction, Selection, build, files, panel, screenshot};
@@ -90,7 +91,7 @@ fn reload_scene(world: &mut World) {
     let mut watch = Watch::on(&current.scene).with_meshes(&current.spec);
     let notice = match load(&current.scene, &current.parameters) {
         Ok(spec) => {
-            current.entities = replace_bodies(world, &spec);
+            respawn(world, &mut current.entities, &spec);
             watch = watch.with_meshes(&spec);
             current.spec = spec;
             let notice = Notice::Info(format!("reloaded {}", current.scene));
@@ -109,8 +110,15 @@ fn reload_scene(world: &mut World) {
 /// The camera stays: whoever resets wants to see the same thing again.
 fn reset(world: &mut World) {
     let Some(mut current) = world.get_resource::<CurrentScene>().cloned() else { return };
-    current.entities = replace_bodies(world, &current.spec);
+    respawn(world, &mut current.entities, &current.spec);
     world.insert_resource(current);
+}
+
+/// Spawns the same scene anew; what is plotted of it stays so.
+fn respawn(world: &mut World, entities: &mut SpawnedScene, spec: &SceneSpec) {
+    let now = replace_bodies(world, spec);
+    world.resource_mut::<ReadJoints>().follow(entities, &now);
+    *entities = now;
 }
 
 /// Despawns what the last scene and the user spawned, and spawns the scene anew.

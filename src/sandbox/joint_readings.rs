@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use super::any_joint::IsJoint;
 use super::gizmos::ShownGizmos;
 use crate::physics::JointLoad;
+use crate::scene::SpawnedScene;
 
 /// Joints of which the panel shows numbers.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
@@ -16,6 +17,12 @@ pub(super) struct ReadJoints {
 }
 
 impl ReadJoints {
+    /// The scene was spawned anew: its joints are other entities now.
+    pub fn follow(&mut self, before: &SpawnedScene, now: &SpawnedScene) {
+        let place = self.plotted.and_then(|plotted| before.joints.iter().position(|joint| *joint == plotted));
+        self.plotted = place.and_then(|place| now.joints.get(place).copied());
+    }
+
     fn contains(&self, joint: Entity) -> bool {
         self.open.contains(&joint) || self.plotted == Some(joint)
     }

@@ -209,7 +209,7 @@ fn two_picked_bodies_are_joined_where_the_second_was_clicked() {
     let error = stage.world().resource::<Diagnostics>().joint_error;
     assert!(error < 0.01, "the joint holds: {error} m apart");
     assert!(stage.position("right").distance(DVec3::new(3.0, 3.0, 0.0)) > 0.3, "the one takes the other along");
-    assert!(matches!(notice(&mut stage), Notice::Info(text) if text == "joined left to right"));
+    assert!(matches!(notice(&mut stage), Notice::Info(text) if text == "joined left to right by a ball joint"));
 }
 
 #[test]

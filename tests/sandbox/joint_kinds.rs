@@ -241,7 +241,7 @@ fn change(stage: &mut Stage, change: JointChange, continues: bool) {
 }
 
 fn speed(speed: f64) -> JointChange {
-    JointChange::Motor(Some(JointMotor::new(MotorTarget::Speed(speed))))
+    JointChange::Motor(Some(JointMotor::new(MotorTarget::Speed(speed)).with_max_force(50.0)))
 }
 
 /// The hinge's angle, rad, and rate, rad/s.

@@ -352,3 +352,84 @@ fn softness(ui: &mut egui::Ui, softness: Option<Softness>) -> Option<JointChange
     })?;
     Some(JointChange::Softness(edited))
 }
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::DVec3;
+    use bevy::prelude::*;
+
+    use super::*;
+    use crate::physics::{BallJoint, DistanceJoint, FixedJoint, HingeJoint, JointLoad, SliderJoint};
+    use crate::sandbox::any_joint::WholeJoint;
+
+    const A: Entity = Entity::PLACEHOLDER;
+
+    /// What is asked for where the pointer clicks at a place, if it does.
+    fn ask(world: &mut World, joint: Entity, click: Option<egui::Pos2>) -> Option<JointChange> {
+        let context = egui::Context::default();
+        let mut query = world.query::<WholeJoint>();
+        let item = query.get(world, joint).unwrap();
+        let mut asked = None;
+        let button = |pos, pressed| egui::Event::PointerButton {
+            pos,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: egui::Modifiers::NONE,
+        };
+        let frames = match click {
+            Some(pos) => {
+                vec![vec![egui::Event::PointerMoved(pos)], vec![button(pos, true)], vec![button(pos, false)], vec![]]
+            }
+            None => vec![vec![]; 2],
+        };
+        for events in frames {
+            let input = egui::RawInput { events, ..Default::default() };
+            let _ = context.run_ui(input, |ui| {
+                let change = show(ui, &item, Some(0.3));
+                asked = asked.take().or(change);
+            });
+        }
+        asked
+    }
+
+    fn hinge(world: &mut World) -> Entity {
+        let limits = JointLimits::range(-1.0, 1.0);
+        let motor = JointMotor::new(MotorTarget::Speed(2.0)).with_max_force(10.0);
+        let parts = (limits, motor, JointFriction(1.0), Breakable::at_force(100.0), JointLoad::default());
+        world.spawn((HingeJoint::new(A, A), parts)).id()
+    }
+
+    #[test]
+    fn what_nobody_touches_asks_for_nothing() {
+        let mut world = World::new();
+        let swing = JointLimits::swing_twist(0.5, [-0.1, 0.1], JointAxes::World(DVec3::X));
+        let joints = [
+            hinge(&mut world),
+            world.spawn((BallJoint::new(A, A), swing)).id(),
+            world.spawn((SliderJoint::new(A, A), JointLimits::range(f64::NEG_INFINITY, 1.0))).id(),
+            world.spawn(FixedJoint::new(A, A)).id(),
+            world.spawn(DistanceJoint::rod(A, A, 1.0)).id(),
+            world.spawn(DistanceJoint::range(A, A, 0.5, f64::INFINITY)).id(),
+            world.spawn(DistanceJoint::spring(A, A, 1.0, 10.0, 0.0)).id(),
+        ];
+        for joint in joints {
+            assert_eq!(ask(&mut world, joint, None), None);
+        }
+    }
+
+    #[test]
+    fn every_part_can_be_ticked_off() {
+        let mut world = World::new();
+        let joint = hinge(&mut world);
+        let clicks = (0..120).map(|row| egui::pos2(14.0, 3.0 * row as f32));
+        let asked: Vec<_> = clicks.filter_map(|click| ask(&mut world, joint, Some(click))).collect();
+        for off in [
+            JointChange::Limits(None),
+            JointChange::Motor(None),
+            JointChange::Friction(None),
+            JointChange::Strength(None),
+        ] {
+            assert!(asked.contains(&off), "{off:?} is not among {asked:?}");
+        }
+    }
+}
