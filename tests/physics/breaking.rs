@@ -55,7 +55,7 @@ fn one_of_four_rods_snaps_and_then_the_other_three() {
 #[test]
 fn a_hanging_chain_parts_at_its_one_weak_link_and_nowhere_else() {
     for settings in [awake_game(), SolverSettings::steady(), SolverSettings::accurate()] {
-        let mut world = world_with(settings.clone());
+        let mut world = world_with(settings);
         let mut above = world.spawn((RigidBody::Static, Position(DVec3::ZERO))).id();
         let mut joints = Vec::new();
         for link in 0..8 {

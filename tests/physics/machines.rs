@@ -43,7 +43,7 @@ fn rate(world: &World, joint: Entity) -> f64 {
 #[test]
 fn a_hinge_swings_about_its_axis_and_counts_its_turns() {
     for settings in methods() {
-        let (mut world, rod, joint) = rod(settings.clone(), 0.0);
+        let (mut world, rod, joint) = rod(settings, 0.0);
         // Ten radians a second, about the hinge.
         let moving = Velocity { linear: DVec3::Y * 5.0, angular: DVec3::Z * 10.0 };
         world.entity_mut(rod).insert(moving);
@@ -61,7 +61,7 @@ fn a_hinge_swings_about_its_axis_and_counts_its_turns() {
 fn a_slider_lets_a_body_along_its_axis_and_nowhere_else() {
     let along = DVec3::new(1.0, 1.0, 0.0).normalize();
     for settings in methods() {
-        let mut world = world_with(settings.clone());
+        let mut world = world_with(settings);
         let post = world.spawn((RigidBody::Static, Position(DVec3::ZERO))).id();
         let sled = body(&mut world, Collider::cuboid(0.4, 0.2, 0.3), DVec3::ZERO);
         world.entity_mut(sled).insert(CollisionLayers::NONE);
@@ -78,7 +78,7 @@ fn a_slider_lets_a_body_along_its_axis_and_nowhere_else() {
 #[test]
 fn a_fixed_joint_carries_force_and_torque() {
     for settings in methods() {
-        let mut world = world_with(settings.clone());
+        let mut world = world_with(settings);
         let post = world.spawn((RigidBody::Static, Position(DVec3::ZERO))).id();
         let arm = body(&mut world, Collider::cuboid(1.0, 0.2, 0.2), DVec3::X * 0.5);
         world.entity_mut(arm).insert((Mass(2.0), CollisionLayers::NONE));
@@ -94,7 +94,7 @@ fn a_fixed_joint_carries_force_and_torque() {
 #[test]
 fn a_limit_stops_a_rod_and_holds_its_weight() {
     for settings in methods() {
-        let (mut world, rod, joint) = rod(settings.clone(), G);
+        let (mut world, rod, joint) = rod(settings, G);
         world.entity_mut(joint).insert(JointLimits::range(-0.5, 1.0));
         run(&mut world, 3.0);
         let told = angle(&world, joint);
@@ -111,7 +111,7 @@ fn a_limit_with_restitution_throws_a_rod_back() {
     // XPBD solves once a substep, and leaves an approach to the next; the 2009 engine knows no restitution.
     let bounces = |settings: &SolverSettings| settings.method != Method::Xpbd && settings.restitution_speed.is_some();
     for settings in methods().into_iter().filter(bounces) {
-        let (mut world, rod, joint) = rod(settings.clone(), 0.0);
+        let (mut world, rod, joint) = rod(settings, 0.0);
         world.entity_mut(joint).insert(JointLimits::range(-1.0, 0.5).with_restitution(0.6));
         world.entity_mut(rod).insert(Velocity { linear: DVec3::Y * 1.0, angular: DVec3::Z * 2.0 });
         run(&mut world, 0.4);
@@ -142,7 +142,7 @@ fn limits_tell_when_they_are_reached() {
 #[test]
 fn swing_and_twist_of_a_ball_joint_stay_within_their_limits() {
     for settings in methods() {
-        let mut world = world_with(settings.clone());
+        let mut world = world_with(settings);
         let post = world.spawn((RigidBody::Static, Position(DVec3::ZERO))).id();
         let bone = body(&mut world, Collider::cuboid(1.0, 0.2, 0.1), DVec3::X * 0.5);
         world.entity_mut(bone).insert((Mass(1.0), CollisionLayers::NONE));
@@ -162,7 +162,7 @@ fn swing_and_twist_of_a_ball_joint_stay_within_their_limits() {
 #[test]
 fn a_motor_turns_at_its_speed_with_no_more_than_its_torque() {
     for settings in methods() {
-        let (mut world, _, joint) = rod(settings.clone(), 0.0);
+        let (mut world, _, joint) = rod(settings, 0.0);
         let motor = JointMotor::new(MotorTarget::Speed(2.0)).with_max_force(0.5);
         world.entity_mut(joint).insert(motor);
         run(&mut world, 0.5);
@@ -177,7 +177,7 @@ fn a_motor_turns_at_its_speed_with_no_more_than_its_torque() {
 #[test]
 fn a_servo_goes_to_its_angle_as_a_damped_oscillator() {
     for settings in methods() {
-        let (mut world, _, joint) = rod(settings.clone(), 0.0);
+        let (mut world, _, joint) = rod(settings, 0.0);
         let (frequency, damping_ratio) = (1.0, 0.5);
         let target = MotorTarget::Position { target: 1.0, frequency, damping_ratio };
         world.entity_mut(joint).insert(JointMotor::new(target));
@@ -197,7 +197,7 @@ fn a_servo_goes_to_its_angle_as_a_damped_oscillator() {
 fn a_motion_in_time_is_followed_and_tells_its_torque() {
     let motion = PrescribedMotion::Sine { mean: 0.5, amplitude: 0.5, angular_frequency: 3.0, phase: -FRAC_PI_2 };
     for settings in methods() {
-        let (mut world, _, joint) = rod(settings.clone(), 0.0);
+        let (mut world, _, joint) = rod(settings, 0.0);
         world.entity_mut(joint).insert(JointMotor::new(MotorTarget::Motion(motion)));
         run(&mut world, 1.0);
         let [expected, _, _] = motion.at_time(1.0);
@@ -213,7 +213,7 @@ fn a_motion_in_time_is_followed_and_tells_its_torque() {
 #[test]
 fn dry_friction_stops_a_rod_at_its_time_and_holds_it() {
     for settings in methods() {
-        let (mut world, rod, joint) = rod(settings.clone(), 0.0);
+        let (mut world, rod, joint) = rod(settings, 0.0);
         world.entity_mut(joint).insert(JointFriction(0.4));
         world.entity_mut(rod).insert(Velocity { linear: DVec3::Y * 0.5, angular: DVec3::Z });
         run(&mut world, 0.4);
@@ -230,7 +230,7 @@ fn dry_friction_stops_a_rod_at_its_time_and_holds_it() {
 #[test]
 fn a_rope_is_slack_until_it_is_taut_and_a_rod_is_never() {
     for settings in methods() {
-        let mut world = world_with(settings.clone());
+        let mut world = world_with(settings);
         let post = world.spawn((RigidBody::Static, Position(DVec3::ZERO))).id();
         let [roped, rodded] = [1.0, 2.0].map(|x| {
             let weight = body(&mut world, Collider::sphere(0.1), DVec3::new(x - 1.0, -0.5, x));
@@ -256,7 +256,7 @@ fn a_rope_is_slack_until_it_is_taut_and_a_rod_is_never() {
 #[test]
 fn a_spring_between_two_points_has_its_period() {
     for settings in methods() {
-        let mut world = weightless(settings.clone());
+        let mut world = weightless(settings);
         let post = world.spawn((RigidBody::Static, Position(DVec3::ZERO))).id();
         let bob = body(&mut world, Collider::sphere(0.1), DVec3::X * 1.2);
         world.entity_mut(bob).insert((Mass(2.0), CollisionLayers::NONE));
@@ -272,7 +272,7 @@ fn a_spring_between_two_points_has_its_period() {
 #[test]
 fn a_generic_joint_holds_what_it_locks() {
     for settings in methods() {
-        let mut world = world_with(settings.clone());
+        let mut world = world_with(settings);
         let post = world.spawn((RigidBody::Static, Position(DVec3::ZERO))).id();
         let plate = body(&mut world, Collider::cuboid(0.5, 0.1, 0.3), DVec3::ZERO);
         world.entity_mut(plate).insert(CollisionLayers::NONE);

@@ -333,7 +333,7 @@ impl<L: Lanes> JointBlock<L, Directions<L>> {
             rebound: Vector3::from_fn(|row, _| {
                 L::each(|lane| {
                     let input = inputs.get(lane);
-                    let rebound = input.and_then(|input| Some(input.rows[row]?.rebound(h, input.least_bounce)?));
+                    let rebound = input.and_then(|input| input.rows[row]?.rebound(h, input.least_bounce));
                     <L::Scalar as Scalar>::of(rebound.unwrap_or(0.0))
                 })
             }),
