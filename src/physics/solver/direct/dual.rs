@@ -41,9 +41,6 @@ pub(super) struct DualTerms {
     /// Simulation time at its start, and its length, s.
     pub time: f64,
     pub h: f64,
-    /// For how long forces act in it, s: h, but in the first substep of all half of it, for velocities are half a substep
-    /// behind the poses from then on.
-    pub kick: f64,
     /// Fastest correction of errors that the island starts with, m/s.
     pub correction_speed: f64,
     /// Approach from which limits bounce, m/s or rad/s.
@@ -110,6 +107,8 @@ pub(super) struct DualSystem {
     free: Vec<Twist<f64>>,
     velocities: Vec<Twist<f64>>,
     mobilities: Vec<Mobility>,
+    /// Geometric stiffness of each member.
+    stiffnesses: Vec<Matrix3<f64>>,
     rows: Vec<JointRow<f64>>,
     /// J₀ W of each row.
     responses: Vec<RowPair<f64>>,
@@ -125,7 +124,8 @@ pub(super) struct DualSystem {
     /// Impulse on B and moment about its centre of mass of each link over the step so far, whose length is `spent`, s.
     loads: Vec<Wrench<f64>>,
     spent: f64,
-    last_kick: f64,
+    /// Length of the last substep, s.
+    h: f64,
     factor: BlockLdl<f64, Triangular>,
     scratch: Vec<JointRow<f64>>,
 }
@@ -198,11 +198,11 @@ impl DualSystem {
         }
         self.place_rows(world, terms.time, false);
         self.set_mobilities(world, members, terms.h);
-        self.kick(world, members, terms.kick);
+        self.kick(world, members, terms.h);
         self.set_aims(terms);
         self.mend_start(world, terms);
         self.find_impulses(world, members, terms);
-        self.note(terms.kick);
+        self.note(terms.h);
     }
 
     /// Takes in what joints carried in the step before.
@@ -212,7 +212,7 @@ impl DualSystem {
         self.impulses.clear();
         for link in &self.links {
             let joint = world.joint(link.joint);
-            self.impulses.extend(joint.multipliers[..link.count].iter().map(|force| force * terms.kick));
+            self.impulses.extend(joint.multipliers[..link.count].iter().map(|force| force * terms.h));
         }
     }
 
@@ -233,8 +233,9 @@ impl DualSystem {
 
     /// W of each body, from the pull of the joints in the substep before.
     fn set_mobilities(&mut self, world: &impl World, members: &[u32], h: f64) {
-        let Self { links, rows, impulses, starts, mobilities, free, .. } = self;
-        let mut stiffnesses = vec![Matrix3::zeros(); members.len()];
+        let Self { links, rows, impulses, starts, mobilities, free, stiffnesses, .. } = self;
+        stiffnesses.clear();
+        stiffnesses.resize(members.len(), Matrix3::zeros());
         for link in &*links {
             let own = link.first..link.first + link.count;
             let pull: Vector3<f64> =
@@ -249,7 +250,7 @@ impl DualSystem {
         }
         mobilities.clear();
         free.clear();
-        for ((&member, stiffness), state) in members.iter().zip(&stiffnesses).zip(&*starts) {
+        for ((&member, stiffness), state) in members.iter().zip(&*stiffnesses).zip(&*starts) {
             let body = world.body(member);
             let stiffness = stiffness * h;
             let (mut inertia, mut kept) = (world_inertia(body), state.angular);
@@ -508,7 +509,7 @@ impl DualSystem {
     }
 
     /// Whether some row is not as it was assumed to be.
-    fn mend_active_set(&mut self, &DualTerms { h, kick, .. }: &DualTerms, may_return: bool) -> bool {
+    fn mend_active_set(&mut self, &DualTerms { h, .. }: &DualTerms, may_return: bool) -> bool {
         let Self { links, rows, scratch, velocities, aims, asked, impulses, .. } = self;
         let mut changed = false;
         for link in &*links {
@@ -518,8 +519,7 @@ impl DualSystem {
                 match rows[index].bound {
                     Bound::Norm { most, place: 0, count } if most.is_finite() => {
                         let group = index..index + count as usize;
-                        changed |=
-                            mend_spring(&asked[group.clone()], &mut aims[group], most * kick, |k| speed(index + k));
+                        changed |= mend_spring(&asked[group.clone()], &mut aims[group], most * h, |k| speed(index + k));
                     }
                     Bound::Within(lower, upper) => {
                         // How far it is from what it is to do: by its rate, or by its error at the end.
@@ -527,13 +527,8 @@ impl DualSystem {
                             Aim::Rate(rate) => speed(index) + rows[index].time_rate - rate,
                             _ => scratch[index].error / h,
                         };
-                        let now = bounded_aim(
-                            aims[index],
-                            asked[index],
-                            impulses[index],
-                            [lower * kick, upper * kick],
-                            left * h,
-                        );
+                        let now =
+                            bounded_aim(aims[index], asked[index], impulses[index], [lower * h, upper * h], left * h);
                         if now != aims[index] && (may_return || matches!(now, Aim::Fixed(_))) {
                             (aims[index], changed) = (now, true);
                         }
@@ -548,7 +543,7 @@ impl DualSystem {
     /// Adds the impulses to those of the step.
     fn note(&mut self, h: f64) {
         self.spent += h;
-        self.last_kick = h;
+        self.h = h;
         for (link, load) in self.links.iter().zip(&mut self.loads) {
             for row in link.first..link.first + link.count {
                 *load = load.plus(&self.rows[row].jacobian.of_b(), self.impulses[row]);
@@ -573,7 +568,7 @@ impl DualSystem {
         joint.force = load.linear / self.spent;
         joint.torque = (load.angular - arm.cross(&load.linear)) / self.spent;
         for (multiplier, impulse) in joint.multipliers.iter_mut().zip(&self.impulses[link.first..][..link.count]) {
-            *multiplier = impulse / self.last_kick;
+            *multiplier = impulse / self.h;
         }
     }
 }
@@ -582,13 +577,11 @@ impl DualSystem {
 fn aim_of(row: &JointRow<f64>, mobility: f64, old: f64, terms: &DualTerms) -> Aim {
     let h = terms.h;
     if let Some(constants) = row.spring {
-        let share = terms.kick / h;
         let mass = if mobility > 0.0 { 1.0 / mobility } else { 0.0 };
         let [stiffness, damping] = constants.per_mass(mass).map(|constant| constant * mass);
         let (half, quarter) = (0.5 * h * damping, 0.25 * h * h * stiffness);
-        let weight = share * (half + quarter);
-        let bias =
-            if weight > 0.0 { share * (h * stiffness * row.error + (half - quarter) * old) / weight } else { 0.0 };
+        let weight = half + quarter;
+        let bias = if weight > 0.0 { (h * stiffness * row.error + (half - quarter) * old) / weight } else { 0.0 };
         return Aim::Spring { weight, bias };
     }
     if let Some(rate) = row.rebound(h, terms.least_bounce) {

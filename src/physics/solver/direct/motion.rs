@@ -100,9 +100,7 @@ impl DirectIsland {
         self.has_rows = false;
         if let Some(dual) = &mut self.dual {
             let MotionTerms { correction_speed, restitution_speed: least_bounce, .. } = *terms;
-            let has_stepped = self.members.iter().any(|&member| world.body(member).has_stepped);
-            let kick = if has_stepped { h } else { 0.5 * h };
-            let terms = DualTerms { time, h, kick, correction_speed, least_bounce };
+            let terms = DualTerms { time, h, correction_speed, least_bounce };
             dual.substep(world, &self.members, &self.partners, &terms, is_first);
             return;
         }
