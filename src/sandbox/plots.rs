@@ -389,7 +389,8 @@ mod tests {
             penetration: 0.0,
             step_seconds: 0.0,
             ghost: 0.0,
-            joint: JointSample::NONE,
+            // Numbers, so that samples can be compared.
+            joint: JointSample { force: 0.0, torque: 0.0, value: 0.0 },
         }
     }
 
@@ -455,7 +456,7 @@ mod tests {
     #[test]
     fn diagnostics_exist_only_while_watched_and_the_history_has_no_gap() {
         let mut app = crate::physics::headless_app();
-        app.init_resource::<GhostDistance>();
+        app.init_resource::<GhostDistance>().init_resource::<ReadJoints>();
         plugin(&mut app);
         let frame = |app: &mut App| {
             app.world_mut().run_schedule(PreUpdate);
