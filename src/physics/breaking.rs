@@ -26,6 +26,9 @@ pub(super) fn plugin(app: &mut App) {
     app.add_systems(PhysicsSchedule, (part, watch, break_joints).chain().in_set(PhysicsSystems::Events));
 }
 
+/// Rate, rad/s or m/s, above which a joint that turns round at its limit has come to it and gone: less is rounding.
+const LEAST_RETURN: f64 = 1e-3;
+
 /// Gap, rad or m, from which on a joint has left its limit.
 const LEFT: f64 = 1e-4;
 
@@ -136,7 +139,8 @@ fn tell_limits(
                 let before = watch.rates[limit];
                 let (outwards, past) = if is_upper { (before, value - bound) } else { (-before, bound - value) };
                 // One that went back within the step carries nothing at its end.
-                let went_back = before * rate < 0.0 && outwards > 0.0 && -past < 2.0 * outwards * settings.step();
+                let went_back =
+                    before * rate < 0.0 && outwards > LEAST_RETURN && -past < 2.0 * outwards * settings.step();
                 let presses = *multiplier != 0.0 || past > 0.0 || went_back;
                 let bit = 1 << limit;
                 if presses && watch.pressed & bit == 0 {
