@@ -5,6 +5,7 @@ use bevy::math::{DQuat, DVec3};
 use super::figure::{CHEST, Clothes, DAMPING, FIGURE_PARTS, Figure, HAT, Holds, Side, hip_above_seat, soles_to_pelvis};
 use super::gravity::EARTH;
 use super::palette;
+use crate::physics::JointAxes;
 use crate::scene::{BodySpec, JointKindSpec, JointSpec, MeshSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
 pub(super) const LIMBS: SceneInfo = SceneInfo {
@@ -33,7 +34,7 @@ fn build() -> SceneSpec {
     add_loose_meshes(&mut scene);
     // On ball joints alone: beside contacts, limits part by more than a hand that drags should see.
     for joint in &mut scene.joints {
-        (joint.kind, joint.limits) = (JointKindSpec::Ball, None);
+        (joint.kind, joint.limits, joint.axes) = (JointKindSpec::Ball, None, JointAxes::World(DVec3::X));
     }
     scene.view = Some(ViewSpec { eye: DVec3::new(2.6, 2.5, 7.8), target: DVec3::new(0.8, 1.15, -0.3) });
     scene
