@@ -189,3 +189,10 @@ pub(crate) enum Geometry {
     /// A convex polyhedron.
     Hull(Arc<Hull>),
 }
+
+impl Geometry {
+    /// Whether its surface is curved, so that where it touches does not turn with it.
+    pub fn is_round(&self) -> bool {
+        matches!(self, Self::Sphere { .. } | Self::Cone { .. })
+    }
+}

@@ -6,7 +6,7 @@
 
 use nalgebra::Vector3;
 
-use super::constants::JOINT_PENALTY;
+use super::constants::{BOUND_ROUNDING, JOINT_PENALTY, LIKELY_BOUND};
 use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, bits, body_vector, halves};
 use crate::physics::body::{Body, RigidBody, world_inverse_inertia};
 use crate::physics::collision::POINTS;
@@ -203,13 +203,18 @@ fn law(row: &JointRow<f64>, mass: f64, force: f64, h: f64, least: f64) -> Law {
         is_active: expected != 0.0 || ahead * open <= 0.0,
         ..Law::default()
     };
-    // What its largest force cannot do alone it does not do with others.
+    // What takes up much of its largest force alone, or took all before, is likely to take all: from there rows get free
+    // one by one, while one that does too much at first may lift what it is to drive.
     if row.bound.is_boxed()
         && let Bound::Within(lower, upper) = bound
     {
         let needed = mass * (allowed - row.rate);
-        if needed < lower || needed > upper {
-            (law.is_active, law.impulse) = (false, needed.clamp(lower, upper));
+        let at = |share: f64| [share * lower, share * upper];
+        let ([least, most], [low, high]) = (at(LIKELY_BOUND), at(1.0 - BOUND_ROUNDING));
+        if needed < least || expected <= low {
+            (law.is_active, law.impulse) = (false, lower);
+        } else if needed > most || expected >= high {
+            (law.is_active, law.impulse) = (false, upper);
         }
     }
     law
@@ -269,9 +274,14 @@ impl Rows for AnyJoint {
         for (index, law) in self.laws.iter_mut().enumerate() {
             let of = |wrench: &Wrench<f64>| if index < 3 { wrench.linear[index] } else { wrench.angular[index - 3] };
             let (trial, impulse) = (of(&trial), of(&bounded));
-            let exceeds = (trial - impulse).abs() > if law.is_active { tolerance } else { 0.0 };
+            let exceeds = match law.bound {
+                // What is at its bound leaves it where it would do less, by however much.
+                Bound::Within(_, upper) if !law.is_active && law.impulse >= upper => trial > upper,
+                Bound::Within(lower, _) if !law.is_active && law.impulse <= lower => trial < lower,
+                _ => (trial - impulse).abs() > if law.is_active { tolerance } else { 0.0 },
+            };
             holds &= law.is_active != exceeds && (law.is_active || (impulse - law.impulse).abs() <= tolerance);
-            (law.is_active, law.impulse) = (!exceeds, if exceeds { impulse } else { trial });
+            (law.is_active, law.impulse) = (!exceeds, impulse);
         }
         holds
     }

@@ -104,3 +104,13 @@ pub(super) const DUAL_PRODUCTS: usize = 20_000;
 /// Speed of a body up to which joints without contacts are solved as at rest, m/s: their motion is told to second order,
 /// that of a step at rest to first.
 pub(super) const DUAL_REST_SPEED: f64 = 1e-3;
+
+/// Error of a joint beside contacts at the end of a substep, m or rad, from which on it is corrected in the poses alone,
+/// and how often at most (`ragdolls`: how far joints part).
+pub(super) const PROJECTION_ERROR: f64 = 1e-6;
+pub(super) const PROJECTIONS: usize = 4;
+
+/// Share of a largest force from which on a row starts at it, and rounding of one that was at it (`car`: how many
+/// iterations end).
+pub(super) const LIKELY_BOUND: f64 = 0.05;
+pub(super) const BOUND_ROUNDING: f64 = 1e-9;

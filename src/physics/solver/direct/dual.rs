@@ -24,11 +24,11 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{
     DUAL_ACCEPTED, DUAL_ACTIVE_SETS, DUAL_ERROR, DUAL_ITERATIONS, DUAL_LAG, DUAL_LOOSE, DUAL_SHIFTS, DUAL_SOFTER,
-    DUAL_START_ERROR,
+    DUAL_START_ERROR, PROJECTION_ERROR, PROJECTIONS,
 };
 use super::world::{World, world_inertia};
-use crate::physics::body::Body;
 use crate::physics::body::free_rotation::turn_freely;
+use crate::physics::body::{Body, world_inverse_inertia};
 use crate::physics::constraint::row::{RowPair, Twist, Wrench, bounded};
 use crate::physics::joint::{BodyState, Bound, Joint, JointRow};
 use crate::physics::solver::exact::{Couplings, MemberState, links_at};
@@ -107,6 +107,8 @@ pub(super) struct DualSystem {
     free: Vec<Twist<f64>>,
     velocities: Vec<Twist<f64>>,
     mobilities: Vec<Mobility>,
+    /// How far the last projection moved each member.
+    pub shifts: Vec<Twist<f64>>,
     /// Geometric stiffness of each member.
     stiffnesses: Vec<Matrix3<f64>>,
     rows: Vec<JointRow<f64>>,
@@ -185,14 +187,8 @@ impl DualSystem {
         terms: &DualTerms,
         is_first: bool,
     ) {
-        let state = |&body: &u32| {
-            let body = world.body(body);
-            let BodyState { linear, angular, .. } = BodyState::of(body);
-            let (position, rotation) = (body.position, body.rotation);
-            MemberState { position, rotation, linear: linear.into(), angular: angular.into() }
-        };
         self.starts.clear();
-        self.starts.extend(members.iter().chain(partners).map(state));
+        self.starts.extend(members.iter().chain(partners).map(|&body| state_of(world.body(body))));
         if is_first {
             self.begin(world, terms);
         }
@@ -305,6 +301,17 @@ impl DualSystem {
     /// Moves members out of what rows are apart when the substep begins, in their poses alone: somebody else left it, or a
     /// substep that did not converge.
     fn mend_start(&mut self, world: &impl World, terms: &DualTerms) {
+        let worst = self.find_gaps();
+        if worst <= DUAL_START_ERROR {
+            return;
+        }
+        self.close_gaps(DUAL_SOFTER[0], (terms.correction_speed * terms.h / worst).min(1.0));
+        self.place_rows(world, terms.time, false);
+        self.set_aims(terms);
+    }
+
+    /// What rows that are to be at a place are apart, which is left in the residual. The largest of it, m or rad.
+    fn find_gaps(&mut self) -> f64 {
         let Self { rows, aims, residual, .. } = self;
         residual.clear();
         let error = |(row, aim): (&JointRow<f64>, &Aim)| match aim {
@@ -312,25 +319,87 @@ impl DualSystem {
             _ => 0.0,
         };
         residual.extend(rows.iter().zip(&*aims).map(error));
-        let worst = residual.iter().fold(0.0, |worst: f64, error| worst.max(error.abs()));
-        if worst <= DUAL_START_ERROR {
-            return;
-        }
-        let share = (terms.correction_speed * terms.h / worst).min(1.0);
-        self.assemble(DUAL_SOFTER[0]);
+        residual.iter().fold(0.0, |worst: f64, error| worst.max(error.abs()))
+    }
+
+    /// Moves the starts by that share of what closes the gaps in the residual, the nearest by masses; with at least
+    /// so much of each row's mobility added.
+    fn close_gaps(&mut self, softer: f64, share: f64) {
+        self.assemble(softer);
         self.factor.solve(&self.couplings.elimination, &mut self.residual[..]);
         for link in &self.links {
             for index in link.first..link.first + link.count {
                 let (response, by) = (&self.responses[index], share * self.residual[index]);
                 for (end, moved) in [(0, response.of_a()), (1, response.of_b())] {
-                    let state = &mut self.starts[link.ends[end] as usize];
-                    state.position += moved.linear * by;
-                    state.turn(&(moved.angular * by));
+                    let (place, moved) = (link.ends[end] as usize, Twist::zero().plus(&moved, by));
+                    self.starts[place].position += moved.linear;
+                    self.starts[place].turn(&moved.angular);
+                    if let Some(shift) = self.shifts.get_mut(place) {
+                        *shift = shift.plus(&moved, 1.0);
+                    }
                 }
             }
         }
-        self.place_rows(world, terms.time, false);
-        self.set_aims(terms);
+    }
+
+    /// Moves the members from these states at that time, s, to where their joints hold, the nearest by masses, and
+    /// not further than so many metres or radians at once; velocities stay. They are then in [`Self::projected`], and
+    /// how far each went in [`Self::shifts`].
+    pub fn project(
+        &mut self,
+        world: &impl World,
+        states: impl Iterator<Item = MemberState>,
+        [members, partners]: [&[u32]; 2],
+        time: f64,
+        most: f64,
+    ) {
+        self.starts.clear();
+        self.starts.extend(states);
+        self.starts.extend(partners.iter().map(|&body| state_of(world.body(body))));
+        self.shifts.clear();
+        self.shifts.resize(members.len(), Twist::zero());
+        for _ in 0..PROJECTIONS {
+            self.place_rows(world, time, false);
+            self.aim_at_places(world, members);
+            let worst = self.find_gaps();
+            if worst <= PROJECTION_ERROR || !worst.is_finite() {
+                return;
+            }
+            self.close_gaps(0.0, (most / worst).min(1.0));
+        }
+    }
+
+    /// Has all that is rigid aim at its place: what a largest force keeps from it has a right to its error.
+    fn aim_at_places(&mut self, world: &impl World, members: &[u32]) {
+        let Self { links, rows, mobilities, responses, diagonal, aims, starts, .. } = self;
+        let is_placed = |row: &JointRow<f64>| {
+            let is_open = row.bound != Bound::None && row.bound.open(row.error) == row.error;
+            row.spring.is_none() && !row.is_rate && !row.bound.is_boxed() && !is_open
+        };
+        aims.clear();
+        aims.extend(rows.iter().map(|row| if is_placed(row) { Aim::Place } else { Aim::Fixed(0.0) }));
+        mobilities.clear();
+        mobilities.extend(members.iter().zip(&*starts).map(|(&member, state)| {
+            let Body { inverse_inertia_body, rotation_freedom, mass, .. } = world.body(member);
+            let inverse_inertia = world_inverse_inertia(inverse_inertia_body, &state.rotation, rotation_freedom);
+            Mobility { inverse_mass: 1.0 / mass, inverse_inertia }
+        }));
+        mobilities.resize(starts.len(), Mobility::NONE);
+        responses.clear();
+        diagonal.clear();
+        for link in &*links {
+            let [a, b] = link.ends.map(|end| &mobilities[end as usize]);
+            for row in &rows[link.first..link.first + link.count] {
+                let response = RowPair::new(a.of(&row.jacobian.of_a()), b.of(&row.jacobian.of_b()));
+                diagonal.push(row.jacobian.diagonal(&response));
+                responses.push(response);
+            }
+        }
+    }
+
+    /// A member's state after [`Self::project`].
+    pub fn projected(&self, local: usize) -> &MemberState {
+        &self.starts[local]
     }
 
     /// Factors A of the rows that are in it, with at least that share of each row's mobility added to it.
@@ -553,11 +622,7 @@ impl DualSystem {
 
     /// The state of a member at the end of the substep, written to it.
     pub fn move_on(&self, local: usize, body: &mut Body, h: f64) {
-        let MemberState { position, rotation, linear, angular } = self.ends[local];
-        (body.position, body.rotation) = (position, rotation);
-        body.linear = linear / (1.0 + body.drag.0 * h);
-        body.angular = angular / (1.0 + body.drag.1 * h);
-        body.has_stepped = true;
+        move_to(&self.ends[local], body, h);
     }
 
     /// Writes what a joint carried: the mean over the step so far, and of each row in the last substep.
@@ -571,6 +636,21 @@ impl DualSystem {
             *multiplier = impulse / self.h;
         }
     }
+}
+
+/// Writes where a substep of length `h`, s, took a body, which drag slows down there.
+pub(super) fn move_to(state: &MemberState, body: &mut Body, h: f64) {
+    let MemberState { position, rotation, linear, angular } = *state;
+    (body.position, body.rotation) = (position, rotation);
+    body.linear = linear / (1.0 + body.drag.0 * h);
+    body.angular = angular / (1.0 + body.drag.1 * h);
+    body.has_stepped = true;
+}
+
+fn state_of(body: &Body) -> MemberState {
+    let BodyState { linear, angular, .. } = BodyState::of(body);
+    let (position, rotation) = (body.position, body.rotation);
+    MemberState { position, rotation, linear: linear.into(), angular: angular.into() }
 }
 
 /// What a row is to do, whatever its bound; `old` is J of the velocities before.

@@ -95,6 +95,8 @@ pub(crate) struct DirectIsland {
     pub(super) inertias: Vec<(f64, Matrix3<f64>)>,
     /// The impulses of its joints as unknowns, where it has no contacts and some joint holds more than a point.
     pub(super) dual: Option<Box<DualSystem>>,
+    /// The same beside contacts, by which its joints are put together in the poses once all was solved for.
+    pub(super) posture: Option<Box<DualSystem>>,
     /// Bodies that do not move here but touch or hold it, global indices.
     pub(super) partners: Vec<u32>,
     /// Members, then partners, after a step that changed nothing; else empty.
@@ -113,10 +115,10 @@ impl DirectIsland {
     pub(super) fn is_analysed(&mut self, world: &impl World, time: f64) -> bool {
         if self.analysis == Analysis::Due {
             self.analysis = self.analyse(world);
-            let is_wanted = self.contacts.is_empty() && self.points < self.joints.len();
+            let is_wanted = self.points < self.joints.len();
             let parts = [&self.members[..], &self.partners, &self.joints];
-            let dual = is_wanted.then(|| DualSystem::new(world, time, parts, DUAL_PRODUCTS)).flatten();
-            self.dual = dual.map(Box::new);
+            let system = is_wanted.then(|| DualSystem::new(world, time, parts, DUAL_PRODUCTS)).flatten().map(Box::new);
+            (self.dual, self.posture) = if self.contacts.is_empty() { (system, None) } else { (None, system) };
         }
         self.analysis == Analysis::Done
     }
@@ -191,14 +193,20 @@ impl DirectIsland {
     }
 
     /// Makes the rows of contacts, of `h`, s, with impulses taken `scale` times, and hands each on with those before.
+    /// Those of which a body `stays` keep their geometry.
     pub(super) fn make_contact_rows(
         &mut self,
         world: &impl World,
         [h, scale, penalty]: [f64; 3],
+        stays: impl Fn(&Body) -> bool,
         mut resume: impl FnMut(&mut DirectContact, &DirectContact),
     ) {
         let mass: f64 = self.members.iter().map(|&member| world.body(member).mass).sum();
         for ((rows, &slot), ends) in self.contact_rows.iter_mut().zip(&self.contacts).zip(&self.ends) {
+            let pair = world.slot(slot).pair;
+            if stays(world.body(pair.a)) || stays(world.body(pair.b)) {
+                continue;
+            }
             let before = std::mem::replace(rows, contact_rows(world, slot, ends, scale));
             (rows.penalty, rows.per_step) = (penalty * mass, 1.0 / h);
             resume(rows, &before);

@@ -6,9 +6,12 @@
 //! (M + h²K_δ + Σ JᵀρJ) v = M v₀ + h f + Σ Jᵀ (λ̂ − ρ b), b = ½ h J̇v₀ for joints,
 //!
 //! M with the geometric stiffness that the step cannot resolve ([`StiffnessShares`]), so that poses end on the joints to
-//! second order; what is left of gaps is corrected by the same factor in the positions alone. Contacts keep the geometry
-//! of the start of the step, as in sweeps, unless a body turns far ([`Substeps`]). Where active-set iterations do not
-//! end they are left as they stand: a row too many or too few for a substep is corrected in the next.
+//! second order; what is left of gaps is corrected by the same factor in the positions alone. Where joints hold more than
+//! points, or have limits, their gaps are then closed by Newton's method on the poses, the nearest way by masses
+//! ([`DualSystem::project`](super::dual::DualSystem::project)). Contacts keep the geometry of the start of the step, as
+//! in sweeps, unless a body turns far ([`Substeps`]) and none of the two is round: where a wheel touches does not turn
+//! with it. Where active-set iterations do not end they are left as they stand: a row too many or too few for a substep
+//! is corrected in the next.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -16,10 +19,11 @@ use super::constants::{
     DEPTH_CORRECTION, GAP_CORRECTION, MOTION_CONTACT_PENALTY, MOTION_ITERATIONS, MOTION_PRODUCTS, MOTION_TURN,
     SHORT_ITERATIONS,
 };
-use super::dual::DualTerms;
+use super::dual::{DualTerms, move_to};
 use super::island::{DirectIsland, momentum_of, relative_motion};
-use super::rows::{Correction, halves};
+use super::rows::{Correction, body_vector, halves};
 use super::world::{World, moves_freely, world_inertia};
+use crate::physics::Geometry;
 use crate::physics::body::free_rotation::turn_freely;
 use crate::physics::body::{Body, RigidBody};
 use crate::physics::collision::fastest_approach;
@@ -27,6 +31,7 @@ use crate::physics::constraint::row::Twist;
 use crate::physics::contact::{rebound, restitution_threshold};
 use crate::physics::joint::Joint;
 use crate::physics::settings::SolverSettings;
+use crate::physics::solver::exact::MemberState;
 use crate::physics::solver::joint_tree::{StiffnessShares, add_stiffness};
 use crate::physics::solver::linear::BodyVector;
 use crate::physics::solver::substeps::{Intervals, Substeps};
@@ -61,7 +66,7 @@ impl DirectIsland {
         let sets_off = self.can_set_off(world, terms);
         if sets_off {
             // Its motion is told to second order: fewer substeps would be felt.
-            let far = if self.dual.is_some() { 0.0 } else { MOTION_TURN };
+            let far = if self.dual.is_some() || self.posture.is_some() { 0.0 } else { MOTION_TURN };
             self.intervals = terms.substeps.for_bodies(self.members.iter().map(|&member| world.body(member)), far);
             self.moves = true;
         }
@@ -105,7 +110,9 @@ impl DirectIsland {
             return;
         }
         if is_first || turns_far {
-            self.make_contact_rows(world, [h, replaces, MOTION_CONTACT_PENALTY], |_, _| {});
+            // What is round rolls: its contact does not turn with it.
+            let stays = |body: &Body| !is_first && body.geometry.as_ref().is_some_and(Geometry::is_round);
+            self.make_contact_rows(world, [h, replaces, MOTION_CONTACT_PENALTY], stays, |_, _| {});
         }
         self.make_joint_rows(world, h, |rows, before, joint| match (&mut rows.softness, &before.softness) {
             (Some(now), Some(before)) if !is_first => now.resume(before),
@@ -130,6 +137,32 @@ impl DirectIsland {
         }
         let rates = [DEPTH_CORRECTION / h, GAP_CORRECTION / h];
         self.correct(&Correction { rates, speeds: [terms.correction_speed; 2] });
+        self.put_together(world, time, terms.correction_speed, h);
+    }
+
+    /// Closes what the substep left of gaps of joints, in the poses alone.
+    fn put_together(&mut self, world: &impl World, time: f64, correction_speed: f64, h: f64) {
+        let Some(mut posture) = self.posture.take() else { return };
+        let states = self.members.iter().enumerate().map(|(local, &member)| self.end_of(local, world.body(member), h));
+        posture.project(world, states, [&self.members, &self.partners], time + h, correction_speed * h);
+        for (local, shift) in posture.shifts.iter().enumerate() {
+            let place = self.place(local);
+            self.correction[place] += body_vector(&shift.linear, &shift.angular) / h;
+        }
+        self.posture = Some(posture);
+    }
+
+    /// Where a member is after a substep of length `h`, s, that it begins so.
+    fn end_of(&self, local: usize, body: &Body, h: f64) -> MemberState {
+        let place = self.place(local);
+        let (linear, mut angular) = halves(&self.velocity[place]);
+        let (shift, turn) = halves(&self.correction[place]);
+        let mut rotation = body.rotation;
+        turn_freely(&mut rotation, &mut angular, &body.inverse_inertia_body, &body.rotation_freedom, h);
+        let mut state = MemberState { position: body.position + (linear + shift) * h, rotation, linear, angular };
+        state.turn(&(turn * h));
+        state.rotation.renormalize_fast();
+        state
     }
 
     /// Momenta, and inertias with the geometric stiffness of the impulses of joints.
@@ -166,19 +199,10 @@ impl DirectIsland {
             dual.move_on(local, body, h);
             return;
         }
-        let place = self.place(local);
-        let (linear, angular) = halves(&self.velocity[place]);
-        let (shift, turn) = halves(&self.correction[place]);
-        body.linear = linear;
-        body.angular = angular;
-        body.position += (linear + shift) * h;
-        let Body { rotation, angular, inverse_inertia_body, rotation_freedom, .. } = body;
-        turn_freely(rotation, angular, inverse_inertia_body, rotation_freedom, h);
-        body.advance(&Vector3::zeros(), &(turn * h));
-        body.rotation.renormalize_fast();
-        body.linear /= 1.0 + body.drag.0 * h;
-        body.angular /= 1.0 + body.drag.1 * h;
-        body.has_stepped = true;
+        match &self.posture {
+            Some(posture) if !self.factored.is_empty() => move_to(posture.projected(local), body, h),
+            _ => move_to(&self.end_of(local, body, h), body, h),
+        }
     }
 
     /// Has contacts go on from what the substep did.

@@ -126,11 +126,16 @@ impl DirectIsland {
             self.factored.clear();
         }
         let has_rows = std::mem::replace(&mut self.has_rows, true);
-        self.make_contact_rows(world, [step, substeps, REST_CONTACT_PENALTY], |rows, before| {
-            if has_rows {
-                rows.resume(before);
-            }
-        });
+        self.make_contact_rows(
+            world,
+            [step, substeps, REST_CONTACT_PENALTY],
+            |_| false,
+            |rows, before| {
+                if has_rows {
+                    rows.resume(before);
+                }
+            },
+        );
         self.make_joint_rows(world, step, |_, _, _| {});
         // Nothing that changes with time rests.
         self.make_any_rows(world, 0.0, [step, 0.0, f64::INFINITY], |_, _| {});
