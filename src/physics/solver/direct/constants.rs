@@ -89,6 +89,9 @@ pub(super) const DUAL_SHIFTS: [f64; 2] = [1e-13, 1e-7];
 pub(super) const DUAL_SOFTER: [f64; 3] = [1e-5, 1e-3, 1e-1];
 pub(super) const DUAL_ACCEPTED: f64 = 1e-5;
 
+/// Into how many pieces a substep is cut at most where its impulses are not found (`hinge_chain`: the crack of a whip).
+pub(super) const DUAL_PIECES: u32 = 16;
+
 /// Mobility of a row that has its impulse already: it takes no other.
 pub(super) const DUAL_LOOSE: f64 = 1e200;
 

@@ -15,6 +15,9 @@
 //!
 //! λ = −h k C₀ − ¼ h² k (y − y₋) − ½ h c (y + y₋).
 //!
+//! A substep in which a body turns so far that no λ leads there is cut into halves. The velocities that somebody gave a
+//! body are those of its poses: its first substep takes half the kick.
+//!
 //! *Bounds.* A row at its bound has that impulse and leaves the matrix; which rows are, is an active set that is mended
 //! after each solve. A motion with a largest force that lags behind comes back as fast as that force can stop it again,
 //! at √(2 a |C|) where it gives an acceleration a.
@@ -23,8 +26,8 @@ use bevy::platform::collections::HashMap;
 use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{
-    DUAL_ACCEPTED, DUAL_ACTIVE_SETS, DUAL_ERROR, DUAL_ITERATIONS, DUAL_LAG, DUAL_LOOSE, DUAL_SHIFTS, DUAL_SOFTER,
-    DUAL_START_ERROR, PROJECTION_ERROR, PROJECTIONS,
+    DUAL_ACCEPTED, DUAL_ACTIVE_SETS, DUAL_ERROR, DUAL_ITERATIONS, DUAL_LAG, DUAL_LOOSE, DUAL_PIECES, DUAL_SHIFTS,
+    DUAL_SOFTER, DUAL_START_ERROR, PROJECTION_ERROR, PROJECTIONS,
 };
 use super::world::{World, world_inertia};
 use crate::physics::body::free_rotation::turn_freely;
@@ -126,8 +129,8 @@ pub(super) struct DualSystem {
     /// Impulse on B and moment about its centre of mass of each link over the step so far, whose length is `spent`, s.
     loads: Vec<Wrench<f64>>,
     spent: f64,
-    /// Length of the last substep, s.
-    h: f64,
+    /// λ of each row in the last piece.
+    forces: Vec<f64>,
     factor: BlockLdl<f64, Triangular>,
     scratch: Vec<JointRow<f64>>,
 }
@@ -190,26 +193,85 @@ impl DualSystem {
         self.starts.clear();
         self.starts.extend(members.iter().chain(partners).map(|&body| state_of(world.body(body))));
         if is_first {
-            self.begin(world, terms);
+            self.begin(world);
         }
-        self.place_rows(world, terms.time, false);
-        self.set_mobilities(world, members, terms.h);
-        self.kick(world, members, terms.h);
-        self.set_aims(terms);
+        // Velocities that somebody gave are those of the poses, half a substep before the ones sought for.
+        let is_launch = is_first && members.iter().all(|&member| !world.body(member).has_stepped);
+        let (mut done, mut pieces) = (0, 1);
+        while done < pieces {
+            let h = terms.h / f64::from(pieces);
+            let kick = if is_launch && done == 0 { 0.5 * h } else { h };
+            let terms = DualTerms { time: terms.time + h * f64::from(done), h, ..*terms };
+            if !self.take_piece(world, members, &terms, kick) {
+                // What turns too far for one is cut in two.
+                if pieces < DUAL_PIECES {
+                    (done, pieces) = (2 * done, 2 * pieces);
+                    continue;
+                }
+                self.take_piece_by_velocities(world, members, &terms, kick);
+            }
+            done += 1;
+            if done < pieces {
+                self.starts.clone_from(&self.ends);
+            }
+        }
+    }
+
+    /// Takes the states from the starts to the ends, with forces that act for `kick`, s. Whether impulses were found.
+    fn take_piece(&mut self, world: &impl World, members: &[u32], terms: &DualTerms, kick: f64) -> bool {
+        self.set_off(world, members, terms, kick);
         self.mend_start(world, terms);
-        self.find_impulses(world, members, terms);
-        self.note(terms.h);
+        let is_solved = self.find_impulses(world, members, terms) <= DUAL_ACCEPTED;
+        if is_solved {
+            self.note(terms.h, kick);
+        }
+        is_solved
+    }
+
+    /// The same where no impulses along the rows as they start lead to joints that hold, as the piece turns them too far:
+    /// velocities that keep to the rows, with which energy does not grow, and poses that are put together after them.
+    fn take_piece_by_velocities(&mut self, world: &impl World, members: &[u32], terms: &DualTerms, kick: f64) {
+        self.set_off(world, members, terms, kick);
+        for row in &mut self.rows {
+            // Gaps alone may be closed; what is apart is put together in the poses.
+            (row.velocity_term, row.error) = (0.0, row.bound.open(row.error));
+        }
+        for _ in 0..DUAL_ACTIVE_SETS {
+            self.start_impulses();
+            self.assemble(if self.has_loops { DUAL_SOFTER[0] } else { 0.0 });
+            self.set_velocities();
+            self.find_residual(terms.h, true);
+            self.take_correction();
+            self.set_velocities();
+            if !self.mend_active_set(terms, false) {
+                break;
+            }
+        }
+        self.note(terms.h, kick);
+        self.drift(world, members, terms.h);
+        self.starts.clone_from(&self.ends);
+        self.shifts.clear();
+        self.put_together(world, members, terms.time + terms.h, terms.correction_speed * terms.h);
+        self.ends.clone_from(&self.starts);
+    }
+
+    /// The rows at the start, what they are to do, and the velocities without them.
+    fn set_off(&mut self, world: &impl World, members: &[u32], terms: &DualTerms, kick: f64) {
+        self.place_rows(world, terms.time, false);
+        self.set_mobilities(world, members, kick);
+        self.kick(world, members, kick);
+        self.set_aims(terms);
     }
 
     /// Takes in what joints carried in the step before.
-    fn begin(&mut self, world: &impl World, terms: &DualTerms) {
+    fn begin(&mut self, world: &impl World) {
         self.spent = 0.0;
         self.loads.fill(Wrench::zero());
-        self.impulses.clear();
+        self.forces.clear();
         for link in &self.links {
-            let joint = world.joint(link.joint);
-            self.impulses.extend(joint.multipliers[..link.count].iter().map(|force| force * terms.h));
+            self.forces.extend(&world.joint(link.joint).multipliers[..link.count]);
         }
+        self.impulses.clone_from(&self.forces);
     }
 
     /// The rows at the start or at the end of the substep.
@@ -229,13 +291,13 @@ impl DualSystem {
 
     /// W of each body, from the pull of the joints in the substep before.
     fn set_mobilities(&mut self, world: &impl World, members: &[u32], h: f64) {
-        let Self { links, rows, impulses, starts, mobilities, free, stiffnesses, .. } = self;
+        let Self { links, rows, forces, starts, mobilities, free, stiffnesses, .. } = self;
         stiffnesses.clear();
         stiffnesses.resize(members.len(), Matrix3::zeros());
         for link in &*links {
             let own = link.first..link.first + link.count;
             let pull: Vector3<f64> =
-                rows[own.clone()].iter().zip(&impulses[own]).map(|(row, &λ)| row.jacobian.linear_b * λ).sum();
+                rows[own.clone()].iter().zip(&forces[own]).map(|(row, &λ)| row.jacobian.linear_b * (λ * h)).sum();
             let frames = &world.joint(link.joint).definition.frames;
             for (end, pull) in [(0, -pull), (1, pull)] {
                 if let Some(stiffness) = stiffnesses.get_mut(link.ends[end] as usize) {
@@ -275,7 +337,7 @@ impl DualSystem {
 
     /// What each row is to do, and its response.
     fn set_aims(&mut self, terms: &DualTerms) {
-        let Self { links, rows, mobilities, responses, diagonal, asked, aims, free, impulses, starts, .. } = self;
+        let Self { links, rows, mobilities, responses, diagonal, asked, aims, free, forces, starts, .. } = self;
         responses.clear();
         diagonal.clear();
         asked.clear();
@@ -293,7 +355,7 @@ impl DualSystem {
                 responses.push(response);
                 diagonal.push(own);
                 asked.push(aim);
-                aims.push(starting_aim(row, aim, impulses[index], free_rate, terms.h));
+                aims.push(starting_aim(row, aim, forces[index], free_rate, terms.h));
             }
         }
     }
@@ -358,6 +420,11 @@ impl DualSystem {
         self.starts.extend(partners.iter().map(|&body| state_of(world.body(body))));
         self.shifts.clear();
         self.shifts.resize(members.len(), Twist::zero());
+        self.put_together(world, members, time, most);
+    }
+
+    /// The same from the starts, which it moves.
+    fn put_together(&mut self, world: &impl World, members: &[u32], time: f64, most: f64) {
         for _ in 0..PROJECTIONS {
             self.place_rows(world, time, false);
             self.aim_at_places(world, members);
@@ -437,29 +504,46 @@ impl DualSystem {
         factor.factor(&couplings.elimination);
     }
 
-    /// The impulses with which all rows do what they are to.
-    fn find_impulses(&mut self, world: &impl World, members: &[u32], terms: &DualTerms) {
+    /// The impulses with which all rows do what they are to. The largest error that is left, m or rad.
+    fn find_impulses(&mut self, world: &impl World, members: &[u32], terms: &DualTerms) -> f64 {
+        // Near a pose in which rows are redundant a factor may ask for more than a substep can follow: then a softer one
+        // does.
+        let softer: &[f64] = if self.has_loops { &DUAL_SOFTER } else { &[] };
+        let mut left = f64::INFINITY;
         for round in 0..DUAL_ACTIVE_SETS {
-            // Near a pose in which rows are redundant a factor may ask for more than a substep can follow: then a softer
-            // one does.
             let mut least = (f64::INFINITY, 0.0);
-            for softer in [0.0].into_iter().chain(DUAL_SOFTER) {
-                let left = self.solve(softer, world, members, terms);
+            let mut last = 0.0;
+            for &share in [0.0].iter().chain(softer) {
+                (left, last) = (self.solve(share, world, members, terms), share);
                 if left < least.0 {
-                    least = (left, softer);
+                    least = (left, share);
                 }
                 if left <= DUAL_ACCEPTED {
                     break;
                 }
             }
-            if least.0 > DUAL_ACCEPTED && least.1 != DUAL_SOFTER[DUAL_SOFTER.len() - 1] {
-                self.solve(least.1, world, members, terms);
+            if left > least.0 && last != least.1 {
+                left = self.solve(least.1, world, members, terms);
+            }
+            if !left.is_finite() {
+                break;
             }
             // In the last rounds rows only leave: so it ends.
             if !self.mend_active_set(terms, 2 * round <= DUAL_ACTIVE_SETS) {
                 break;
             }
         }
+        left.max(self.find_passed())
+    }
+
+    /// How far limits that have no impulse are passed at the end, m or rad.
+    fn find_passed(&self) -> f64 {
+        let Self { rows, scratch, aims, .. } = self;
+        let passed = rows.iter().zip(scratch).zip(aims).map(|((row, end), aim)| match (aim, row.bound) {
+            (Aim::Fixed(_), Bound::Within(..)) if !row.bound.is_boxed() => (end.error - row.bound.open(end.error)).abs(),
+            _ => 0.0,
+        });
+        passed.fold(0.0, f64::max)
     }
 
     /// Starts from impulses of rows that are fixed alone: the others are found from velocities.
@@ -499,12 +583,7 @@ impl DualSystem {
                 least = worst;
                 self.best.clone_from(&self.impulses);
             }
-            self.factor.solve(&self.couplings.elimination, &mut self.residual[..]);
-            for ((impulse, more), aim) in self.impulses.iter_mut().zip(&self.residual).zip(&self.aims) {
-                if !matches!(aim, Aim::Fixed(_)) {
-                    *impulse += more;
-                }
-            }
+            self.take_correction();
         }
         if least.is_finite() {
             self.impulses.clone_from(&self.best);
@@ -513,6 +592,16 @@ impl DualSystem {
         self.drift(world, members, terms.h);
         self.place_ends(world, terms);
         least
+    }
+
+    /// Newton's step from the residual.
+    fn take_correction(&mut self) {
+        self.factor.solve(&self.couplings.elimination, &mut self.residual[..]);
+        for ((impulse, more), aim) in self.impulses.iter_mut().zip(&self.residual).zip(&self.aims) {
+            if !matches!(aim, Aim::Fixed(_)) {
+                *impulse += more;
+            }
+        }
     }
 
     fn place_ends(&mut self, world: &impl World, terms: &DualTerms) {
@@ -609,13 +698,14 @@ impl DualSystem {
         changed
     }
 
-    /// Adds the impulses to those of the step.
-    fn note(&mut self, h: f64) {
+    /// Adds forces that acted for `kick`, s, to those of the step, as of a piece of length `h`, s.
+    fn note(&mut self, h: f64, kick: f64) {
         self.spent += h;
-        self.h = h;
+        self.forces.clear();
+        self.forces.extend(self.impulses.iter().map(|impulse| impulse / kick));
         for (link, load) in self.links.iter().zip(&mut self.loads) {
             for row in link.first..link.first + link.count {
-                *load = load.plus(&self.rows[row].jacobian.of_b(), self.impulses[row]);
+                *load = load.plus(&self.rows[row].jacobian.of_b(), self.forces[row] * h);
             }
         }
     }
@@ -632,9 +722,7 @@ impl DualSystem {
         let arm = self.starts[link.ends[1] as usize].rotation * joint.definition.frames[1].anchor;
         joint.force = load.linear / self.spent;
         joint.torque = (load.angular - arm.cross(&load.linear)) / self.spent;
-        for (multiplier, impulse) in joint.multipliers.iter_mut().zip(&self.impulses[link.first..][..link.count]) {
-            *multiplier = impulse / self.h;
-        }
+        joint.multipliers[..link.count].copy_from_slice(&self.forces[link.first..][..link.count]);
     }
 }
 
@@ -685,11 +773,11 @@ fn aim_of(row: &JointRow<f64>, mobility: f64, old: f64, terms: &DualTerms) -> Ai
 
 /// Where the active set starts from: limits that are open and stay so have no impulse, rows with a largest force are
 /// within it.
-fn starting_aim(row: &JointRow<f64>, aim: Aim, impulse: f64, free_rate: f64, h: f64) -> Aim {
+fn starting_aim(row: &JointRow<f64>, aim: Aim, force: f64, free_rate: f64, h: f64) -> Aim {
     let ahead = row.error + h * free_rate;
     let is_open = match row.bound {
-        Bound::Within(0.0, upper) if upper > 0.0 => ahead > 0.0 && impulse <= 0.0,
-        Bound::Within(lower, 0.0) if lower < 0.0 => ahead < 0.0 && impulse >= 0.0,
+        Bound::Within(0.0, upper) if upper > 0.0 => ahead > 0.0 && force <= 0.0,
+        Bound::Within(lower, 0.0) if lower < 0.0 => ahead < 0.0 && force >= 0.0,
         Bound::Within(lower, upper) => lower == upper,
         _ => false,
     };

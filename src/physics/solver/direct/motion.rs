@@ -66,7 +66,7 @@ impl DirectIsland {
         let sets_off = self.can_set_off(world, terms);
         if sets_off {
             // Its motion is told to second order: fewer substeps would be felt.
-            let far = if self.dual.is_some() || self.posture.is_some() { 0.0 } else { MOTION_TURN };
+            let far = if self.dual.is_some() || self.posture.is_some() { -1.0 } else { MOTION_TURN };
             self.intervals = terms.substeps.for_bodies(self.members.iter().map(|&member| world.body(member)), far);
             self.moves = true;
         }
