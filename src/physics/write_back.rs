@@ -10,6 +10,7 @@ use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::columns::{self, set_if_other};
+use super::joint::{LawAxis, LawPart};
 use super::{
     Bodies, Body, BodyQuarantined, BodySlot, BodyState, JointCoordinate, JointDefinition, JointLoad, JointSlot, Joints,
     PhysicsSchedule, PhysicsSystems, PoseHistory, Position, QuarantineReason, RigidBody, Rotation, Sleep, Sleeping,
@@ -138,11 +139,16 @@ pub(super) fn write_joint_coordinates(
         if !states.iter().all(BodyState::is_finite) {
             continue;
         }
-        let nearest = JointDefinition {
-            frames: first.definition.frames,
-            turned: coordinate.value + coordinate.rate * settings.step(),
-            ..default()
-        };
+        // However fast it came, it did not go on beyond its limits.
+        let ahead = coordinate.value + coordinate.rate * settings.step();
+        let laws = pieces.iter().flat_map(|piece| piece.definition.laws.iter().flat_map(|laws| laws.iter()));
+        let turned =
+            laws.filter(|law| law.axis == LawAxis::Coordinate(axis)).fold(ahead, |ahead, law| match law.part {
+                LawPart::Limit { bound, is_upper: true, .. } => ahead.min(bound),
+                LawPart::Limit { bound, is_upper: false, .. } => ahead.max(bound),
+                _ => ahead,
+            });
+        let nearest = JointDefinition { frames: first.definition.frames, turned, ..default() };
         let [value, rate] = nearest.coordinate(axis, &states);
         coordinate.set_if_neq(JointCoordinate { value, rate });
         pieces.iter_mut().for_each(|piece| piece.definition.turned = value);

@@ -185,6 +185,16 @@ fn a_row_of_hinges_keeps_to_its_plane_and_limits_at_speed() {
     }
 }
 
+/// Its light end turns by more than a right angle in a substep.
+#[test]
+fn a_whip_of_hinges_holds_through_its_crack() {
+    for limit in [0.0, 45.0] {
+        let metrics = run("hinge_chain", &[("n", 50.0), ("r", 1.0), ("limit", limit)], game(), Some(7.0));
+        assert!(metrics.joint_error_max_m < 1e-3, "{limit}°: {:e} m", metrics.joint_error_max_m);
+        assert!(errors(&metrics).iter().all(|&error| error < 1e-3), "{limit}°: {:?} rad", errors(&metrics));
+    }
+}
+
 /// Until it lies, a second after it is dropped.
 #[test]
 fn a_ragdoll_keeps_its_joints_and_limits_to_rounding() {

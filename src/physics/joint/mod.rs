@@ -35,7 +35,7 @@ pub use distance::{DistanceJoint, DistanceLaw};
 pub use framed::{FixedJoint, GenericJoint, HingeJoint, SliderJoint};
 pub(crate) use kind::{JointKind, any_changed, define_joints, kind_changed};
 pub use law::JointAxis;
-pub(crate) use law::LawPart;
+pub(crate) use law::{LawAxis, LawPart};
 pub use load::JointLoad;
 pub use motion::PrescribedMotion;
 pub(crate) use packed::{Joint, Joints};

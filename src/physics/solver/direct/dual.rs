@@ -540,7 +540,9 @@ impl DualSystem {
     fn find_passed(&self) -> f64 {
         let Self { rows, scratch, aims, .. } = self;
         let passed = rows.iter().zip(scratch).zip(aims).map(|((row, end), aim)| match (aim, row.bound) {
-            (Aim::Fixed(_), Bound::Within(..)) if !row.bound.is_boxed() => (end.error - row.bound.open(end.error)).abs(),
+            (Aim::Fixed(_), Bound::Within(..)) if !row.bound.is_boxed() => {
+                (end.error - row.bound.open(end.error)).abs()
+            }
             _ => 0.0,
         });
         passed.fold(0.0, f64::max)
