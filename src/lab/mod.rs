@@ -1,9 +1,11 @@
 //! Measuring: scenes run without a window, what they did and cost, how far they are from their
 //! reference answers; and the command line on top of it.
 
+mod angle;
 pub mod chart;
 pub mod command;
 pub mod fit;
+mod joined;
 pub mod map;
 mod metrics;
 mod picture;
@@ -19,8 +21,8 @@ mod whole_file;
 
 pub use crate::physics::BodyState;
 pub use metrics::{
-    ContactResidual, EnergyMetrics, ExactCounts, Metrics, MomentumMetrics, Shares, StepCounts, StepMilliseconds,
-    TruthMetrics,
+    ContactResidual, EnergyMetrics, ExactCounts, JointGap, JointLoadMax, LimitOvershoot, Metrics, MomentumMetrics,
+    Shares, StepCounts, StepMilliseconds, TruthMetrics,
 };
 pub use plan::{MOST_STEPS, Plan, PlanError};
 pub use run::measure;

@@ -66,4 +66,6 @@ pub struct JointForce {
     pub joint: Entity,
     /// Force on its body B, N, world axes; mean over the step's substeps.
     pub force: DVec3,
+    /// Torque on its body B about B's anchor, N·m, world axes; mean over the step's substeps.
+    pub torque: DVec3,
 }

@@ -94,6 +94,13 @@ pub struct MotorKeys {
     pub rest: f64,
 }
 
+impl LimitSpec {
+    /// How far a coordinate is beyond the range, rad or m; negative within it.
+    pub fn beyond(&self, coordinate: f64) -> f64 {
+        (self.min - coordinate).max(coordinate - self.max)
+    }
+}
+
 impl JointSpec {
     /// A rigid ball joint of two bodies that holds an anchor of A at an anchor of B.
     pub fn new(a: &BodySpec, anchor_a: DVec3, b: &BodySpec, anchor_b: DVec3) -> Self {

@@ -9,8 +9,10 @@ use bevy::math::{DQuat, DVec3};
 use super::JointParts;
 use super::error::Flaw;
 use super::number::{Finite, Fraction, NonNegative, NumberError, Positive};
-use super::{BodySpec, JointKindSpec, JointSpec, LimitSpec, MAX_BODIES, SceneError, SceneSpec, ShapeSpec, ViewSpec};
-use crate::physics::{DistanceLaw, JointMotor, MotorTarget, RigidBody, Softness};
+use super::{
+    BodySpec, JointKindSpec, JointSpec, LimitSpec, MAX_BODIES, MotorKeys, SceneError, SceneSpec, ShapeSpec, ViewSpec,
+};
+use crate::physics::{DistanceLaw, JointAxes, JointMotor, MotorTarget, RigidBody, Softness};
 
 /// A field of a body, joint or view, and what is wrong with it.
 type FieldFlaw = (&'static str, String);
@@ -131,9 +133,7 @@ fn check_joint<'a>(joint: &JointSpec, body: impl Fn(&str) -> Option<&'a BodySpec
     }
     finite("anchor_a", joint.anchor_a)?;
     finite("anchor_b", joint.anchor_b)?;
-    if !joint.axes.is_valid() {
-        return Err(("axis", "an axis must be finite and not (0, 0, 0), a frame a quaternion of length 1".to_owned()));
-    }
+    check_axes(&joint.axes)?;
     if let Some(Softness { frequency, damping_ratio, max_force }) = joint.softness {
         number::<Positive>("softness.frequency", frequency)?;
         number::<NonNegative>("softness.damping_ratio", damping_ratio)?;
@@ -143,6 +143,22 @@ fn check_joint<'a>(joint: &JointSpec, body: impl Fn(&str) -> Option<&'a BodySpec
         }
     }
     check_laws(joint)
+}
+
+fn check_axes(axes: &JointAxes) -> Result<(), FieldFlaw> {
+    if axes.is_valid() {
+        return Ok(());
+    }
+    let no_axis =
+        |end: &str, axis: &DVec3| format!("{end}must be finite and not (0, 0, 0), is {axis}; give a direction");
+    Err(match axes {
+        JointAxes::World(axis) => ("axis", no_axis("", axis)),
+        JointAxes::Bodies(a, b) => {
+            let (end, axis) = if a.is_finite() && *a != DVec3::ZERO { ("B's ", b) } else { ("A's ", a) };
+            ("axes", no_axis(end, axis))
+        }
+        JointAxes::Frames(..) => ("frames", "each must be a quaternion of length 1".to_owned()),
+    })
 }
 
 /// Whether limits, motor, friction and strength make sense on a joint.
@@ -169,10 +185,7 @@ fn check_laws(joint: &JointSpec) -> Result<(), FieldFlaw> {
         check_motor(motor)?;
     }
     if let Some(keys) = &joint.keys {
-        keys.values
-            .into_iter()
-            .chain([keys.rest])
-            .try_for_each(|value| number::<Finite>("motor.keys.values", value))?;
+        check_keys(keys)?;
         if joint.motor.and_then(|motor| motor.target.value()).is_none() {
             return Err(("motor.keys", "set a speed or a position: the motor's target must be one".to_owned()));
         }
@@ -188,6 +201,25 @@ fn check_laws(joint: &JointSpec) -> Result<(), FieldFlaw> {
         return Err(("breakable", problem.to_owned()));
     }
     number::<Finite>("coordinate", joint.coordinate)
+}
+
+/// Whether keys are two that may be keys: which there are, the window knows.
+fn check_keys(keys: &MotorKeys) -> Result<(), FieldFlaw> {
+    keys.values.into_iter().chain([keys.rest]).try_for_each(|value| number::<Finite>("motor.keys.values", value))?;
+    let is_name = |name: &str| {
+        name.starts_with(|first: char| first.is_ascii_uppercase()) && name.chars().all(|c| c.is_ascii_alphanumeric())
+    };
+    for (field, name) in ["motor.keys.forward", "motor.keys.back"].into_iter().zip(&keys.keys) {
+        if !is_name(name) {
+            let problem = format!("no key '{name}'; name one as Bevy's KeyCode does, such as ArrowUp, KeyW or Space");
+            return Err((field, problem));
+        }
+    }
+    let [forward, back] = &keys.keys;
+    if forward == back {
+        return Err(("motor.keys.back", format!("'{back}' is already the key for forward; choose another")));
+    }
+    Ok(())
 }
 
 /// What to say of limits, a motor or friction of a joint that has nothing for them to act on.
@@ -238,13 +270,13 @@ fn check_motor(motor: &JointMotor) -> Result<(), FieldFlaw> {
         MotorTarget::Speed(speed) => number::<Finite>("motor.target", speed),
         MotorTarget::Position { target, frequency, damping_ratio } => {
             number::<Finite>("motor.target", target)?;
-            number::<Positive>("motor.target", frequency)?;
-            number::<NonNegative>("motor.target", damping_ratio)
+            number::<Positive>("motor.target.frequency", frequency)?;
+            number::<NonNegative>("motor.target.damping_ratio", damping_ratio)
         }
         MotorTarget::Spring { target, stiffness, damping } => {
             number::<Finite>("motor.target", target)?;
-            number::<NonNegative>("motor.target", stiffness)?;
-            number::<NonNegative>("motor.target", damping)
+            number::<NonNegative>("motor.target.stiffness", stiffness)?;
+            number::<NonNegative>("motor.target.damping", damping)
         }
         MotorTarget::Motion(motion) if motion.is_finite() => Ok(()),
         MotorTarget::Motion(_) => Err(("motor.target", "must be finite".to_owned())),

@@ -27,7 +27,7 @@ fn json(arguments: &[&str]) -> Value {
 }
 
 /// Checks that a command ends with exit status 2 and one line that contains all of `says`.
-fn refuses(arguments: &[&str], says: &[&str]) {
+pub(super) fn refuses(arguments: &[&str], says: &[&str]) {
     let output = plumb(arguments);
     let complaint = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {complaint}");
@@ -84,7 +84,8 @@ fn json_has_every_key_and_no_other() {
         sorted(&keys(&metrics)),
         sorted(
             "scene parameters settings bodies joints contacts steps seconds ms_per_step counts exact energy momentum \
-             joint_error_max_m penetration_max_m sink_max_m drift_max_m jitter_m_per_s force_error contact_residual \
+             joint_error_max_m joint_gaps limit_overshoot_max joint_load_max broken_joints \
+             penetration_max_m sink_max_m drift_max_m jitter_m_per_s force_error contact_residual \
              truth truth_unknown further_truths shares quarantined simd state_hash"
         )
     );
@@ -93,6 +94,10 @@ fn json_has_every_key_and_no_other() {
     assert_eq!(sorted(&keys(&metrics["truth"])), "error fails_above name uncertainty unit");
     assert_eq!(sorted(&keys(&metrics["counts"])), "pairs row_updates");
     assert_eq!(sorted(&keys(&metrics["momentum"])), "angular_max_relative_drift linear_max_relative_drift");
+    assert_eq!(keys(&metrics["joint_gaps"]), "ball");
+    assert_eq!(sorted(&keys(&metrics["joint_gaps"]["ball"])), "gap_m tilt_rad");
+    assert_eq!(sorted(&keys(&metrics["joint_load_max"])), "force_n torque_n_m");
+    assert_eq!(metrics["limit_overshoot_max"], Value::Null);
     assert_eq!(sorted(&keys(&metrics["shares"])), "energy_rise joint_of_limb moved_of_size sunk_of_size");
 
     assert_eq!(metrics["scene"], "rods");

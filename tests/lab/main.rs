@@ -4,6 +4,8 @@ mod accurate;
 mod accurate_contact;
 mod command_line;
 mod export;
+mod joint_errors;
+mod joint_metrics;
 mod machines;
 mod metrics;
 mod references;

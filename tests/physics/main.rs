@@ -16,6 +16,7 @@ mod fast_bodies;
 mod free_motion;
 mod friction;
 mod gradients;
+mod hard_machines;
 mod hulls;
 mod impact;
 mod joints_and_contacts;

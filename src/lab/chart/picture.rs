@@ -71,8 +71,9 @@ impl Picture for Chart {
             let y = axes.y(self.floor);
             let line = PathElement::new(vec![(axes.left, y), (axes.right, y)], TEXT.mix(0.5).stroke_width(1));
             area.draw(&line)?;
-            let style = text(12.0, &TEXT, HPos::Right, VPos::Bottom);
-            area.draw_text("the answer's own uncertainty", &style, (axes.right - 4, y - 2))?;
+            // At the cheap end: what comes down to the line is dear as a rule.
+            let style = text(12.0, &TEXT, HPos::Left, VPos::Bottom);
+            area.draw_text("the answer's own uncertainty", &style, (axes.left + 4, y - 2))?;
         }
         self.paint_front(area, &axes)?;
         for curve in &self.curves {

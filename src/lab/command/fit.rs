@@ -84,7 +84,7 @@ fn describe(record: &Record) -> String {
 /// Everything tried, cheapest first.
 fn table(found: &Fit) -> String {
     let mut table = format!(
-        "{:18} {:>7} {:>9} {:>11} {:>12} {:>12}  {}\n",
+        "{:23} {:>7} {:>9} {:>11} {:>12} {:>12}  {}\n",
         "method", "hz", "substeps", "iterations", "ms per s", "error", "verdict"
     );
     for record in &found.tried {
@@ -96,7 +96,7 @@ fn table(found: &Fit) -> String {
         // Writing to a string does not fail.
         let _ = writeln!(
             table,
-            "{:18} {:>7} {:>9} {:>11} {:>12} {:>12}  {verdict}",
+            "{:23} {:>7} {:>9} {:>11} {:>12} {:>12}  {verdict}",
             record.series,
             record.hz,
             record.substeps,

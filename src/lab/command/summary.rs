@@ -1,6 +1,6 @@
 //! The measurements of a run for a person to read.
 
-use crate::lab::{ExactCounts, Metrics, MomentumMetrics};
+use crate::lab::{ExactCounts, JointLoadMax, LimitOvershoot, Metrics, MomentumMetrics};
 
 pub(super) fn of(metrics: &Metrics) -> String {
     let rows = rows(metrics);
@@ -42,12 +42,15 @@ fn rows(metrics: &Metrics) -> Vec<(String, String)> {
         ),
         ("energy".into(), format!("{} J to {} J, {drift}", short(energy.start), short(energy.end))),
         ("joint error".into(), format!("{} m at most", short(metrics.joint_error_max_m))),
+    ];
+    rows.extend(joints(metrics));
+    rows.extend([
         ("penetration".into(), format!("{} m at most", short(metrics.penetration_max_m))),
         (
             "moved".into(),
             format!("{} m down, {} m sideways at most", short(metrics.sink_max_m), short(metrics.drift_max_m)),
         ),
-    ];
+    ]);
     if let Some(jitter) = metrics.jitter_m_per_s {
         rows.push(("trembles".into(), format!("at {} m/s (last second)", short(jitter))));
     }
@@ -79,6 +82,30 @@ fn rows(metrics: &Metrics) -> Vec<(String, String)> {
     rows.push(("state".into(), metrics.state_hash.clone()));
     for entity in &metrics.quarantined {
         rows.push(("quarantined".into(), format!("{}: {}", entity.body, entity.reason)));
+    }
+    rows
+}
+
+/// What there is to say of joints besides their gaps.
+fn joints(metrics: &Metrics) -> Vec<(String, String)> {
+    let mut rows = Vec::new();
+    // Of ball joints alone, the error says it.
+    if metrics.joint_gaps.keys().any(|&kind| kind != "ball") {
+        for (kind, gap) in &metrics.joint_gaps {
+            let tilt = gap.tilt_rad.map_or_else(String::new, |tilt| format!(", tilted by {} rad", short(tilt)));
+            rows.push(((*kind).into(), format!("parted by {} m{tilt} at most", short(gap.gap_m))));
+        }
+    }
+    if let Some(LimitOvershoot { angle_rad, length_m }) = metrics.limit_overshoot_max {
+        let of = |beyond: Option<f64>, unit: &str| beyond.map(|beyond| format!("{} {unit}", short(beyond)));
+        let beyond: Vec<_> = of(angle_rad, "rad").into_iter().chain(of(length_m, "m")).collect();
+        rows.push(("limits".into(), format!("overshot by {} at most", beyond.join(", "))));
+    }
+    if let Some(JointLoadMax { force_n, torque_n_m }) = metrics.joint_load_max {
+        rows.push(("joint load".into(), format!("{} N, {} N·m at most", short(force_n), short(torque_n_m))));
+    }
+    if metrics.broken_joints > 0 {
+        rows.push(("broken".into(), format!("{} joints in the end", metrics.broken_joints)));
     }
     rows
 }

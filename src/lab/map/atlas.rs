@@ -55,7 +55,7 @@ const HZ: Axis =
     Axis { label: "steps per second", quantity: Quantity::Hz, values: &[30.0, 60.0, 120.0, 240.0, 480.0, 960.0] };
 
 /// Every map.
-pub const ATLAS: [MapInfo; 10] = [
+pub const ATLAS: [MapInfo; 12] = [
     MapInfo {
         name: "chain",
         scene: "chain",
@@ -194,6 +194,34 @@ pub const ATLAS: [MapInfo; 10] = [
         x: ITERATIONS,
         y: SUBSTEPS,
         about: "a house of cards stands by friction alone: what the sweeps leave undone lets it slide apart",
+        series: 6,
+    },
+    MapInfo {
+        name: "servo",
+        scene: "servo",
+        parameters: &[],
+        seconds: 2.0,
+        x: HZ,
+        y: Axis {
+            label: "undamped frequency of the servo, Hz",
+            quantity: Quantity::Parameter("f"),
+            values: &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4],
+        },
+        about: "a servo that is faster than the steps jerks its rod: sweeps let the hinge part",
+        series: 6,
+    },
+    MapInfo {
+        name: "hinge_chain",
+        scene: "hinge_chain",
+        parameters: &[("limit", 30.0)],
+        seconds: 2.0,
+        x: Axis { label: "links", quantity: Quantity::Parameter("n"), values: &[2.0, 5.0, 10.0, 20.0, 50.0, 100.0] },
+        y: Axis {
+            label: "mass of the ball over a link's",
+            quantity: Quantity::Parameter("r"),
+            values: &[1.0, 10.0, 100.0, 1e3, 1e4, 1e6],
+        },
+        about: "hinges with limits bear a ball that pulls across their axes too, and tilt where a sweep leaves that undone",
         series: 6,
     },
 ];

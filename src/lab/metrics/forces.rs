@@ -2,7 +2,7 @@
 
 use bevy::ecs::entity::EntityHashMap;
 
-use super::joints::joined;
+use crate::lab::joined::joined;
 use crate::lab::simulation::Simulation;
 use crate::lab::truth::Statics;
 use crate::physics::{ContactForces, JointForces};
@@ -19,7 +19,7 @@ pub(super) struct ForceMeter {
 impl ForceMeter {
     pub fn new(simulation: &Simulation, statics: Statics) -> Self {
         let joints = simulation.entities().joints.iter().zip(joined(simulation.scene()));
-        let joints = joints.filter_map(|(&joint, bodies)| Some((joint, bodies?))).collect();
+        let joints = joints.map(|(&joint, (_, bodies))| (joint, bodies)).collect();
         Self { statics, joints, error: 0.0 }
     }
 

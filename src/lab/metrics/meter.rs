@@ -33,7 +33,6 @@ pub(in crate::lab) struct Meter {
     settled_from: u64,
     step_seconds: Vec<f64>,
     exact: ExactCounts,
-    joint_error: f64,
     penetration: f64,
     joints: JointMeter,
     rest: RestMeter,
@@ -60,10 +59,8 @@ impl Meter {
         let world = simulation.world_mut();
         world.init_resource::<Diagnostics>();
         world.init_resource::<ContactForces>();
+        world.init_resource::<JointForces>();
         let statics = truth.as_mut().and_then(|truth| truth.statics.take());
-        if statics.is_some() {
-            world.init_resource::<JointForces>();
-        }
         if truth.as_ref().is_some_and(|truth| truth.reads_loads) {
             simulation.read_loads();
         }
@@ -80,7 +77,6 @@ impl Meter {
             settled_from: plan.steps.saturating_sub(settled_steps) + 1,
             step_seconds: Vec::new(),
             exact: ExactCounts::default(),
-            joint_error: 0.0,
             penetration: 0.0,
             joints: JointMeter::new(simulation.scene()),
             rest: RestMeter::default(),
@@ -97,10 +93,8 @@ impl Meter {
         let stats = world.resource::<StepStats>();
         self.step_seconds.push(stats.step_seconds);
         self.exact.add(stats);
-        let diagnostics = world.resource::<Diagnostics>();
-        self.joint_error = self.joint_error.max(diagnostics.joint_error);
-        self.penetration = self.penetration.max(diagnostics.penetration);
-        self.joints.observe(sample.bodies);
+        self.penetration = self.penetration.max(world.resource::<Diagnostics>().penetration);
+        self.joints.observe(simulation);
 
         let start = &self.start;
         let Motion { bodies, energy, momentum, contacts } =
@@ -126,6 +120,7 @@ impl Meter {
         let scale = self.truth.as_ref().map_or(EnergyScale::LargestKinetic, |truth| truth.energy_scale);
         let scale = motion.energy.scale(scale, &motion.bodies, &plan.scene);
         let stays = self.truth.as_ref().is_some_and(|truth| truth.stays);
+        let joints = self.joints.finish();
         let least_size = motion.bodies.iter().map(|body| body.size).fold(f64::INFINITY, f64::min);
         Metrics {
             scene: plan.scene.name.clone(),
@@ -141,7 +136,11 @@ impl Meter {
             exact: (plan.settings.method == Method::Exact).then_some(self.exact),
             energy: motion.energy.metrics(scale),
             momentum: motion.momentum.metrics(),
-            joint_error_max_m: self.joint_error,
+            joint_error_max_m: joints.gaps.values().map(|gap| gap.gap_m).fold(0.0, f64::max),
+            joint_gaps: joints.gaps,
+            limit_overshoot_max: joints.overshoot,
+            joint_load_max: joints.load,
+            broken_joints: joints.broken,
             penetration_max_m: self.penetration,
             sink_max_m: self.rest.sink,
             drift_max_m: self.rest.drift,
@@ -152,7 +151,7 @@ impl Meter {
             truth_unknown: self.unknown.map(|unknown| unknown.to_string()),
             further_truths: self.truth.iter().flat_map(|truth| &truth.further).filter_map(TruthMetrics::of).collect(),
             shares: Shares {
-                joint_of_limb: self.joints.of_limb,
+                joint_of_limb: joints.of_limb,
                 energy_rise: motion.energy.rise(scale),
                 sunk_of_size: self.penetration / least_size,
                 moved_of_size: stays.then_some(self.rest.of_size),

@@ -3,8 +3,8 @@
 use bevy::math::DVec3;
 use serde::Serialize;
 
-use super::joints::joined;
 use super::moving::Moving;
+use crate::lab::joined::joined;
 use crate::physics::{BodyState, LockedAxes, RigidBody, SolverSettings};
 use crate::scene::SceneSpec;
 
@@ -126,7 +126,7 @@ fn is_isolated(scene: &SceneSpec) -> bool {
             && body.damping == (0.0, 0.0)
             && body.locked == LockedAxes::default()
     });
-    free && joined(scene).into_iter().flatten().flatten().all(moves)
+    free && joined(scene).flat_map(|(_, bodies)| bodies).all(moves)
 }
 
 #[cfg(test)]

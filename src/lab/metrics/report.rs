@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::contacts::ContactResidual;
 use super::cost::{ExactCounts, StepCounts, StepMilliseconds};
 use super::energy::EnergyMetrics;
+use super::joints::{JointGap, JointLoadMax, LimitOvershoot};
 use super::momentum::MomentumMetrics;
 use crate::lab::simulation::QuarantinedEntity;
 use crate::lab::truth::Truth;
@@ -41,8 +42,17 @@ pub struct Metrics {
     pub energy: EnergyMetrics,
     /// How far linear and angular momentum strayed.
     pub momentum: MomentumMetrics,
-    /// Largest distance between the two anchors of a joint after any step.
+    /// Largest distance between the two anchors of a rigid joint, along what it holds of it, after any step.
     pub joint_error_max_m: f64,
+    /// How far rigid joints came from what they hold after any step, by kind: `ball`, `hinge`, `slider`, `fixed`,
+    /// `distance`, `generic`, those that the scene has. What is broken holds nothing.
+    pub joint_gaps: BTreeMap<&'static str, JointGap>,
+    /// How far joints went beyond their limits after any step; none where none has limits.
+    pub limit_overshoot_max: Option<LimitOvershoot>,
+    /// The largest force and the largest torque of a joint in any step; none without joints.
+    pub joint_load_max: Option<JointLoadMax>,
+    /// Joints that are broken in the end.
+    pub broken_joints: u32,
     /// Largest contact depth found in any step.
     pub penetration_max_m: f64,
     /// Largest fall of any body below its start.

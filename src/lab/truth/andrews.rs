@@ -5,8 +5,9 @@ use bevy::math::DVec3;
 use crate::scene::SceneSpec;
 
 use super::answer::{EnergyScale, Truth};
-use super::bodies::{turn, wrapped};
+use super::bodies::turn;
 use super::instant::TIME_TOLERANCE;
+use crate::lab::angle::wrapped;
 use crate::lab::simulation::Sample;
 
 /// s.

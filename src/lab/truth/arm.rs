@@ -8,9 +8,9 @@ use crate::physics::{MotorTarget, PrescribedMotion};
 use crate::scene::{JointSpec, SceneSpec, ShapeSpec};
 
 use super::answer::{EnergyScale, Truth};
-use super::bodies::joined;
 use super::instant::{Instant, Table};
 use super::table::rows;
+use crate::lab::joined::joined;
 use crate::lab::simulation::Sample;
 
 /// The columns are the time, three angles, three torques and the tip.

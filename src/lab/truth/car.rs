@@ -5,7 +5,7 @@ use crate::physics::{MotorTarget, RigidBody};
 use crate::scene::{JointKindSpec, SceneSpec, ShapeSpec};
 
 use super::answer::{EnergyScale, Truth};
-use super::bodies::joined;
+use crate::lab::joined::joined;
 use crate::lab::simulation::Sample;
 
 /// None where it is sprung.

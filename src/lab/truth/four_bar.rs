@@ -8,9 +8,10 @@ use bevy::math::DVec3;
 use crate::scene::{SceneSpec, ShapeSpec};
 
 use super::answer::{EnergyScale, Truth};
-use super::bodies::{dynamic, turn, wrapped};
+use super::bodies::{dynamic, turn};
 use super::elliptic::{jacobi, quarter_period};
 use super::hinges;
+use crate::lab::angle::wrapped;
 use crate::lab::simulation::Sample;
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {

@@ -8,7 +8,8 @@ use bevy::math::{DQuat, DVec3};
 use crate::scene::{SceneSpec, ShapeSpec};
 
 use super::answer::{Poses, Truth};
-use super::bodies::{anchor_on, angle_between, dynamic};
+use super::bodies::{anchor_on, dynamic};
+use crate::lab::angle::angle_between;
 use crate::lab::simulation::Sample;
 use crate::physics::BodyState;
 

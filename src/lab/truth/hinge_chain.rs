@@ -5,8 +5,9 @@ use bevy::math::DVec3;
 use crate::scene::SceneSpec;
 
 use super::answer::Truth;
-use super::bodies::{angle_between, dynamic};
+use super::bodies::dynamic;
 use super::limits;
+use crate::lab::angle::angle_between;
 use crate::lab::simulation::Sample;
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {

@@ -6,8 +6,9 @@ use bevy::math::{DQuat, DVec3};
 use crate::scene::{SceneSpec, ShapeSpec};
 
 use super::answer::{EnergyScale, Poses, Truth};
-use super::bodies::{anchor_on, dynamic, wrapped};
+use super::bodies::{anchor_on, dynamic};
 use super::elliptic::{jacobi, quarter_period};
+use crate::lab::angle::wrapped;
 use crate::lab::simulation::Sample;
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {

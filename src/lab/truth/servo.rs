@@ -9,7 +9,8 @@ use crate::physics::MotorTarget;
 use crate::scene::SceneSpec;
 
 use super::answer::{EnergyScale, Truth};
-use super::bodies::{dynamic, turn, wrapped};
+use super::bodies::{dynamic, turn};
+use crate::lab::angle::wrapped;
 use crate::lab::simulation::Sample;
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {

@@ -3,8 +3,9 @@
 use crate::scene::SceneSpec;
 
 use super::answer::Truth;
-use super::bodies::{dynamic, joined};
+use super::bodies::dynamic;
 use super::stays_put;
+use crate::lab::joined::joined;
 use crate::lab::simulation::Sample;
 
 /// None where its rods snap.
