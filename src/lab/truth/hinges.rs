@@ -8,8 +8,8 @@ use super::answer::Truth;
 use super::bodies::{angle_between, joined};
 use crate::lab::simulation::Sample;
 
-/// The largest angle between the axis of a hinge in A and in B.
-pub(super) fn tilt(scene: &SceneSpec) -> Truth {
+/// The largest angle between the axis of a hinge in A and in B. Of any scene, built in or not.
+pub fn tilt(scene: &SceneSpec) -> Truth {
     let hinges: Vec<_> = joined(scene)
         .filter(|(joint, _)| joint.kind == JointKindSpec::Hinge)
         .map(|(joint, bodies)| {

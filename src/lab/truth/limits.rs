@@ -30,8 +30,9 @@ impl Limited {
     }
 }
 
-/// The largest angle by which a hinge or a ball joint is beyond its limits; none where no joint has any.
-pub(super) fn overshoot(scene: &SceneSpec) -> Option<Truth> {
+/// The largest angle by which a hinge or a ball joint is beyond its limits; none where no joint has any. Of any
+/// scene, built in or not.
+pub fn overshoot(scene: &SceneSpec) -> Option<Truth> {
     let limited = |(joint, bodies): (&JointSpec, [usize; 2])| {
         let frames = joint.axes.frames(bodies.map(|body| scene.bodies[body].rotation));
         Some(Limited { bodies, frames, limits: joint.limits?, angle: joint.coordinate })
