@@ -10,7 +10,9 @@ use crate::table::{short, table};
 
 /// Measured where none are asked for.
 pub const SCENES: &str = "chain 1, chain 100, chain 1000, stack 10, stack 30, pyramid 40, pyramids 8, sandwich 1000, \
-                          top, joint_grid 100, rods 5";
+                          top, joint_grid 100, rods 5, bridge 30, bridge 100, ragdolls 1, ragdolls 10, \
+                          hinge_chain 100 1, hinge_chain 100 1000, hinge_chain 100 1 45, arm, car 0 100 10, \
+                          four_bar 1, four_bar 40";
 
 /// Measures every scene of a plan.
 pub fn measure(plan: &Plan) -> Report {
@@ -79,10 +81,23 @@ type Headline = (&'static str, fn(&Row) -> Option<f64>);
 fn headline(scene: &Scene) -> Vec<Headline> {
     let worst_joint: Headline = ("worst joint separation, m", |row| row.joint_separation);
     let last_joint: Headline = ("joint separation at the end, m", |row| row.joint_separation_end);
+    let tilt: Headline = ("worst tilt of a hinge, rad", |row| row.hinge_tilt);
+    let overshoot: Headline = ("worst overshoot of a limit, rad", |row| row.limit_overshoot);
     match scene.name() {
         "chain" | "joint_grid" => vec![worst_joint, last_joint],
         "rods" => vec![("error at 1 s, m", |row| row.error_at_1_s), worst_joint],
         "top" => vec![("energy change, relative", |row| row.energy_change)],
+        "bridge" => vec![worst_joint, last_joint, tilt, ("worst sink, m", |row| row.sink)],
+        "ragdolls" => vec![worst_joint, tilt, overshoot],
+        "hinge_chain" => vec![worst_joint, tilt, overshoot, ("energy change, relative", |row| row.energy_change)],
+        "arm" => vec![
+            ("tip of the forearm, m", |row| row.error),
+            worst_joint,
+            tilt,
+            ("torques of the motors, N·m", |row| row.torque_error),
+        ],
+        "car" => vec![("speed of the chassis, m/s", |row| row.error), worst_joint, tilt],
+        "four_bar" => vec![("angles of the rods, rad", |row| row.error), worst_joint, tilt],
         "stack" | "pyramid" | "pyramids" | "sandwich" => vec![
             ("worst sink, m", |row| row.sink),
             ("sink at the end, m", |row| row.sink_end),

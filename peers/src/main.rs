@@ -2,6 +2,8 @@
 
 mod accuracy;
 mod engine;
+mod joint;
+mod load;
 mod metrics;
 mod plan;
 mod precision;

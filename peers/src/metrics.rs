@@ -4,8 +4,10 @@ use bevy::math::DVec3;
 use plumb::lab::truth::{self, EnergyScale, Truth};
 use plumb::lab::{BodyState, Sample};
 use plumb::physics::SolverSettings;
+use plumb::scene::JointKindSpec;
 
-use crate::scene::{Joint, Scene};
+use crate::load::Tree;
+use crate::scene::Scene;
 
 /// How far off a run was.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,10 +16,16 @@ pub struct Metrics {
     pub answer: Option<Answer>,
     /// Distance of the tip or ball from the reference trajectory when one second had passed, m.
     pub error_at_1_s: Option<f64>,
-    /// Largest distance between the two anchors of a joint after any step, m.
+    /// Largest distance of the two anchors of a joint from where it holds them, after any step, m.
     pub joint_separation: Option<f64>,
     /// The same after the last step alone, m.
     pub joint_separation_end: Option<f64>,
+    /// Largest angle between the axes that a hinge joins after any step, rad.
+    pub hinge_tilt: Option<f64>,
+    /// Largest angle by which a joint was beyond its limits after any step, rad.
+    pub limit_overshoot: Option<f64>,
+    /// Largest error of a motor's torque over a step, N·m, where the scene's answer has torques.
+    pub torque_error: Option<f64>,
     /// Largest fall of a body below its start after any step, m.
     pub sink: f64,
     /// The same after the last step alone, m.
@@ -46,6 +54,10 @@ pub struct Meter<'a> {
     scene: &'a Scene,
     start: Vec<BodyState>,
     truth: Option<Truth>,
+    tilt: Option<Truth>,
+    overshoot: Option<Truth>,
+    /// Of what loads are worked out, with the states and the time after the step before.
+    carried: Option<Carried>,
     point_at_1_s: Option<(Tracked, DVec3)>,
     error_at_1_s: Option<f64>,
     energy_start: f64,
@@ -58,19 +70,29 @@ pub struct Meter<'a> {
     finite: bool,
 }
 
+/// What the loads of joints are worked out from.
+struct Carried {
+    tree: Tree,
+    before: Vec<BodyState>,
+    time: f64,
+}
+
 impl<'a> Meter<'a> {
     /// Starts from the states before the first step.
     pub fn new(scene: &'a Scene, start: &[BodyState]) -> Self {
         // The answer of `far` is a run of the same engine at the origin, which only Plumb can make.
         let known = scene.name() != "far";
-        let mut truth = known.then(|| truth::of(&scene.spec, &SolverSettings::default())).flatten();
-        if let Some(truth) = &mut truth {
-            truth.observe(&Sample { step: 0, time: 0.0, bodies: start });
-        }
+        let truth = known.then(|| truth::of(&scene.spec, &SolverSettings::default())).flatten();
+        let reads_loads = truth.as_ref().is_some_and(|truth| truth.reads_loads);
+        let tree = reads_loads.then(|| Tree::of(scene)).flatten();
+        let has_hinges = scene.joints.iter().any(|joint| joint.kind == JointKindSpec::Hinge);
         let mut meter = Self {
             scene,
             start: start.to_vec(),
             truth,
+            tilt: has_hinges.then(|| truth::hinge_tilt(&scene.spec)),
+            overshoot: truth::limit_overshoot(&scene.spec),
+            carried: tree.map(|tree| Carried { tree, before: start.to_vec(), time: 0.0 }),
             point_at_1_s: point_at_1_s(scene),
             error_at_1_s: None,
             energy_start: 0.0,
@@ -82,6 +104,7 @@ impl<'a> Meter<'a> {
             drift: Extreme::default(),
             finite: true,
         };
+        meter.observe_truths(&Sample { step: 0, time: 0.0, bodies: start, loads: &[] });
         let (kinetic, potential) = meter.energy(start);
         meter.energy_start = kinetic + potential;
         meter.kinetic_max = kinetic;
@@ -98,16 +121,24 @@ impl<'a> Meter<'a> {
         self.energy_end = kinetic + potential;
         self.energy_strays = self.energy_strays.max((self.energy_end - self.energy_start).abs());
         self.kinetic_max = self.kinetic_max.max(kinetic);
-        self.joint_separation.take(self.scene.joints.iter().map(|joint| separation(joint, states)));
+        self.joint_separation.take(self.scene.joints.iter().map(|joint| joint.separation(states)));
         let moved = || states.iter().zip(&self.start).map(|(state, start)| state.position - start.position);
         self.sink.take(moved().map(|moved| -moved.y));
         self.drift.take(moved().map(|moved| moved.x.hypot(moved.z)));
-        if let Some(truth) = &mut self.truth {
-            truth.observe(&Sample { step, time, bodies: states });
-        }
+        let loads = self.carried.as_mut().map_or_else(Vec::new, |carried| {
+            let loads = carried.tree.loads(self.scene, [&carried.before, states], time - carried.time);
+            (carried.before, carried.time) = (states.to_vec(), time);
+            loads
+        });
+        self.observe_truths(&Sample { step, time, bodies: states, loads: &loads });
         if let Some((tracked, point)) = self.point_at_1_s.filter(|_| (time - 1.0).abs() < 1e-9) {
             self.error_at_1_s = Some(tracked.of(states).distance(point));
         }
+    }
+
+    fn observe_truths(&mut self, sample: &Sample) {
+        let truths = [&mut self.truth, &mut self.tilt, &mut self.overshoot];
+        truths.into_iter().flatten().for_each(|truth| truth.observe(sample));
     }
 
     /// Kinetic energy, and potential energy relative to the start, J.
@@ -134,6 +165,9 @@ impl<'a> Meter<'a> {
             error_at_1_s: self.error_at_1_s,
             joint_separation: joints.then_some(self.joint_separation.worst),
             joint_separation_end: joints.then_some(self.joint_separation.last),
+            hinge_tilt: self.tilt.as_ref().and_then(Truth::error),
+            limit_overshoot: self.overshoot.as_ref().and_then(Truth::error),
+            torque_error: self.torque_error(),
             sink: self.sink.worst,
             sink_end: self.sink.last,
             drift: self.drift.worst,
@@ -142,12 +176,17 @@ impl<'a> Meter<'a> {
         })
     }
 
-    /// The scene's largest kinetic energy; none for a scene that stays put.
+    fn torque_error(&self) -> Option<f64> {
+        let further = self.truth.as_ref().map_or(&[][..], |truth| &truth.further);
+        further.iter().find(|truth| truth.reads_loads && truth.unit == "N·m")?.error()
+    }
+
+    /// The scene's largest kinetic energy; none for a scene that stays put, or in which motors do work.
     fn energy_scale(&self) -> Option<f64> {
         let scale = match self.truth.as_ref().map_or(EnergyScale::LargestKinetic, |truth| truth.energy_scale) {
             EnergyScale::Known(joules) => joules,
             EnergyScale::LargestKinetic => self.kinetic_max,
-            EnergyScale::WeightTimesHeight => 0.0,
+            EnergyScale::WeightTimesHeight | EnergyScale::NotKept => 0.0,
         };
         Some(scale).filter(|scale| *scale > 0.0)
     }
@@ -165,12 +204,6 @@ impl Extreme {
         self.last = values.fold(0.0, f64::max);
         self.worst = self.worst.max(self.last);
     }
-}
-
-/// Distance between the two anchors of a joint, m.
-pub fn separation(joint: &Joint, states: &[BodyState]) -> f64 {
-    let point = |body: usize, anchor| states[body].position + states[body].rotation * anchor;
-    point(joint.a, joint.anchor_a).distance(point(joint.b, joint.anchor_b))
 }
 
 /// A point fixed to a body, from its centre of mass in body axes.
@@ -251,7 +284,7 @@ mod tests {
     fn separation_is_between_turned_anchors() {
         let scene = Scene::parse("rods 1").unwrap();
         let mut states = start(&scene);
-        assert!(separation(&scene.joints[0], &states) < 1e-12);
+        assert!(scene.joints[0].separation(&states) < 1e-12);
         let mut meter = Meter::new(&scene, &states);
         // The rod turned by 90° about its middle: its end is ½√2 m away.
         states[1].rotation = DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2);
@@ -260,6 +293,39 @@ mod tests {
         let metrics = meter.metrics().unwrap();
         assert!((metrics.joint_separation.unwrap() - 0.5f64.sqrt()).abs() < 1e-12);
         assert!(metrics.joint_separation_end.unwrap() < 1e-12);
+    }
+
+    #[test]
+    fn a_hinge_that_leans_tilts_and_one_turned_too_far_is_beyond_its_limit() {
+        let scene = Scene::parse("hinge_chain 1 1 45").unwrap();
+        let states = start(&scene);
+        let mut meter = Meter::new(&scene, &states);
+        let mut turned = |axis: DVec3, angle: f64| {
+            let mut states = states.clone();
+            states[2].rotation = DQuat::from_axis_angle(axis, angle);
+            meter.observe(1, 0.1, &states);
+            let metrics = meter.metrics().unwrap();
+            (metrics.hinge_tilt.unwrap(), metrics.limit_overshoot.unwrap())
+        };
+        let (tilt, overshoot) = turned(DVec3::Z, 0.5);
+        assert!(tilt < 1e-12 && overshoot == 0.0);
+        let (tilt, overshoot) = turned(DVec3::X, 0.1);
+        assert!((tilt - 0.1).abs() < 1e-12 && overshoot == 0.0);
+        let (_, overshoot) = turned(DVec3::NEG_Z, 1.0);
+        assert!((overshoot - (1.0 - 45f64.to_radians())).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_arm_that_stands_still_lacks_torque() {
+        let scene = Scene::parse("arm").unwrap();
+        let states = start(&scene);
+        let mut meter = Meter::new(&scene, &states);
+        for step in 1..=60 {
+            meter.observe(step, step as f64 / 60.0, &states);
+        }
+        let metrics = meter.metrics().unwrap();
+        assert!(metrics.torque_error.unwrap() > 1.0 && metrics.energy_drift.is_none());
+        assert!(metrics.hinge_tilt.unwrap() < 1e-12 && metrics.limit_overshoot.is_none());
     }
 
     #[test]

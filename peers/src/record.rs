@@ -32,6 +32,9 @@ pub struct Row {
     pub error_at_1_s: Option<f64>,
     pub joint_separation: Option<f64>,
     pub joint_separation_end: Option<f64>,
+    pub hinge_tilt: Option<f64>,
+    pub limit_overshoot: Option<f64>,
+    pub torque_error: Option<f64>,
     pub sink: Option<f64>,
     pub sink_end: Option<f64>,
     pub drift: Option<f64>,
@@ -69,6 +72,9 @@ impl Row {
             error_at_1_s: None,
             joint_separation: None,
             joint_separation_end: None,
+            hinge_tilt: None,
+            limit_overshoot: None,
+            torque_error: None,
             sink: None,
             sink_end: None,
             drift: None,
@@ -93,6 +99,9 @@ impl Row {
             error_at_1_s: metrics.error_at_1_s,
             joint_separation: metrics.joint_separation,
             joint_separation_end: metrics.joint_separation_end,
+            hinge_tilt: metrics.hinge_tilt,
+            limit_overshoot: metrics.limit_overshoot,
+            torque_error: metrics.torque_error,
             sink: Some(metrics.sink),
             sink_end: Some(metrics.sink_end),
             drift: Some(metrics.drift),
@@ -139,6 +148,9 @@ mod tests {
             error_at_1_s: Some(0.25),
             joint_separation: None,
             joint_separation_end: None,
+            hinge_tilt: Some(0.125),
+            limit_overshoot: None,
+            torque_error: None,
             sink: 2.0,
             sink_end: 1.5,
             drift: 3.0,
@@ -155,8 +167,8 @@ mod tests {
         }
         assert_eq!(
             measured,
-            "precision,rods,n=1,rapier,0.36.1,f32,120.0,4,1,1,1.0,tip,0.5,m,0.25,,,2.0,1.5,3.0,-0.125,0.125,,,,,,"
+            "precision,rods,n=1,rapier,0.36.1,f32,120.0,4,1,1,1.0,tip,0.5,m,0.25,,,0.125,,,2.0,1.5,3.0,-0.125,0.125,,,,,,"
         );
-        assert!(refused.ends_with(",1.0,,,,,,,,,,,,,,,,,\"panicked: a, \"\"b\"\"\""), "{refused}");
+        assert!(refused.ends_with(",1.0,,,,,,,,,,,,,,,,,,,,\"panicked: a, \"\"b\"\"\""), "{refused}");
     }
 }

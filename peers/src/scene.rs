@@ -4,14 +4,15 @@
 use std::collections::HashMap;
 use std::fmt::{self, Display};
 
-use bevy::ecs::entity::Entity;
 use bevy::ecs::world::EntityRef;
 use bevy::math::{DQuat, DVec3};
 use plumb::physics::{
-    BallJoint, Collider, CollisionLayers, Damping, ExternalForce, GravityScale, Inertia, Mass, MassProperties,
-    Position, RigidBody, Rotation, SolverSettings, SurfaceMaterial, Velocity, headless_app, step,
+    Collider, CollisionLayers, Damping, ExternalForce, GravityScale, Inertia, Mass, MassProperties, Position,
+    RigidBody, Rotation, SolverSettings, SurfaceMaterial, Velocity, headless_app, step,
 };
-use plumb::scene::{self, SceneError, SceneSpec};
+use plumb::scene::{self, JointSpec, SceneError, SceneSpec};
+
+use crate::joint::Joint;
 
 /// A built-in scene with its parameters.
 pub struct Scene {
@@ -47,18 +48,6 @@ pub struct Body {
     pub layers: CollisionLayers,
     pub damping: Damping,
     pub gravity_scale: f64,
-}
-
-/// A ball joint: an anchor of body `a` held at an anchor of body `b`, both from the centre of mass
-/// in principal axes, m.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Joint {
-    pub a: usize,
-    pub b: usize,
-    pub anchor_a: DVec3,
-    pub anchor_b: DVec3,
-    /// Whether the two collide.
-    pub collide: bool,
 }
 
 /// Why a scene cannot be had.
@@ -109,12 +98,14 @@ impl Scene {
 }
 
 impl Display for Scene {
-    /// The name and the first parameter, as the tables have it: `pyramid 40`.
+    /// The name, the first parameter, and the others up to the last that is not at its default: `pyramid 40`,
+    /// `hinge_chain 100 1`.
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        match self.parameters.first() {
-            Some((_, value)) => write!(formatter, "{} {value}", self.name()),
-            None => write!(formatter, "{}", self.name()),
-        }
+        let known = scene::find(self.name()).map_or(&[][..], |info| info.parameters);
+        let is_default = |index: usize| known.get(index).is_some_and(|known| known.default == self.parameters[index].1);
+        let last = (1..self.parameters.len()).rfind(|&index| !is_default(index)).unwrap_or(0);
+        write!(formatter, "{}", self.name())?;
+        self.parameters.iter().take(last + 1).try_for_each(|(_, value)| write!(formatter, " {value}"))
     }
 }
 
@@ -146,16 +137,16 @@ fn resolve(spec: &SceneSpec) -> (Vec<Body>, Vec<Joint>) {
     world.insert_resource(SolverSettings { substeps: 1, iterations: 1, ..SolverSettings::default() });
     let spawned = spec.spawn(world);
     let mut bodies: Vec<Body> = spawned.bodies.iter().map(|&body| Body::of(world.entity(body))).collect();
-    let index: HashMap<Entity, usize> = spawned.bodies.iter().copied().zip(0..).collect();
-    let joint = |&entity| {
-        let &BallJoint { body_a, body_b, anchor_a, anchor_b, collide, .. } = world.get::<BallJoint>(entity)?;
-        Some(Joint { a: index[&body_a], b: index[&body_b], anchor_a, anchor_b, collide })
-    };
-    let joints = spawned.joints.iter().filter_map(joint).collect();
     step(world);
     for (body, &entity) in bodies.iter_mut().zip(&spawned.bodies) {
         body.mass = mass(world.entity(entity)).filter(|_| body.kind == RigidBody::Dynamic);
     }
+    let index: HashMap<&str, usize> = spec.bodies.iter().map(|body| body.name.as_str()).zip(0..).collect();
+    let joint = |joint: &JointSpec| {
+        let ends = [index[joint.body_a.as_str()], index[joint.body_b.as_str()]];
+        Joint::of_spec(joint, ends, ends.map(|body| spec.bodies[body].rotation), &bodies)
+    };
+    let joints = spec.joints.iter().map(joint).collect();
     (bodies, joints)
 }
 
@@ -202,16 +193,18 @@ mod tests {
         let grid = vec![("n".into(), 100.0), ("tilt".into(), 30.0)];
         assert_eq!(parse(" joint_grid n=100  tilt=30 ").unwrap(), ("joint_grid".into(), grid.clone()));
         assert_eq!(parse("joint_grid 100 30").unwrap(), ("joint_grid".into(), grid));
-        assert!(matches!(parse("top 1"), Err(ParseError::TooManyValues(_))));
+        assert!(matches!(parse("arm 1"), Err(ParseError::TooManyValues(_))));
         assert!(matches!(parse("stack ten"), Err(ParseError::NotANumber(..))));
         assert!(matches!(parse("stak 10"), Err(ParseError::Scene(SceneError::UnknownScene { .. }))));
     }
 
     #[test]
-    fn a_scene_shows_its_first_parameter() {
+    fn a_scene_shows_its_first_parameter_and_those_that_are_set() {
+        assert_eq!(Scene::parse("hinge_chain 100 1").unwrap().to_string(), "hinge_chain 100 1");
+        assert_eq!(Scene::parse("hinge_chain n=5 limit=45").unwrap().to_string(), "hinge_chain 5 1000 45");
         assert_eq!(Scene::parse("stack").unwrap().to_string(), "stack 10");
         assert_eq!(Scene::parse("stack n=3").unwrap().parameters(), "n=3 jitter=0");
-        assert_eq!(Scene::parse("top").unwrap().to_string(), "top");
+        assert_eq!(Scene::parse("arm").unwrap().to_string(), "arm");
     }
 
     #[test]
@@ -225,7 +218,7 @@ mod tests {
         assert!((inertia - DVec3::new(0.02, 1.01, 1.01) / 12.0).length() < 1e-12, "{inertia}");
         // Where it is at the start, not after a step.
         assert_eq!((rod.position, rod.velocity), (DVec3::new(0.5, 0.0, 0.0), Velocity::default()));
-        let Joint { a, b, anchor_a, anchor_b, collide } = rods.joints[0];
+        let Joint { a, b, anchor_a, anchor_b, collide, .. } = rods.joints[0];
         assert_eq!((a, b, anchor_a, anchor_b, collide), (0, 1, DVec3::ZERO, DVec3::new(-0.5, 0.0, 0.0), false));
         assert!(Scene::parse("stack 1").unwrap().bodies.iter().all(|body| body.collider.is_some()));
     }

@@ -12,7 +12,9 @@ use crate::table::{short, table};
 
 /// Measured where none are asked for.
 pub const SCENES: &str = "pyramid 40, pyramids 8, joint_grid 100, chain 1, chain 100, chain 1000, stack 10, stack 30, \
-                          sandwich 1000, top, rods 5";
+                          sandwich 1000, top, rods 5, bridge 30, bridge 100, ragdolls 1, ragdolls 10, \
+                          hinge_chain 100 1, hinge_chain 100 1000, hinge_chain 100 1 45, arm, car 0 100 10, \
+                          four_bar 1, four_bar 40";
 
 /// Steps before anything is timed: contacts are found, buffers have grown.
 const WARM_UP_STEPS: u32 = 60;

@@ -1,15 +1,18 @@
 //! Box3D through its C interface: its default definitions, with sleep off.
 #![allow(unsafe_code)]
 
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::ffi::c_int;
 
 use bevy::math::{DQuat, DVec3};
 use box3d_sys::*;
 use plumb::lab::BodyState;
-use plumb::physics::{MassProperties, RigidBody as Kind, Shape};
+use plumb::physics::{DistanceLaw, MassProperties, RigidBody as Kind, Shape};
+use plumb::scene::JointKindSpec;
 
-use super::{Engine, NO_HULL};
-use crate::scene::{Body, Joint, Scene};
+use super::{Engine, Follower, NO_HULL, finite, speed_of};
+use crate::joint::{Drive, Joint, Motor, frequency_and_ratio};
+use crate::scene::{Body, Scene};
 
 /// A scene in a Box3D world, which dies with it.
 pub struct Box3d {
@@ -17,8 +20,10 @@ pub struct Box3d {
     bodies: Vec<b3BodyId>,
     /// Bodies with a force and torque that last; Box3D clears both at each step.
     pushed: Vec<(b3BodyId, b3Vec3, b3Vec3)>,
-    step: f32,
+    followers: Vec<Follower<b3JointId>>,
+    hz: f64,
     substeps: c_int,
+    steps: u64,
 }
 
 impl Box3d {
@@ -33,47 +38,66 @@ impl Box3d {
         };
         let ground = ground_half_extent(scene);
         let bodies: Vec<b3BodyId> = scene.bodies.iter().map(|body| create_body(world, body, ground)).collect();
-        for joint in &scene.joints {
-            create_joint(world, joint, &bodies);
-        }
+        let joints: Vec<b3JointId> =
+            scene.joints.iter().map(|joint| create_joint(world, joint, &bodies, &scene.bodies)).collect();
+        let followers = Follower::of(&scene.joints, &joints);
         let pushed = scene.bodies.iter().zip(&bodies).filter(|(body, _)| body.is_pushed());
         let pushed = pushed.map(|(body, &id)| (id, vector(body.force.force), vector(body.force.torque))).collect();
-        Self { world, bodies, pushed, step: (1.0 / hz) as f32, substeps: substeps as c_int }
+        Self { world, bodies, pushed, followers, hz, substeps: substeps as c_int, steps: 0 }
+    }
+
+    fn state(&self, body: usize) -> BodyState {
+        let body = self.bodies[body];
+        // SAFETY: the body lives as long as self.
+        let (position, rotation, linear, angular) = unsafe {
+            (
+                b3Body_GetWorldCenter(body),
+                b3Body_GetRotation(body),
+                b3Body_GetLinearVelocity(body),
+                b3Body_GetAngularVelocity(body),
+            )
+        };
+        let b3Quat { v, s } = rotation;
+        BodyState {
+            position: double(position),
+            rotation: DQuat::from_array([v.x, v.y, v.z, s].map(f64::from)).normalize(),
+            linear: double(linear),
+            angular: double(angular),
+        }
+    }
+
+    fn follow(&self) {
+        let times = [self.steps as f64 / self.hz, self.hz.recip()];
+        for follower in &self.followers {
+            let speed = follower.speed(times, MADE_GOOD, |body| self.state(body)) as f32;
+            // SAFETY: the joint lives as long as self and is of that kind: others have no motors.
+            unsafe {
+                match follower.joint.kind {
+                    JointKindSpec::Slider => b3PrismaticJoint_SetMotorSpeed(follower.handle, speed),
+                    _ => b3RevoluteJoint_SetMotorSpeed(follower.handle, speed),
+                }
+            }
+        }
     }
 }
 
 impl Engine for Box3d {
     fn step(&mut self) {
+        self.follow();
+        self.steps += 1;
         // SAFETY: the world and its bodies live as long as self.
         unsafe {
             for &(body, force, torque) in &self.pushed {
                 b3Body_ApplyForceToCenter(body, force, true);
                 b3Body_ApplyTorque(body, torque, true);
             }
-            b3World_Step(self.world, self.step, self.substeps);
+            b3World_Step(self.world, self.hz.recip() as f32, self.substeps);
         }
     }
 
     fn read(&mut self, states: &mut Vec<BodyState>) {
         states.clear();
-        states.extend(self.bodies.iter().map(|&body| {
-            // SAFETY: the body lives as long as self.
-            let (position, rotation, linear, angular) = unsafe {
-                (
-                    b3Body_GetWorldCenter(body),
-                    b3Body_GetRotation(body),
-                    b3Body_GetLinearVelocity(body),
-                    b3Body_GetAngularVelocity(body),
-                )
-            };
-            let b3Quat { v, s } = rotation;
-            BodyState {
-                position: double(position),
-                rotation: DQuat::from_array([v.x, v.y, v.z, s].map(f64::from)).normalize(),
-                linear: double(linear),
-                angular: double(angular),
-            }
-        }));
+        states.extend((0..self.bodies.len()).map(|body| self.state(body)));
     }
 }
 
@@ -185,18 +209,113 @@ fn cone_points(radius: f64, height: f64) -> Vec<b3Vec3> {
     rim.chain([0.75 * height * DVec3::Y]).map(vector).collect()
 }
 
-fn create_joint(world: b3WorldId, joint: &Joint, bodies: &[b3BodyId]) {
-    // SAFETY: world and bodies exist, the default definition is valid, and only public fields are
+/// What it cannot do of a joint.
+pub fn lacks(joint: &Joint) -> Option<&'static str> {
+    let is_spring = |motor: &Motor| matches!(motor.drive, Drive::Spring { .. });
+    match joint.kind {
+        JointKindSpec::Generic { .. } => Some("generic joints"),
+        _ if joint.motor.is_some_and(|motor| is_spring(&motor) && motor.max_force.is_finite()) => {
+            Some("springs with a largest force")
+        }
+        _ => None,
+    }
+}
+
+fn create_joint(world: b3WorldId, joint: &Joint, ids: &[b3BodyId], bodies: &[Body]) -> b3JointId {
+    // SAFETY: world and bodies exist, the default definitions are valid, and only public fields are
     // changed.
     unsafe {
-        let mut definition = b3DefaultSphericalJointDef();
-        definition.base.bodyIdA = bodies[joint.a];
-        definition.base.bodyIdB = bodies[joint.b];
-        definition.base.localFrameA.p = vector(joint.anchor_a);
-        definition.base.localFrameB.p = vector(joint.anchor_b);
-        definition.base.collideConnected = joint.collide;
-        b3CreateSphericalJoint(world, &definition);
+        match joint.kind {
+            JointKindSpec::Ball => {
+                let mut definition = b3DefaultSphericalJointDef();
+                set_base(&mut definition.base, joint, ids, AXIS_OF_HINGES);
+                if let (Some(limits), Some([min, max])) = (joint.limits, joint.range()) {
+                    definition.enableTwistLimit = true;
+                    (definition.lowerTwistAngle, definition.upperTwistAngle) = (min as f32, max as f32);
+                    if let Some(swing) = limits.swing.filter(|swing| swing.is_finite()) {
+                        (definition.enableConeLimit, definition.coneAngle) = (true, swing as f32);
+                    }
+                }
+                b3CreateSphericalJoint(world, &definition)
+            }
+            JointKindSpec::Hinge => {
+                let mut definition = b3DefaultRevoluteJointDef();
+                set_base(&mut definition.base, joint, ids, AXIS_OF_HINGES);
+                if let Some([min, max]) = joint.range() {
+                    definition.enableLimit = true;
+                    (definition.lowerAngle, definition.upperAngle) = (min as f32, max as f32);
+                }
+                if let Some(motor) = joint.motor {
+                    definition.maxMotorTorque = finite(motor.max_force);
+                    if let Some(speed) = speed_of(&motor) {
+                        (definition.enableMotor, definition.motorSpeed) = (true, speed as f32);
+                    }
+                    if let Some([target, hertz, ratio]) = spring(&motor.drive, joint, bodies) {
+                        (definition.enableSpring, definition.targetAngle) = (true, target);
+                        (definition.hertz, definition.dampingRatio) = (hertz, ratio);
+                    }
+                }
+                b3CreateRevoluteJoint(world, &definition)
+            }
+            JointKindSpec::Slider => {
+                let mut definition = b3DefaultPrismaticJointDef();
+                set_base(&mut definition.base, joint, ids, DQuat::IDENTITY);
+                if let Some(range) = joint.range() {
+                    definition.enableLimit = true;
+                    [definition.lowerTranslation, definition.upperTranslation] = range.map(finite);
+                }
+                if let Some(motor) = joint.motor {
+                    definition.maxMotorForce = finite(motor.max_force);
+                    if let Some(speed) = speed_of(&motor) {
+                        (definition.enableMotor, definition.motorSpeed) = (true, speed as f32);
+                    }
+                    if let Some([target, hertz, ratio]) = spring(&motor.drive, joint, bodies) {
+                        (definition.enableSpring, definition.targetTranslation) = (true, target);
+                        (definition.hertz, definition.dampingRatio) = (hertz, ratio);
+                    }
+                }
+                b3CreatePrismaticJoint(world, &definition)
+            }
+            JointKindSpec::Distance(DistanceLaw::Range { min, max }) => {
+                let mut definition = b3DefaultDistanceJointDef();
+                set_base(&mut definition.base, joint, ids, DQuat::IDENTITY);
+                definition.length = min.max(if max.is_finite() { max } else { 0.0 }) as f32;
+                if min < max {
+                    // Only one that is a spring, of no stiffness, has limits.
+                    (definition.enableSpring, definition.hertz, definition.enableLimit) = (true, 0.0, true);
+                    (definition.minLength, definition.maxLength) = (min as f32, finite(max));
+                }
+                b3CreateDistanceJoint(world, &definition)
+            }
+            JointKindSpec::Fixed | JointKindSpec::Distance(_) | JointKindSpec::Generic { .. } => {
+                let mut definition = b3DefaultWeldJointDef();
+                set_base(&mut definition.base, joint, ids, DQuat::IDENTITY);
+                b3CreateWeldJoint(world, &definition)
+            }
+        }
     }
+}
+
+/// Share of its lag that a motor which follows a motion makes good in a step: from some three quarters on, `arm` shakes,
+/// since its joints overshoot the speeds they are asked for.
+const MADE_GOOD: f64 = 0.5;
+
+/// Takes z, about which its hinges turn and its ball joints twist, to x, which is a joint's axis here.
+const AXIS_OF_HINGES: DQuat = DQuat::from_xyzw(0.0, FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2);
+
+fn set_base(base: &mut b3JointDef, joint: &Joint, ids: &[b3BodyId], turn: DQuat) {
+    base.bodyIdA = ids[joint.a];
+    base.bodyIdB = ids[joint.b];
+    base.localFrameA = b3Transform { p: vector(joint.anchor_a), q: quaternion(joint.frame_a * turn) };
+    base.localFrameB = b3Transform { p: vector(joint.anchor_b), q: quaternion(joint.frame_b * turn) };
+    base.collideConnected = joint.collide;
+}
+
+/// Target, frequency, Hz, and damping ratio of a motor that is a spring.
+fn spring(drive: &Drive, joint: &Joint, bodies: &[Body]) -> Option<[f32; 3]> {
+    let &Drive::Spring { target, stiffness, damping } = drive else { return None };
+    let (frequency, ratio) = frequency_and_ratio(stiffness, damping, joint.effective_mass(bodies));
+    Some([target, frequency, ratio].map(|number| number as f32))
 }
 
 fn vector(v: DVec3) -> b3Vec3 {

@@ -4,6 +4,8 @@
 mod avian;
 #[cfg(feature = "box3d")]
 mod box3d;
+#[cfg(test)]
+mod joint_tests;
 mod plumb;
 mod rapier;
 #[cfg(test)]
@@ -17,9 +19,11 @@ use std::str::FromStr;
 use std::time::{Duration, Instant};
 
 use ::plumb::lab::BodyState;
-use ::plumb::physics::{RigidBody, SolverSettings};
+use ::plumb::physics::{Breakable, DistanceLaw, PrescribedMotion, RigidBody, SolverSettings};
+use ::plumb::scene::JointKindSpec;
 use bevy::math::DVec3;
 
+use crate::joint::{Drive, Joint, Motor};
 use crate::scene::Scene;
 
 /// A scene in an engine.
@@ -123,8 +127,18 @@ impl EngineKind {
 
     /// Puts a scene into it.
     pub fn start(self, scene: &Scene, settings: &Settings) -> Result<Run, Unable> {
+        let of_engine: fn(&Joint) -> Option<&'static str> = match self {
+            Self::Plumb { .. } => |_| None,
+            Self::Rapier => rapier::lacks,
+            Self::Avian => avian::lacks,
+            #[cfg(feature = "box3d")]
+            Self::Box3d => box3d::lacks,
+        };
         if !self.is_plumb() {
             check_translatable(scene)?;
+        }
+        if let Some(what) = scene.joints.iter().find_map(of_engine) {
+            return Err(Unable::NotTranslated(what));
         }
         let substeps = settings.substeps.unwrap_or(PEER_SUBSTEPS);
         let build = || -> Box<dyn Engine> {
@@ -231,9 +245,70 @@ fn panic_message(payload: &(dyn Any + Send)) -> String {
 fn check_translatable(scene: &Scene) -> Result<(), Unable> {
     let bodies = &scene.spec.bodies;
     let missing = |condition, what| if condition { Err(Unable::NotTranslated(what)) } else { Ok(()) };
-    missing(scene.spec.joints.iter().any(|joint| joint.softness.is_some()), "soft joints")?;
+    let joints = &scene.spec.joints;
+    missing(joints.iter().any(|joint| joint.softness.is_some()), "soft joints")?;
+    missing(joints.iter().any(|joint| joint.friction != 0.0), "joints with friction")?;
+    missing(joints.iter().any(|joint| joint.broken.is_some()), "broken joints")?;
+    let weak = weakest_that_holds(scene);
+    let may_break = |&Breakable { force, torque, .. }: &Breakable| force.min(torque) < weak;
+    missing(joints.iter().any(|joint| joint.breakable.as_ref().is_some_and(may_break)), "joints that break")?;
+    let bounces = |joint: &Joint| joint.limits.is_some_and(|limits| limits.restitution != 0.0);
+    missing(scene.joints.iter().any(bounces), "limits with restitution")?;
+    missing(scene.joints.iter().any(Joint::limits_turns), "limits beyond half a turn")?;
+    let is_distance = |joint: &&Joint| matches!(joint.kind, JointKindSpec::Distance(_));
+    let attached = |joint: &Joint| joint.limits.is_some() || joint.motor.is_some();
+    missing(scene.joints.iter().filter(is_distance).any(attached), "limits and motors of distances")?;
+    let is_spring = |joint: &Joint| matches!(joint.kind, JointKindSpec::Distance(DistanceLaw::Spring { .. }));
+    missing(scene.joints.iter().any(is_spring), "springs between points")?;
     missing(bodies.iter().any(|body| body.kind == RigidBody::Kinematic), "kinematic bodies")?;
     missing(bodies.iter().any(|body| body.locked != Default::default()), "locked axes")
+}
+
+/// Joints of this strength, N or N·m, are taken not to break in any scene here: 10 times the weight of all its bodies. The
+/// planks of `bridge 100` pull with twice theirs. Peers have no joints that break, and do not need any where none does.
+fn weakest_that_holds(scene: &Scene) -> f64 {
+    const TIMES_THE_WEIGHT: f64 = 10.0;
+    let mass: f64 = scene.bodies.iter().filter_map(|body| Some(body.mass?.mass)).sum();
+    TIMES_THE_WEIGHT * mass * scene.spec.gravity.length()
+}
+
+/// A joint whose motor follows a motion prescribed in time, which no peer has: it is told anew each step what to do.
+struct Follower<Handle> {
+    joint: Joint,
+    motion: PrescribedMotion,
+    handle: Handle,
+}
+
+impl<Handle: Copy> Follower<Handle> {
+    /// Those of a scene, whose joints are known to an engine by those handles.
+    fn of(joints: &[Joint], handles: &[Handle]) -> Vec<Self> {
+        let follower = |(joint, &handle): (&Joint, &Handle)| {
+            let Drive::Motion(motion) = joint.motor?.drive else { return None };
+            Some(Self { joint: *joint, motion, handle })
+        };
+        joints.iter().zip(handles).filter_map(follower).collect()
+    }
+
+    /// The speed that follows the motion over a step from that time on, rad/s or m/s, with that share of what the joint
+    /// lags behind made good in it.
+    fn speed(&self, times: [f64; 2], made_good: f64, state: impl Fn(usize) -> BodyState) -> f64 {
+        let Self { joint, motion, .. } = self;
+        joint.rate_along(motion, times, made_good, [&state(joint.a), &state(joint.b)])
+    }
+}
+
+/// As f32, with its largest number for infinity.
+fn finite(value: f64) -> f32 {
+    value.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32
+}
+
+/// The speed that a motor starts with; none of a spring.
+fn speed_of(motor: &Motor) -> Option<f64> {
+    match motor.drive {
+        Drive::Speed(speed) => Some(speed),
+        Drive::Motion(_) => Some(0.0),
+        Drive::Spring { .. } => None,
+    }
 }
 
 /// From the centre of mass of a cone up to the middle of its height.

@@ -2,19 +2,25 @@
 
 use bevy::math::{DQuat, DVec3};
 use plumb::lab::BodyState;
-use plumb::physics::{Collider, RigidBody as Kind, Shape};
+use plumb::physics::{Collider, DistanceLaw, JointAxis as Coordinate, RigidBody as Kind, Shape};
+use plumb::scene::JointKindSpec;
 use rapier3d::prelude::{
-    CoefficientCombineRule, ColliderBuilder, Group, InteractionGroups, InteractionTestMode, MassProperties,
-    PhysicsWorld, Pose, RigidBodyBuilder, RigidBodyHandle, Rotation, SphericalJoint, Vector, nalgebra,
+    CoefficientCombineRule, ColliderBuilder, GenericJoint, Group, ImpulseJointHandle, InteractionGroups,
+    InteractionTestMode, JointAxesMask, JointAxis, MassProperties, MotorModel, PhysicsWorld, Pose, RigidBodyBuilder,
+    RigidBodyHandle, Rotation, Vector, nalgebra,
 };
 
-use super::{Engine, NO_HULL, cone_middle};
-use crate::scene::{Body, Joint, Scene};
+use super::{Engine, Follower, NO_HULL, cone_middle, finite, speed_of};
+use crate::joint::{Drive, Joint};
+use crate::scene::{Body, Scene};
 
 /// A scene in a Rapier world. Its threads are those of the global rayon pool.
 pub struct Rapier {
     world: PhysicsWorld,
     bodies: Vec<RigidBodyHandle>,
+    followers: Vec<Follower<ImpulseJointHandle>>,
+    hz: f64,
+    steps: u64,
 }
 
 impl Rapier {
@@ -23,31 +29,45 @@ impl Rapier {
         world.integration_parameters.dt = (1.0 / hz) as f32;
         world.integration_parameters.num_solver_iterations = substeps as usize;
         let bodies: Vec<RigidBodyHandle> = scene.bodies.iter().map(|body| insert(&mut world, body)).collect();
-        for joint in &scene.joints {
-            world.insert_impulse_joint(bodies[joint.a], bodies[joint.b], ball(joint));
+        let join = |joint: &Joint| world.insert_impulse_joint(bodies[joint.a], bodies[joint.b], joint_of(joint));
+        let joints: Vec<ImpulseJointHandle> = scene.joints.iter().map(join).collect();
+        Self { world, bodies, followers: Follower::of(&scene.joints, &joints), hz, steps: 0 }
+    }
+
+    fn state(&self, body: usize) -> BodyState {
+        let body = &self.world.bodies[self.bodies[body]];
+        let rotation = body.rotation();
+        BodyState {
+            position: double(body.translation()),
+            rotation: DQuat::from_array([rotation.x, rotation.y, rotation.z, rotation.w].map(f64::from)).normalize(),
+            linear: double(body.linvel()),
+            angular: double(body.angvel()),
         }
-        Self { world, bodies }
+    }
+
+    fn follow(&mut self) {
+        let times = [self.steps as f64 / self.hz, self.hz.recip()];
+        let speeds: Vec<f64> =
+            self.followers.iter().map(|joint| joint.speed(times, MADE_GOOD, |body| self.state(body))).collect();
+        for (follower, speed) in self.followers.iter().zip(speeds) {
+            let Some(joint) = self.world.impulse_joints.get_mut(follower.handle, false) else { continue };
+            if let Some(axis) = axis_of(&follower.joint) {
+                joint.data.set_motor_velocity(axis, speed as f32, RIGID);
+            }
+        }
     }
 }
 
 impl Engine for Rapier {
     fn step(&mut self) {
+        self.follow();
         self.world.step();
+        self.steps += 1;
     }
 
     fn read(&mut self, states: &mut Vec<BodyState>) {
         states.clear();
-        states.extend(self.bodies.iter().map(|&body| {
-            let body = &self.world.bodies[body];
-            let rotation = body.rotation();
-            BodyState {
-                position: double(body.translation()),
-                rotation: DQuat::from_array([rotation.x, rotation.y, rotation.z, rotation.w].map(f64::from))
-                    .normalize(),
-                linear: double(body.linvel()),
-                angular: double(body.angvel()),
-            }
-        }));
+        states.extend((0..self.bodies.len()).map(|body| self.state(body)));
     }
 }
 
@@ -114,12 +134,80 @@ fn shape(shape: &Shape) -> ColliderBuilder {
     }
 }
 
-fn ball(joint: &Joint) -> SphericalJoint {
-    let mut ball = SphericalJoint::new();
-    ball.set_local_anchor1(vector(joint.anchor_a))
-        .set_local_anchor2(vector(joint.anchor_b))
+/// What it cannot do of a joint.
+pub fn lacks(joint: &Joint) -> Option<&'static str> {
+    let Joint { kind, motor, limits, .. } = joint;
+    match kind {
+        JointKindSpec::Distance(DistanceLaw::Range { min, .. }) if *min > 0.0 => Some("least distances"),
+        _ if (motor.is_some() || limits.is_some_and(|limits| limits.swing.is_none())) && axis_of(joint).is_none() => {
+            Some("motors and limits of swings and distances")
+        }
+        _ => None,
+    }
+}
+
+/// Share of its lag that a motor which follows a motion makes good in a step: with less, it lags by more in `arm`.
+const MADE_GOOD: f64 = 1.0;
+
+/// Damping of a motor that asks for a speed, in units of what it moves, 1/s: it gets there within a substep.
+const RIGID: f32 = 1e10;
+
+fn joint_of(joint: &Joint) -> GenericJoint {
+    let mut made = GenericJoint::new(locked(&joint.kind));
+    made.set_local_frame1(Pose::from_parts(vector(joint.anchor_a), rotation(joint.frame_a)))
+        .set_local_frame2(Pose::from_parts(vector(joint.anchor_b), rotation(joint.frame_b)))
         .set_contacts_enabled(joint.collide);
-    ball
+    limit(&mut made, joint);
+    if let (Some(motor), Some(axis)) = (joint.motor, axis_of(joint)) {
+        if let Some(speed) = speed_of(&motor) {
+            made.set_motor_velocity(axis, speed as f32, RIGID);
+        } else if let Drive::Spring { target, stiffness, damping } = motor.drive {
+            made.set_motor_position(axis, target as f32, stiffness as f32, damping as f32);
+            made.set_motor_model(axis, MotorModel::ForceBased);
+        }
+        made.set_motor_max_force(axis, finite(motor.max_force));
+    }
+    made
+}
+
+fn limit(made: &mut GenericJoint, joint: &Joint) {
+    if let JointKindSpec::Distance(DistanceLaw::Range { max, .. }) = joint.kind {
+        made.coupled_axes = JointAxesMask::LIN_AXES;
+        made.set_limits(JointAxis::LinX, [0.0, finite(max)]);
+    }
+    let Some(range) = joint.range() else { return };
+    if let Some(swing) = joint.limits.and_then(|limits| limits.swing).filter(|swing| swing.is_finite()) {
+        // Its limit of two coupled angles is of the one between the axes; a least one below zero is none.
+        made.coupled_axes = JointAxesMask::ANG_Y | JointAxesMask::ANG_Z;
+        made.set_limits(JointAxis::AngY, [-1.0, swing as f32]);
+    }
+    made.set_limits(axis_of(joint).unwrap_or(JointAxis::AngX), range.map(finite));
+}
+
+fn locked(kind: &JointKindSpec) -> JointAxesMask {
+    match kind {
+        JointKindSpec::Ball => JointAxesMask::LOCKED_SPHERICAL_AXES,
+        JointKindSpec::Hinge => JointAxesMask::LOCKED_REVOLUTE_AXES,
+        JointKindSpec::Slider => JointAxesMask::LOCKED_PRISMATIC_AXES,
+        JointKindSpec::Fixed => JointAxesMask::LOCKED_FIXED_AXES,
+        JointKindSpec::Distance(_) => JointAxesMask::empty(),
+        JointKindSpec::Generic { translations, rotations, .. } => {
+            let held = translations.iter().chain(rotations).enumerate().filter(|(_, held)| **held);
+            // x, y and z, then the twist and the swings about y and z: its own order.
+            JointAxesMask::from_bits_truncate(held.fold(0, |mask, (axis, _)| mask | 1 << axis))
+        }
+    }
+}
+
+/// The axis that a motor and limits act on, where it has that one.
+fn axis_of(joint: &Joint) -> Option<JointAxis> {
+    match joint.axis()? {
+        Coordinate::X => Some(JointAxis::LinX),
+        Coordinate::Y => Some(JointAxis::LinY),
+        Coordinate::Z => Some(JointAxis::LinZ),
+        Coordinate::Twist => Some(JointAxis::AngX),
+        Coordinate::Swing | Coordinate::Distance => None,
+    }
 }
 
 fn vector(v: DVec3) -> Vector {

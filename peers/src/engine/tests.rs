@@ -5,7 +5,6 @@ use ::plumb::scene::{HullSpec, ShapeSpec};
 use bevy::math::{DQuat, DVec3};
 
 use super::*;
-use crate::metrics::separation;
 
 const SETTINGS: Settings = Settings { hz: 60.0, substeps: None, threads: 1 };
 
@@ -19,7 +18,7 @@ fn scene(text: &str) -> Scene {
 #[test]
 fn bodies_are_where_the_scene_has_them() {
     // Turned bodies on joints; a top that spins about all axes; cubes on the ground.
-    for scene in [scene("limbs"), scene("heavy_top"), scene("stack 2")] {
+    for scene in [scene("ragdolls"), scene("heavy_top"), scene("stack 2")] {
         for kind in EngineKind::all() {
             let mut run = kind.start(&scene, &SETTINGS).unwrap();
             let states = run.read().unwrap();
@@ -31,7 +30,7 @@ fn bodies_are_where_the_scene_has_them() {
                 assert!(state.angular.distance(body.velocity.angular) < 1e-4, "{kind}: {body:?}");
             }
             for joint in &scene.joints {
-                assert!(separation(joint, states) < ROUNDING, "{kind}");
+                assert!(joint.separation(states) < ROUNDING, "{kind}");
             }
         }
     }

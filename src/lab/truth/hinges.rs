@@ -6,8 +6,8 @@ use super::answer::Truth;
 use crate::lab::joined::{Joined, joined};
 use crate::lab::simulation::Sample;
 
-/// The largest angle between the axis of a hinge in A and in B.
-pub(super) fn tilt(scene: &SceneSpec) -> Truth {
+/// The largest angle between the axis of a hinge in A and in B. Of any scene, built in or not.
+pub fn tilt(scene: &SceneSpec) -> Truth {
     let hinges: Vec<Joined> = joined(scene)
         .filter(|(joint, _)| joint.kind == JointKindSpec::Hinge)
         .map(|(joint, bodies)| Joined::of(joint, bodies, scene))

@@ -24,8 +24,9 @@ impl Limited {
     }
 }
 
-/// The largest angle by which a hinge or a ball joint is beyond its limits; none where no joint has any.
-pub(super) fn overshoot(scene: &SceneSpec) -> Option<Truth> {
+/// The largest angle by which a hinge or a ball joint is beyond its limits; none where no joint has any. Of any
+/// scene, built in or not.
+pub fn overshoot(scene: &SceneSpec) -> Option<Truth> {
     let limited = |(joint, bodies): (&JointSpec, [usize; 2])| {
         let limits = joint.limits?;
         Some(Limited { joined: Joined::of(joint, bodies, scene), limits, angle: joint.coordinate })

@@ -45,6 +45,8 @@ use crate::scene::SceneSpec;
 
 pub use answer::{EnergyScale, Poses, Truth};
 pub use converged::{Unknown, converged};
+pub use hinges::tilt as hinge_tilt;
+pub use limits::overshoot as limit_overshoot;
 pub use statics::Statics;
 
 /// The scenes that stay as they are.
