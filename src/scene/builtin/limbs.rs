@@ -5,12 +5,11 @@ use bevy::math::{DQuat, DVec3};
 use super::figure::{CHEST, Clothes, DAMPING, FIGURE_PARTS, Figure, HAT, Holds, Side, hip_above_seat, soles_to_pelvis};
 use super::gravity::EARTH;
 use super::palette;
-use crate::physics::JointAxes;
-use crate::scene::{BodySpec, JointKindSpec, JointSpec, MeshSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, JointSpec, MeshSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
 pub(super) const LIMBS: SceneInfo = SceneInfo {
     name: "limbs",
-    about: "three figures of boxes, balls and cones on ball joints, a garland and loose things, meshes among them, to pick and drag",
+    about: "three figures of boxes, balls and cones with hinged elbows and knees and limits at all joints, a garland and loose things, meshes among them, to pick and drag",
     truth: "joints hold, bodies come to rest",
     parameters: &[],
     seconds: 10.0,
@@ -32,10 +31,6 @@ fn build() -> SceneSpec {
     add_garland(&mut scene);
     add_loose_things(&mut scene);
     add_loose_meshes(&mut scene);
-    // On ball joints alone: beside contacts, limits part by more than a hand that drags should see.
-    for joint in &mut scene.joints {
-        (joint.kind, joint.limits, joint.axes) = (JointKindSpec::Ball, None, JointAxes::World(DVec3::X));
-    }
     scene.view = Some(ViewSpec { eye: DVec3::new(2.6, 2.5, 7.8), target: DVec3::new(0.8, 1.15, -0.3) });
     scene
 }
