@@ -73,10 +73,14 @@ pub(super) const MOTION_TURN: f64 = 0.1;
 /// Depth or gap, over the arm, at which surfaces count as just touching: single precision cannot tell.
 pub(super) const TOUCHING: f64 = 1e-5;
 
-/// Error of a row at the end of a substep, m or rad, from which on the impulses of joints without contacts are mended
-/// again, and how often at most (`machines`: how far hinges part).
-pub(super) const DUAL_ERROR: f64 = 1e-9;
+/// Errors of a row at the end of a substep, m or rad, from which on the impulses of joints without contacts are mended
+/// again, where joints are a tree and where they close loops, whose redundant rows add them up (`bricard`); and how often
+/// at most (`machines`: how far hinges part).
+pub(super) const DUAL_ERRORS: [f64; 2] = [3e-7, 1e-9];
 pub(super) const DUAL_ITERATIONS: usize = 12;
+
+/// Error of a row at its bound, m or rad, from which on it leaves it.
+pub(super) const DUAL_LEFT: f64 = 1e-9;
 
 /// How often it is told anew which limits and largest forces are met (`machines`).
 pub(super) const DUAL_ACTIVE_SETS: usize = 10;
@@ -96,7 +100,7 @@ pub(super) const DUAL_PIECES: u32 = 16;
 pub(super) const DUAL_LOOSE: f64 = 1e200;
 
 /// Error of a row at the start of a substep, m or rad, from which on it is corrected in the poses alone.
-pub(super) const DUAL_START_ERROR: f64 = 1e-7;
+pub(super) const DUAL_START_ERROR: f64 = 2e-6;
 
 /// Error, m or rad, from which on a motion with a largest force lags behind.
 pub(super) const DUAL_LAG: f64 = 1e-6;

@@ -26,8 +26,8 @@ use bevy::platform::collections::HashMap;
 use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{
-    DUAL_ACCEPTED, DUAL_ACTIVE_SETS, DUAL_ERROR, DUAL_ITERATIONS, DUAL_LAG, DUAL_LOOSE, DUAL_PIECES, DUAL_SHIFTS,
-    DUAL_SOFTER, DUAL_START_ERROR, PROJECTION_ERROR, PROJECTIONS,
+    DUAL_ACCEPTED, DUAL_ACTIVE_SETS, DUAL_ERRORS, DUAL_ITERATIONS, DUAL_LAG, DUAL_LEFT, DUAL_LOOSE, DUAL_PIECES,
+    DUAL_SHIFTS, DUAL_SOFTER, DUAL_START_ERROR, PROJECTION_ERROR, PROJECTIONS,
 };
 use super::world::{World, world_inertia};
 use crate::physics::body::free_rotation::turn_freely;
@@ -575,7 +575,7 @@ impl DualSystem {
             }
             let worst = self.find_residual(terms.h, is_linear);
             if !is_linear {
-                if worst <= DUAL_ERROR {
+                if worst <= DUAL_ERRORS[usize::from(self.has_loops)] {
                     return worst;
                 }
                 // Or else the last that was better.
@@ -789,8 +789,8 @@ fn starting_aim(row: &JointRow<f64>, aim: Aim, force: f64, free_rate: f64, h: f6
 /// A row with bounds for its impulse, after a solve that left it so far, m or rad, from what it is asked for.
 fn bounded_aim(aim: Aim, asked: Aim, impulse: f64, [lower, upper]: [f64; 2], left: f64) -> Aim {
     match aim {
-        Aim::Fixed(fixed) if fixed <= lower && left < -DUAL_ERROR && upper > lower => asked,
-        Aim::Fixed(fixed) if fixed >= upper && left > DUAL_ERROR && upper > lower => asked,
+        Aim::Fixed(fixed) if fixed <= lower && left < -DUAL_LEFT && upper > lower => asked,
+        Aim::Fixed(fixed) if fixed >= upper && left > DUAL_LEFT && upper > lower => asked,
         Aim::Fixed(_) => aim,
         _ if impulse < lower => Aim::Fixed(lower),
         _ if impulse > upper => Aim::Fixed(upper),

@@ -65,8 +65,15 @@ impl DirectIsland {
     pub fn set_off(&mut self, world: &impl World, terms: &MotionTerms) -> bool {
         let sets_off = self.can_set_off(world, terms);
         if sets_off {
-            // Its motion is told to second order: fewer substeps would be felt.
-            let far = if self.dual.is_some() || self.posture.is_some() { -1.0 } else { MOTION_TURN };
+            // Where joints hold more than points, motion is told to second order: fewer substeps would be felt, unless
+            // all has come to lie still and nothing drives it.
+            let is_driven = self.joints.iter().any(|&joint| world.joint(joint).definition.is_driven());
+            let is_new = self.members.iter().any(|&member| !world.body(member).has_stepped);
+            let far = match (&self.dual, &self.posture) {
+                (None, None) => MOTION_TURN,
+                _ if is_driven || is_new => -1.0,
+                _ => 0.0,
+            };
             self.intervals = terms.substeps.for_bodies(self.members.iter().map(|&member| world.body(member)), far);
             self.moves = true;
         }
