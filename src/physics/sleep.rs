@@ -22,8 +22,8 @@ use nalgebra::Vector3;
 
 use super::island::find_islands;
 use super::{
-    Bodies, Body, BodySlot, ContactGraph, GONE, Islands, Joints, NearPairs, PhysicsSchedule, PhysicsSystems, Presence,
-    Refill, RigidBody, Sleeping, SolverSettings, StepStats, contacts_last,
+    BitSet, Bodies, Body, BodySlot, ContactGraph, GONE, Islands, Joints, NearPairs, PhysicsSchedule, PhysicsSystems,
+    Presence, Refill, RigidBody, Sleeping, SolverSettings, StepStats, contacts_last,
 };
 
 #[cfg(test)]
@@ -80,19 +80,48 @@ pub(crate) struct Sleep {
 /// How calm a body is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Calm {
-    /// Step since which it has been, and its speed then, m/s; none: not looked at yet.
-    since: Option<(u64, f64)>,
+    /// Step since which it has been, and its motion then; none: not looked at yet.
+    since: Option<(u64, Motion)>,
+}
+
+/// How a body moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Motion {
+    /// No point of it is faster, m/s.
+    speed: f64,
+    /// Of the centre of mass and of a point of the rim about it, m/s.
+    velocities: [Vector3<f64>; 2],
+}
+
+impl Motion {
+    fn of(body: &Body) -> Self {
+        let reach = if body.radius > 0.0 { body.radius } else { gyration(body) };
+        // One root instead of two: (√a + √b)² = a + b + 2 √(a b).
+        let (linear, angular) = (body.linear.norm_squared(), body.angular.norm_squared() * reach * reach);
+        let speed = (linear + angular + 2.0 * (linear * angular).sqrt()).sqrt();
+        Self { speed, velocities: [body.linear, body.angular * reach] }
+    }
+
+    /// By how much it has got faster since, m/s; where it hangs on a spring, by how much it has changed: what turns back
+    /// there is as fast after as before.
+    fn gained_since(&self, before: &Self, is_sprung: bool) -> f64 {
+        if is_sprung {
+            (0..2).map(|one| (self.velocities[one] - before.velocities[one]).norm()).sum()
+        } else {
+            self.speed - before.speed
+        }
+    }
 }
 
 impl Calm {
-    /// Takes in a body's speed, m/s. Returns whether it has been calm, and gained no speed, for so many steps.
-    fn observe(&mut self, speed: f64, limit: f64, step: u64, delay: u64) -> bool {
-        let is_calm = speed < limit;
+    /// Takes in a body's motion. Returns whether it has been calm, and gained no speed, for so many steps.
+    fn observe(&mut self, motion: Motion, is_sprung: bool, limit: f64, step: u64, delay: u64) -> bool {
+        let is_calm = motion.speed < limit;
         match self.since {
             Some((since, _)) if is_calm && step < since + delay => false,
-            Some((_, before)) if is_calm && speed <= before + GAIN * limit => true,
+            Some((_, before)) if is_calm && motion.gained_since(&before, is_sprung) <= GAIN * limit => true,
             _ => {
-                self.since = Some((step, speed));
+                self.since = Some((step, motion));
                 false
             }
         }
@@ -211,7 +240,7 @@ impl Sleep {
     }
 
     /// Looks at all bodies that are awake, and finds the islands of which none keeps the others awake.
-    fn find_resting(&mut self, bodies: &Bodies, islands: &Islands, limit: f64, step: u64, delay: u64) {
+    fn find_resting(&mut self, bodies: &Bodies, islands: &Islands, sprung: &BitSet, limit: f64, step: u64, delay: u64) {
         let count = bodies.list.len();
         self.calm.resize(count, Calm::default());
         self.island_of.resize(count, AWAKE);
@@ -228,7 +257,8 @@ impl Sleep {
                 self.restless[root as usize] = false;
                 self.resting.push(root);
             }
-            let rests = self.calm[index as usize].observe(speed(body), limit, step, delay);
+            let is_sprung = sprung.contains(index);
+            let rests = self.calm[index as usize].observe(Motion::of(body), is_sprung, limit, step, delay);
             self.restless[root as usize] |= !rests || !(islands.is_grounded(root) || is_left_alone(body));
         }
         self.resting.retain(|&root| !self.restless[root as usize]);
@@ -315,6 +345,7 @@ fn wake_touched(
 fn fall_asleep(
     mut sleep: ResMut<Sleep>,
     mut bodies: ResMut<Bodies>,
+    joints: Res<Joints>,
     islands: Res<Islands>,
     near: Res<NearPairs>,
     mut graph: ResMut<ContactGraph>,
@@ -324,7 +355,7 @@ fn fall_asleep(
     let limit = settings.impulse.sleep_speed.filter(|_| settings.method.keeps_contacts());
     let Some(limit) = limit else { return };
     let delay = (DELAY * settings.hz).ceil() as u64;
-    sleep.find_resting(&bodies, &islands, limit, stats.steps, delay);
+    sleep.find_resting(&bodies, &islands, &joints.sprung, limit, stats.steps, delay);
     if !sleep.resting.is_empty() {
         sleep.lay_down(&mut bodies, &islands, graph.bypass_change_detection(), &near);
     }
@@ -353,14 +384,6 @@ fn mark_sleepers(mut sleep: ResMut<Sleep>, bodies: Res<Bodies>, mut stats: ResMu
             }
         }
     });
-}
-
-/// No point of a body is faster, m/s.
-fn speed(body: &Body) -> f64 {
-    let reach = if body.radius > 0.0 { body.radius } else { gyration(body) };
-    // One root instead of two: (√a + √b)² = a + b + 2 √(a b).
-    let (linear, angular) = (body.linear.norm_squared(), body.angular.norm_squared() * reach * reach);
-    (linear + angular + 2.0 * (linear * angular).sqrt()).sqrt()
 }
 
 /// The greatest radius of gyration, m: stands for the size of a body without a shape.

@@ -140,7 +140,9 @@ pub(super) fn write_joint_coordinates(
             continue;
         }
         // However fast it came, it did not go on beyond its limits.
-        let ahead = coordinate.value + coordinate.rate * settings.step();
+        let [_, now] = first.definition.coordinate(axis, &states);
+        let rate = if coordinate.is_added() { now } else { coordinate.rate };
+        let ahead = coordinate.value + rate * settings.step();
         let laws = pieces.iter().flat_map(|piece| piece.definition.laws.iter().flat_map(|laws| laws.iter()));
         let turned =
             laws.filter(|law| law.axis == LawAxis::Coordinate(axis)).fold(ahead, |ahead, law| match law.part {

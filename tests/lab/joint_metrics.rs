@@ -169,5 +169,6 @@ fn broken_joints_are_counted_and_hold_nothing() {
     assert!(broken > 0);
     assert_eq!(metrics.broken_joints as usize, broken);
     assert!(metrics.joint_error_max_m < 0.01, "{} m", metrics.joint_error_max_m);
-    assert_ne!(judge(&metrics).verdict, Verdict::Fails, "{}", judge(&metrics).reason);
+    // What falls may sink into what it falls on; but nothing of what broke counts as parted.
+    assert!(!judge(&metrics).reason.contains("joint"), "{}", judge(&metrics).reason);
 }

@@ -138,7 +138,8 @@ fn limits_tell_when_they_are_reached() {
     assert_eq!(told.len(), 1, "{told:?}");
     assert_eq!(told[0].joint, joint);
     assert!((told[0].time - time).abs() < 0.01, "{} s instead of {time}", told[0].time);
-    assert!((told[0].speed - speed).abs() < 0.05, "{} rad/s instead of {speed}", told[0].speed);
+    // As of the start of the step in which it stops: 13 rad/s² for a 240th of a second.
+    assert!((told[0].speed - speed).abs() < 0.06, "{} rad/s instead of {speed}", told[0].speed);
 }
 
 #[test]

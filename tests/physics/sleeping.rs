@@ -530,6 +530,22 @@ fn what_is_slow_but_speeds_up_stays_awake() {
 }
 
 #[test]
+fn what_turns_back_on_a_slow_spring_stays_awake() {
+    let mut world = world_with(GAME());
+    world.insert_resource(Gravity(DVec3::ZERO));
+    let post = world.spawn((RigidBody::Static, Position(DVec3::ZERO))).id();
+    let bob = world.spawn((RigidBody::Dynamic, Mass(1.0), Inertia(DVec3::ONE), Position(1.2 * DVec3::X))).id();
+    let (omega, rest) = (0.3_f64, 1.0);
+    world.spawn(DistanceJoint::spring(post, bob, rest, omega * omega, 0.0));
+    for second in 1..=25 {
+        run(&mut world, 1.0);
+        assert!(!sleeps(&world, bob), "after {second} s");
+        let at = rest + 0.2 * (omega * f64::from(second)).cos();
+        assert_close(position(&world, bob).x, at, 2e-3);
+    }
+}
+
+#[test]
 fn what_creeps_faster_than_the_limit_stays_awake() {
     let mut world = world_with(GAME());
     let floor = ground(&mut world);

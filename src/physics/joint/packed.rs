@@ -33,6 +33,8 @@ pub(crate) struct Joints {
     pub joined: BitSet,
     /// Those that something holds which may change with time.
     pub driven: Vec<u32>,
+    /// The bodies that springs hold.
+    pub sprung: BitSet,
     /// How many entities they are.
     pub entities: u32,
     /// Counts every time they were packed anew, which is also when a body came, went or changed its kind.
@@ -102,9 +104,12 @@ impl Joints {
 
     /// Finds out which bodies they hold, what holds them that may change with time, and how many entities they are.
     pub fn take_stock(&mut self) {
-        let Self { list, joined, driven, entities, .. } = self;
+        let Self { list, joined, driven, sprung, entities, .. } = self;
         *joined = BitSet::default();
         list.iter().flat_map(|joint| [joint.a, joint.b]).for_each(|body| joined.set(body, true));
+        *sprung = BitSet::default();
+        let of_sprung = list.iter().filter(|joint| joint.definition.is_soft());
+        of_sprung.flat_map(|joint| [joint.a, joint.b]).for_each(|body| sprung.set(body, true));
         driven.clear();
         let of_driven = list.iter().filter(|joint| joint.definition.is_driven());
         driven.extend(of_driven.flat_map(|joint| [joint.a, joint.b]));
