@@ -4,7 +4,7 @@ use std::convert::Infallible;
 use std::f64::consts::TAU;
 
 use bevy::math::{DQuat, DVec3};
-use plumb::lab::verdict::{Verdict, judge};
+use plumb::lab::verdict::judge;
 use plumb::lab::{BodyState, JointGap, Metrics, Plan, Simulation, measure};
 use plumb::physics::{BrokenJoint, SolverSettings};
 use plumb::scene::{SceneSpec, load};
