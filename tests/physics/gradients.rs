@@ -77,7 +77,8 @@ fn redundant_joints_hold_in_joint_space() {
     }
 }
 
-/// Figures on the ground, by one sweep: joints hold as after any number.
+/// Figures on the ground, by one sweep: joints hold as after any number, but for what limits, which are bounded rows, push
+/// them apart by.
 #[test]
 fn figures_that_touch_the_ground_keep_their_joints() {
     let parted = |method| {
@@ -85,5 +86,5 @@ fn figures_that_touch_the_ground_keep_their_joints() {
         measured("limbs", &[], settings, 3.0).0
     };
     let [swept, in_joint_space] = [Method::ProjectedGaussSeidel, Method::JointSpace].map(parted);
-    assert!(in_joint_space < 0.002 && in_joint_space < 0.2 * swept, "{in_joint_space} m, {swept} m");
+    assert!(in_joint_space < 0.03 && in_joint_space < 0.2 * swept, "{in_joint_space} m, {swept} m");
 }

@@ -146,13 +146,13 @@ fn figures_dragged_against_their_strings_come_along_as_far_as_they_can() {
 }
 
 /// Over the bar and the strings, until it is taut: contacts and joints that no cone solve brings together in one
-/// flight.
+/// flight, and limits of the figures that it takes along.
 #[test]
 fn a_garland_thrown_over_a_bar_stays_whole() {
     let softness = Softness { frequency: 15.0, damping_ratio: 1.0, max_force: 1400.0 };
     for to in [DVec3::new(-0.2, 3.5, -1.7), DVec3::new(1.0, 2.6, -0.5)] {
         let (solves, parted, nearer) = dragged("link 8", to, softness, true, 48);
-        assert!(solves < 3_000, "to {to}: {solves} solves");
+        assert!(solves < 10_000, "to {to}: {solves} solves");
         assert!(parted < 1e-5, "to {to}: {parted} m");
         assert!(nearer > 0.5, "to {to}: {nearer} m nearer");
     }
