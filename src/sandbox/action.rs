@@ -66,6 +66,8 @@ pub enum SandboxAction {
     Escape,
     /// Puts the camera back to where the scene is best seen from.
     FrameScene,
+    /// Lets the camera go along with the picked body, or stay again.
+    Follow,
     /// Saves the scene as it stands now, with the camera's view.
     SaveScene {
         /// A RON file.

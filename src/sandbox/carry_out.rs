@@ -5,6 +5,7 @@ use bevy::prelude::*;
 
 use super::build::UndoStack;
 use super::camera::{self, Framing};
+use super::follow::{self, Followed};
 use super::joint_readings::ReadJoints;
 use super::motor_keys::check_keys;
 use super::watch::Watch;
@@ -59,6 +60,7 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         SandboxAction::Undo => build::undo(world),
         SandboxAction::Escape => world.insert_resource(Selection::default()),
         SandboxAction::FrameScene => frame_scene(world),
+        SandboxAction::Follow => follow::toggle(world),
         SandboxAction::Screenshot => screenshot::take(world),
         SandboxAction::MeasureChart => panel::measure_chart(world),
         SandboxAction::ToggleHelp => {} // the help's own
@@ -118,6 +120,7 @@ fn reset(world: &mut World) {
 fn respawn(world: &mut World, entities: &mut SpawnedScene, spec: &SceneSpec) {
     let now = replace_bodies(world, spec);
     world.resource_mut::<ReadJoints>().follow(entities, &now);
+    world.resource_mut::<Followed>().follow(entities, &now);
     *entities = now;
 }
 
@@ -132,7 +135,9 @@ fn replace_bodies(world: &mut World, spec: &SceneSpec) -> SpawnedScene {
     spec.spawn(world)
 }
 
+/// The view is the scene's again, and nobody's else.
 fn frame_scene(world: &mut World) {
+    world.insert_resource(Followed::default());
     if let Some(current) = world.get_resource::<CurrentScene>() {
         let framing = Framing::of(&current.spec);
         camera::look(world, framing);

@@ -46,6 +46,7 @@ pub const BINDINGS: &[Binding] = &[
     binding(&[KeyCode::Delete, KeyCode::KeyX], "Del or X", "delete the picked body", SandboxAction::DeletePicked),
     binding(&[KeyCode::KeyZ], "Ctrl+Z", "undo what was built, changed or cut", SandboxAction::Undo).with_control(),
     binding(&[KeyCode::KeyF], "F", "frame the scene", SandboxAction::FrameScene),
+    binding(&[KeyCode::KeyV], "V", "follow the picked body, or stay", SandboxAction::Follow),
     binding(&[KeyCode::F12, KeyCode::KeyP], "F12 or P", "screenshot to plumb-N.png", SandboxAction::Screenshot),
     binding(&[KeyCode::KeyH, KeyCode::F1], "H or F1", "this help", SandboxAction::ToggleHelp),
     binding(&[KeyCode::Escape], "Esc", "unpick, close the help", SandboxAction::Escape),

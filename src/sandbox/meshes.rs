@@ -1,9 +1,10 @@
 //! What bodies look like. A mesh sits on the body's own entity, so that picking finds the body.
 
 use std::collections::HashMap;
+use std::f32::consts::FRAC_PI_2;
 
 use bevy::asset::RenderAssetUsages;
-use bevy::mesh::PrimitiveTopology;
+use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::picking::mesh_picking::ray_cast::RayCastBackfaces;
 use bevy::prelude::*;
 use bevy::render::render_resource::Face;
@@ -122,6 +123,9 @@ fn picture_key(shape: &Shape, picture: Option<&PictureMesh>) -> Vec<u64> {
 pub(super) fn picture_of(shape: &Shape, picture: Option<&PictureMesh>) -> Option<Mesh> {
     match (shape, picture) {
         (Shape::Hull(_), Some(PictureMesh(mesh))) => Some(mesh_of_file(mesh)),
+        (Shape::Sphere { radius }, _) => {
+            Some(ball(*radius as f32).with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, ball_shades()))
+        }
         _ => mesh_of(shape),
     }
 }
@@ -131,7 +135,7 @@ pub(super) fn mesh_of(shape: &Shape) -> Option<Mesh> {
     match shape {
         Shape::HalfSpace => None,
         Shape::Hull(hull) => Some(mesh_of_hull(hull)),
-        Shape::Sphere { radius } => Sphere::new(*radius as f32).mesh().ico(5).ok(),
+        Shape::Sphere { radius } => Some(ball(*radius as f32)),
         Shape::Cuboid { size } => Some(Cuboid::from_size(size.as_vec3()).into()),
         // Bevy's cone is centred half-way up; the centre of mass is a quarter up.
         Shape::Cone { radius, height } => Some(
@@ -142,6 +146,53 @@ pub(super) fn mesh_of(shape: &Shape) -> Option<Mesh> {
                 .translated_by(Vec3::Y * (*height as f32 / 4.0)),
         ),
     }
+}
+
+/// Lines along a side of a ball's patch: as round as it must be to fill the window.
+const PATCH: usize = 10;
+/// Corners of a patch.
+const PATCH_CORNERS: usize = (PATCH + 1) * (PATCH + 2) / 2;
+
+/// Where the patches of a ball lie: one to each octant.
+fn octants() -> impl Iterator<Item = Vec3> {
+    let sign = |octant: usize, bit: usize| if octant >> bit & 1 == 0 { 1.0 } else { -1.0 };
+    (0..8).map(move |octant| Vec3::new(sign(octant, 0), sign(octant, 1), sign(octant, 2)))
+}
+
+/// Eight patches that share no corner, so that each can have a shade of its own.
+fn ball(radius: f32) -> Mesh {
+    let mut normals = Vec::with_capacity(8 * PATCH_CORNERS);
+    let mut indices: Vec<u32> = Vec::new();
+    for (octant, signs) in octants().enumerate() {
+        // Even along the sides, where the outline of a ball would show corners first.
+        let share = |n: usize| (FRAC_PI_2 * n as f32 / PATCH as f32).sin();
+        for i in 0..=PATCH {
+            let row = (0..=PATCH - i).map(|j| signs * Vec3::new(share(i), share(j), share(PATCH - i - j)));
+            normals.extend(row.map(Vec3::normalize));
+        }
+        // A row is one shorter than the one before.
+        let corner = |i: usize, j: usize| (octant * PATCH_CORNERS + i * (2 * PATCH + 3 - i) / 2 + j) as u32;
+        let mut face =
+            |a: u32, b: u32, c: u32| indices.extend(if signs.element_product() > 0.0 { [a, b, c] } else { [a, c, b] });
+        for (i, j) in (0..PATCH).flat_map(|i| (0..PATCH - i).map(move |j| (i, j))) {
+            face(corner(i, j), corner(i + 1, j), corner(i, j + 1));
+            if i + j + 1 < PATCH {
+                face(corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1));
+            }
+        }
+    }
+    let corners: Vec<Vec3> = normals.iter().map(|normal| *normal * radius).collect();
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, corners)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
+        .with_inserted_indices(Indices::U32(indices))
+}
+
+/// Two shades by turns: a ball of one would not be seen to roll.
+fn ball_shades() -> Vec<[f32; 4]> {
+    const DARK: f32 = 0.55;
+    let shade = |octant: Vec3| if octant.element_product() > 0.0 { 1.0 } else { DARK };
+    octants().flat_map(|octant| [[shade(octant), shade(octant), shade(octant), 1.0]; PATCH_CORNERS]).collect()
 }
 
 /// Flat faces.

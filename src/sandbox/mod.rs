@@ -18,6 +18,7 @@ mod carry_out;
 pub mod controls;
 mod drag;
 mod files;
+mod follow;
 mod ghost;
 mod gizmos;
 mod glyphs;

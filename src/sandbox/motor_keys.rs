@@ -29,7 +29,9 @@ pub(super) fn check_keys(scene: &str, spec: &SceneSpec) -> Result<(), String> {
     for (index, joint) in spec.joints.iter().enumerate() {
         let unknown = joint.keys.iter().flat_map(|keys| &keys.keys).find(|name| key_named(name).is_none());
         if let Some(name) = unknown {
-            let (a, b) = (&joint.body_a, &joint.body_b);
+            // As the file has it: each joint of the world gets a body of its own to hold on to.
+            let as_written = |name: &String| if name.starts_with("world:") { "world".to_owned() } else { name.clone() };
+            let (a, b) = (as_written(&joint.body_a), as_written(&joint.body_b));
             return Err(format!(
                 "{scene}: joints[{index}].motor.keys ('{a}' to '{b}'): no key '{name}'; name one as Bevy's KeyCode \
                  does, such as ArrowUp, KeyW, Digit1 or Space"

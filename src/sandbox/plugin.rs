@@ -5,8 +5,8 @@ use bevy_egui::EguiPlugin;
 use bevy_panorbit_camera::PanOrbitCameraPlugin;
 
 use super::{
-    build, camera, carry_out, controls, drag, ghost, gizmos, ground, help, highlight, joint_readings, light, meshes,
-    motor_keys, panel, playback, plots, quality, reload, screenshot, sky, state,
+    build, camera, carry_out, controls, drag, follow, ghost, gizmos, ground, help, highlight, joint_readings, light,
+    meshes, motor_keys, panel, playback, plots, quality, reload, screenshot, sky, state,
 };
 use crate::physics::PhysicsPlugin;
 
@@ -18,7 +18,15 @@ impl Plugin for SandboxPlugin {
     fn build(&self, app: &mut App) {
         app.add_plugins((PhysicsPlugin::default(), MeshPickingPlugin, EguiPlugin::default(), PanOrbitCameraPlugin))
             .add_plugins((state::plugin, playback::plugin, carry_out::plugin, controls::plugin, screenshot::plugin))
-            .add_plugins((quality::plugin, camera::plugin, light::plugin, sky::plugin, ground::plugin, meshes::plugin))
+            .add_plugins((
+                quality::plugin,
+                camera::plugin,
+                follow::plugin,
+                light::plugin,
+                sky::plugin,
+                ground::plugin,
+                meshes::plugin,
+            ))
             .add_plugins((drag::plugin, highlight::plugin, build::plugin, reload::plugin, motor_keys::plugin))
             .add_plugins((
                 panel::plugin,

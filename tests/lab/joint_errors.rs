@@ -74,6 +74,7 @@ fn limits_that_make_no_sense_are_named() {
     refused("limits: (swing: 1, min: -4, max: 1)", "limits.min", "a twist must lie between −π and π, is -4 to 1");
     refused_at("kind: Hinge, limits: (min: §NaN)", "must be finite, is NaN");
     refused_at("kind: Hinge, limits: (min: 0, restitution: §2)", "must be 0 to 1, is 2");
+    refused_at("kind: Hinge, limits: (§2, 1)", "Expected the name of a field, found `2`");
     refused_at("limits: (swing: §0)", "must be greater than 0, is 0");
 }
 

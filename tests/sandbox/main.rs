@@ -5,6 +5,7 @@ mod building;
 mod chart;
 mod dragging;
 mod files;
+mod following;
 mod ghosts;
 mod joint_kinds;
 mod keys;

@@ -110,6 +110,14 @@ fn a_key_that_there_is_not_is_named_and_the_old_scene_stays() {
 }
 
 #[test]
+fn the_world_goes_by_the_name_that_the_file_gives_it() {
+    let mut stage = Stage::open(&wheel("ArrowUp", "ArrowDown"));
+    stage.load(&wheel("ArrowUp", "Down").replace("body_a: \"wall\"", "body_a: \"world\""));
+    let Notice::Error(said) = stage.world().resource::<Notice>().clone() else { panic!("it was taken") };
+    assert!(said.contains("('world' to 'wheel')"), "{said}");
+}
+
+#[test]
 fn on_the_command_line_it_is_said_before_any_window_opens() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("wheel.ron");

@@ -79,3 +79,30 @@ fn hulls_and_meshes_are_picked_and_outlined() {
         assert_eq!(outline, 1, "{name} wears an outline");
     }
 }
+
+#[test]
+fn a_ball_is_round_closed_and_of_two_shades_by_which_it_is_seen_to_turn() {
+    const RADIUS: f32 = 0.4;
+    let mut stage = Stage::open("(gravity: (0, 0, 0), bodies: [(name: \"ball\", shape: Sphere(radius: 0.4))])");
+    let ball = stage.body("ball");
+    let handle = stage.world().get::<Mesh3d>(ball).expect("a picture").0.clone();
+    let mesh = stage.world().resource::<Assets<Mesh>>().get(&handle).expect("its mesh").clone();
+    let corners = mesh.attribute(Mesh::ATTRIBUTE_POSITION).and_then(VertexAttributeValues::as_float3).unwrap().to_vec();
+    assert!(corners.iter().all(|corner| (Vec3::from(*corner).length() - RADIUS).abs() < 1e-6));
+
+    let indices: Vec<usize> = mesh.indices().expect("faces").iter().collect();
+    let mut volume = 0.0;
+    for face in indices.chunks_exact(3) {
+        let [a, b, c] = [0, 1, 2].map(|corner| Vec3::from(corners[face[corner]]));
+        assert!((b - a).cross(c - a).dot(a + b + c) > 0.0, "{a}, {b}, {c} is seen from within");
+        volume += a.cross(b).dot(c) / 6.0;
+    }
+    let round = 4.0 / 3.0 * std::f32::consts::PI * RADIUS.powi(3);
+    assert!(volume < round && volume > 0.97 * round, "{volume} of {round} m³");
+
+    let Some(VertexAttributeValues::Float32x4(shades)) = mesh.attribute(Mesh::ATTRIBUTE_COLOR) else {
+        panic!("no shades")
+    };
+    let bright = shades.iter().filter(|shade| shade[0] == 1.0).count();
+    assert_eq!(2 * bright, shades.len(), "half of it is bright");
+}

@@ -70,6 +70,7 @@ mod tests {
             SandboxAction::JoinPicked,
             SandboxAction::PinPicked,
             SandboxAction::CutPicked,
+            SandboxAction::Follow,
             SandboxAction::Undo,
             SandboxAction::DeletePicked,
             SandboxAction::Screenshot,

@@ -38,12 +38,23 @@ struct Unit {
     value: &'static str,
     rate: &'static str,
     force: &'static str,
+    stiffness: &'static str,
+    damping: &'static str,
     /// What a drag by a pixel changes, as shown.
     speed: f64,
 }
 
-const DEGREES: Unit = Unit { factor: 180.0 / PI, value: "°", rate: " rad/s", force: " N·m", speed: 0.5 };
-const METERS: Unit = Unit { factor: 1.0, value: " m", rate: " m/s", force: " N", speed: 0.005 };
+const DEGREES: Unit = Unit {
+    factor: 180.0 / PI,
+    value: "°",
+    rate: " rad/s",
+    force: " N·m",
+    stiffness: " N·m/rad",
+    damping: " N·m·s/rad",
+    speed: 0.5,
+};
+const METERS: Unit =
+    Unit { factor: 1.0, value: " m", rate: " m/s", force: " N", stiffness: " N/m", damping: " N·s/m", speed: 0.005 };
 
 impl Unit {
     fn of(axis: Option<JointAxis>) -> Self {
@@ -218,7 +229,7 @@ fn motor(ui: &mut egui::Ui, joint: &WholeJointItem, value: f64, unit: Unit) -> O
             }
             _ => ui.horizontal(|ui| target_value(ui, &mut motor.target, unit)).inner,
         };
-        let spring = ui.horizontal(|ui| target_spring(ui, &mut motor.target)).inner;
+        let spring = ui.horizontal(|ui| target_spring(ui, &mut motor.target, unit)).inner;
         let most = ui.horizontal(|ui| {
             ui.label("at most");
             bound(ui, &mut motor.max_force, NEW_FORCE, unit.force)
@@ -258,13 +269,13 @@ fn target_value(ui: &mut egui::Ui, target: &mut MotorTarget, unit: Unit) -> bool
 }
 
 /// How hard it goes for a position.
-fn target_spring(ui: &mut egui::Ui, target: &mut MotorTarget) -> bool {
+fn target_spring(ui: &mut egui::Ui, target: &mut MotorTarget, unit: Unit) -> bool {
     match target {
         MotorTarget::Position { frequency, damping_ratio, .. } => {
             amount(ui, frequency, " Hz", POSITIVE) | ratio(ui, damping_ratio)
         }
         MotorTarget::Spring { stiffness, damping, .. } => {
-            amount(ui, stiffness, " stiffness", NOT_NEGATIVE) | amount(ui, damping, " damping", NOT_NEGATIVE)
+            amount(ui, stiffness, unit.stiffness, NOT_NEGATIVE) | amount(ui, damping, unit.damping, NOT_NEGATIVE)
         }
         MotorTarget::Speed(_) | MotorTarget::Motion(_) => false,
     }
@@ -331,8 +342,8 @@ fn length(ui: &mut egui::Ui, law: DistanceLaw) -> Option<JointChange> {
         }
         DistanceLaw::Spring { rest, stiffness, damping } => {
             number(ui, rest, METERS.value, 1.0, METERS.speed, NOT_NEGATIVE);
-            amount(ui, stiffness, " N/m", NOT_NEGATIVE);
-            amount(ui, damping, " N·s/m", NOT_NEGATIVE);
+            amount(ui, stiffness, METERS.stiffness, NOT_NEGATIVE);
+            amount(ui, damping, METERS.damping, NOT_NEGATIVE);
         }
     });
     ui.end_row();

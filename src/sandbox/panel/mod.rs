@@ -1,4 +1,5 @@
-//! The panel at the right: playback, scenes, building, files, solver, plots, gizmos, read-outs.
+//! The panel at the right: playback, scenes, building, files, gizmos, the selected body, plots,
+//! solver, read-outs.
 //!
 //! Each section is a system that is handed egui's `Ui`, so that it names the resources it shows
 //! and nothing else. What a section asks of the sandbox it writes as a
@@ -91,14 +92,15 @@ fn sections(ui: &mut egui::Ui, world: &mut World) -> Result<bool> {
             section(ui, world, "Build", true, build::show)?;
             section(ui, world, "Files", true, files::show)?;
             section(ui, world, "Gizmos", true, gizmos::show)?;
-            let plots_open = section(ui, world, "Plots", true, plots::show)?;
-            section(ui, world, "Ghost", false, ghost::show)?;
-            section(ui, world, "Chart", false, chart::show)?;
-            section(ui, world, "Solver", true, solver::show)?;
+            // Beside the gizmos and the plots, which show what is chosen here.
             let list_open = section(ui, world, "Selected body", true, selection::show)?;
             if !list_open && !world.resource::<ReadJoints>().open.is_empty() {
                 world.resource_mut::<ReadJoints>().open.clear();
             }
+            let plots_open = section(ui, world, "Plots", true, plots::show)?;
+            section(ui, world, "Ghost", false, ghost::show)?;
+            section(ui, world, "Chart", false, chart::show)?;
+            section(ui, world, "Solver", true, solver::show)?;
             section(ui, world, "Read-outs", true, readouts::show)?;
             section(ui, world, "World", false, world::show)?;
             Ok(plots_open)

@@ -7,6 +7,7 @@ use bevy_egui::egui;
 use super::super::any_joint::{IsJoint, WholeJoint, WholeJointItem, noun};
 use super::super::joint_readings::ReadJoints;
 use super::super::{JointChange, SandboxAction, Selection};
+use super::buttons::tooltip;
 use super::joint;
 use super::theme::Quantity;
 use crate::physics::{Mass, Position, RigidBody, Rotation, Velocity};
@@ -92,6 +93,9 @@ fn show_body(
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if ui.small_button("🗑 delete").on_hover_text("delete this body and its joints").clicked() {
                 actions.write(SandboxAction::DeletePicked);
+            }
+            if ui.small_button("follow").on_hover_text(tooltip(&SandboxAction::Follow)).clicked() {
+                actions.write(SandboxAction::Follow);
             }
         });
     });

@@ -56,7 +56,11 @@ pub(in crate::scene) fn read(path: &str) -> Result<SceneSpec, SceneError> {
 }
 
 fn parse_error(error: &ron::error::SpannedError, source: &str) -> SceneError {
-    let problem = error.code.to_string();
+    let problem = match &error.code {
+        // RON would have a number that stands for a field's name quoted.
+        ron::Error::SuggestRawIdentifier(found) => format!("Expected the name of a field, found `{found}`"),
+        code => code.to_string(),
+    };
     SceneError::Parse {
         path: source.to_owned(),
         line: error.span.start.line,
