@@ -109,7 +109,8 @@ fn parameters(ui: &mut egui::Ui, info: &SceneInfo, values: &mut [f64]) -> bool {
             let range = format!("{} to {}", parameter.min, parameter.max);
             let label = ui.label(parameter.name).on_hover_text(format!("{}\n{range}", parameter.about));
             let response = ui.add(drag_value(parameter, value)).labelled_by(label.id);
-            ui.weak(parameter.about);
+            // Told in full where one points: a long one is not to widen the panel.
+            ui.add(egui::Label::new(egui::RichText::new(parameter.about).weak()).truncate());
             // A drag that has ended, or a number typed and left.
             settled |= response.drag_stopped() || (response.lost_focus() && !response.dragged());
         });
