@@ -2,6 +2,7 @@
 
 use std::convert::Infallible;
 use std::f64::consts::TAU;
+use std::slice::from_ref;
 
 use bevy::math::{DQuat, DVec3};
 use plumb::lab::verdict::judge;
@@ -160,7 +161,7 @@ fn loads_are_those_of_statics() {
 fn broken_joints_are_counted_and_hold_nothing() {
     let settings = SolverSettings::game();
     let strength = ("f".to_owned(), 1000.0);
-    let plan = Plan::new("tower", &[strength.clone()], settings, Some(2.0)).unwrap();
+    let plan = Plan::new("tower", from_ref(&strength), settings, Some(2.0)).unwrap();
     let metrics = measure(&plan, |_| Ok::<(), Infallible>(())).unwrap();
     let mut simulation = Simulation::new(load("tower", &[strength]).unwrap(), settings);
     (0..plan.steps).for_each(|_| simulation.step());
