@@ -7,7 +7,7 @@
 use nalgebra::Vector3;
 
 use super::constants::{BOUND_ROUNDING, JOINT_PENALTY, LIKELY_BOUND};
-use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, bits, body_vector, halves};
+use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, bits, body_vector, curving_share, halves};
 use crate::physics::body::{Body, RigidBody, world_inverse_inertia};
 use crate::physics::collision::POINTS;
 use crate::physics::constraint::row::{Twist, Wrench, bounded};
@@ -34,6 +34,9 @@ struct Law {
     /// Whether its impulse is within its bound, and which it is.
     is_active: bool,
     impulse: f64,
+    /// What it gives to the velocity at hand: where iterations end too early, rows that are to change by then have
+    /// another impulse at it than the bodies got.
+    carried: f64,
 }
 
 impl Default for Law {
@@ -41,7 +44,7 @@ impl Default for Law {
     fn default() -> Self {
         let bound = Bound::None;
         let (error, stiffness, bias, expected, impulse) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        Self { error, is_spring: false, stiffness, bias, expected, bound, is_active: true, impulse }
+        Self { error, is_spring: false, stiffness, bias, expected, bound, is_active: true, impulse, carried: 0.0 }
     }
 }
 
@@ -77,6 +80,7 @@ impl AnyJoint {
     ) -> Self {
         let frames = &joint.definition.frames;
         let sides = [0, 1].map(|side| Side { body: ends[side], arm: bodies[side].rotation * frames[side].anchor });
+        let ahead = ahead * curving_share(bodies, h);
         let first = joint.definition.halves()[0].min(rows.len());
         let mut all = Self { sides, counts: [first, rows.len() - first], ..Self::default() };
         for (index, row) in rows.iter().enumerate() {
@@ -133,12 +137,34 @@ impl AnyJoint {
         self.wrench_on(1, &self.impulses(|law, _| law.expected, &Twist::zero())).fixed_rows::<3>(0).into()
     }
 
+    /// Takes in the relative motion that was solved for with what is assumed, to which the velocity goes by that share of
+    /// the way.
+    pub fn carry(&mut self, motion: &Twist<f64>, share: f64) {
+        let trial = self.trial(motion);
+        for (law, trial) in self.laws.iter_mut().zip(trial.linear.iter().chain(&trial.angular)) {
+            law.carried += share * (trial - law.carried);
+        }
+    }
+
+    /// What springs and motors give at a motion at most, J.
+    pub fn given(&self, motion: &Twist<f64>) -> f64 {
+        let speeds = motion.linear.iter().chain(&motion.angular);
+        let is_limit = |law: &Law| matches!(law.bound, Bound::Within(..)) && !law.bound.is_boxed();
+        let gives = self.laws.iter().zip(speeds).filter(|(law, _)| !is_limit(law));
+        gives.map(|(law, speed)| (law.carried * speed).max(0.0)).sum()
+    }
+
+    /// Has it carry another share of what it did.
+    pub fn scale(&mut self, share: f64) {
+        self.laws.iter_mut().for_each(|law| law.carried *= share);
+    }
+
     /// Writes what it carried in `h`, s.
     pub fn store(&self, joint: &mut Joint, h: f64) {
-        let (force, torque) = halves(&self.wrench_on(1, &self.impulses(|law, _| law.impulse, &Twist::zero())));
+        let (force, torque) = halves(&self.wrench_on(1, &self.impulses(|law, _| law.carried, &Twist::zero())));
         (joint.force, joint.torque) = (force / h, (torque - self.sides[1].arm.cross(&force)) / h);
         for row in 0..self.rows() {
-            joint.multipliers[row] = self.laws[self.place(row)].impulse / h;
+            joint.multipliers[row] = self.laws[self.place(row)].carried / h;
         }
     }
 

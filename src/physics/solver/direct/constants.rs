@@ -22,6 +22,10 @@ pub(super) const REST_CONTACT_PENALTY: f64 = 1e4;
 /// not end (`joints_and_contacts`).
 pub(super) const MOTION_CONTACT_PENALTY: f64 = 3.0;
 
+/// Penalty of a contact that bounces over that of one that does not: it is to part as it should in a single substep
+/// (`joints_and_contacts`).
+pub(super) const BOUNCE_PENALTY: f64 = 100.0;
+
 /// Penalty of rows of joints over the mass of the lighter body. The pivot of that body when its joints are eliminated
 /// has lost the square of that in digits (`joint_grid 30`, `limbs`: how far joints part).
 pub(super) const JOINT_PENALTY: f64 = 1e5;
@@ -29,6 +33,10 @@ pub(super) const JOINT_PENALTY: f64 = 1e5;
 /// Active-set iterations at rest, and in a substep in motion. What is left wrong is corrected in the next.
 pub(super) const REST_ITERATIONS: usize = 12;
 pub(super) const MOTION_ITERATIONS: usize = 6;
+
+/// Active-set iterations in a substep in motion for as long as their velocities have more energy than there is: where
+/// limbs hit their limits, many rows change (`pulled`: figures that are jerked about).
+pub(super) const LONG_ITERATIONS: usize = 30;
 
 /// Active-set iterations after a substep whose iterations did not end: limbs in a heap, most of which slide, seldom have
 /// theirs end, and their next substep goes on from the last (`limbs`).
@@ -69,6 +77,10 @@ pub(super) const GAP_CORRECTION: f64 = 0.5;
 /// Turn of a body in a step from which on an island takes all substeps, rad. Limbs that lie on each other roll about
 /// this fast, and their joints part no more; from 0.13 rad on some do by centimetres (`limbs`).
 pub(super) const MOTION_TURN: f64 = 0.1;
+
+/// Turns of a body in a substep, rad, up to which what curves its way is taken in whole, and from which on not at all
+/// (`pulled`: figures that are jerked about).
+pub(super) const CURVING_TURNS: [f64; 2] = [0.25, 0.5];
 
 /// Depth or gap, over the arm, at which surfaces count as just touching: single precision cannot tell.
 pub(super) const TOUCHING: f64 = 1e-5;
@@ -121,3 +133,7 @@ pub(super) const PROJECTIONS: usize = 4;
 /// iterations end).
 pub(super) const LIKELY_BOUND: f64 = 0.05;
 pub(super) const BOUND_ROUNDING: f64 = 1e-9;
+
+/// Rims nearer to the centre and further from it than these, m, count as there: a body without a shape has none, one that
+/// is huge is not to be held to moves that nobody sees.
+pub(super) const RIMS: [f64; 2] = [0.1, 10.0];

@@ -5,10 +5,11 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::constants::{ARM_CHANGE, TOUCHING};
+use super::constants::{ARM_CHANGE, BOUNCE_PENALTY, TOUCHING};
 use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, Stiffness, bits};
 use crate::physics::collision::{ContactState, POINTS};
 use crate::physics::constraint::row::{Twist, Wrench};
+use crate::physics::contact::rebound;
 use crate::physics::lanes::Record;
 
 /// A row whose impulse is not negative.
@@ -22,6 +23,8 @@ struct PointRow {
     expected: f64,
     /// λ.
     impulse: f64,
+    /// Speed at which it is to part, m/s, where it bounces.
+    rebound: f64,
     is_active: bool,
 }
 
@@ -39,6 +42,7 @@ pub(super) struct DirectContact {
     points: [PointRow; POINTS],
     count: usize,
     coefficient: f64,
+    restitution: f64,
     /// Mean distance of the points from the middle.
     radius: f64,
     /// Gap that counts as none.
@@ -58,8 +62,13 @@ pub(super) struct DirectContact {
 
 impl DirectContact {
     /// From the state of a contact, with what turns A's and B's axes into the world's, and `offset` the centre of B
-    /// less the origin of A's axes, from which A's arms count. Impulses are taken `scale` times.
-    pub fn new(state: &ContactState, [turn_a, turn_b]: &[Matrix3<f64>; 2], offset: &Vector3<f64>, scale: f64) -> Self {
+    /// less the origin of A's axes, from which A's arms count, and its restitution. Impulses are taken `scale` times.
+    pub fn new(
+        state: &ContactState,
+        [turn_a, turn_b]: &[Matrix3<f64>; 2],
+        offset: &Vector3<f64>,
+        [restitution, scale]: [f64; 2],
+    ) -> Self {
         let ContactState { geometry, impulses } = state;
         let (normal, tangent) = (turn_a * geometry.normal(), turn_a * geometry.tangent());
         let count = geometry.point_count();
@@ -68,6 +77,7 @@ impl DirectContact {
             tangents: [tangent, normal.cross(&tangent)],
             count,
             coefficient: f64::from(geometry.friction()),
+            restitution,
             ..Self::default()
         };
         let mut arms = [Vector3::zeros(); POINTS];
@@ -114,6 +124,20 @@ impl DirectContact {
             point.expected = point.impulse;
         }
         self.expected = self.friction;
+    }
+
+    /// Has points that come together within the substep, by the relative motion with which it begins, part as they are to
+    /// where they come faster than `least`, m/s: then by that much more than the penalty of other contacts.
+    pub fn bounce(&mut self, motion: &Twist<f64>, least: f64, penalty: f64) {
+        let mut bounces = false;
+        for point in &mut self.points[..self.count] {
+            let approach = -(self.normal.dot(&motion.linear) + point.lever.dot(&motion.angular));
+            let comes = point.separation * self.per_step <= approach;
+            point.rebound = if comes { rebound(self.restitution, approach, least) } else { 0.0 };
+            point.is_active |= point.rebound > 0.0;
+            bounces |= point.rebound > 0.0;
+        }
+        self.penalty = if bounces { BOUNCE_PENALTY * penalty } else { penalty };
     }
 
     /// How many points it has.
@@ -166,7 +190,8 @@ impl DirectContact {
     fn trial(&self, point: &PointRow, motion: &Twist<f64>) -> f64 {
         let speed = self.normal.dot(&motion.linear) + point.lever.dot(&motion.angular);
         let gap = (point.separation - self.touch_tolerance).max(0.0);
-        point.expected - self.penalty * (speed + gap * self.per_step)
+        let least = if point.rebound > 0.0 { point.rebound } else { -gap * self.per_step };
+        point.expected - self.penalty * (speed - least)
     }
 
     /// Friction at a motion by the active rows: what slides keeps its impulse.

@@ -27,7 +27,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{
     DUAL_ACCEPTED, DUAL_ACTIVE_SETS, DUAL_ERRORS, DUAL_ITERATIONS, DUAL_LAG, DUAL_LEFT, DUAL_LOOSE, DUAL_PIECES,
-    DUAL_SHIFTS, DUAL_SOFTER, DUAL_START_ERROR, PROJECTION_ERROR, PROJECTIONS,
+    DUAL_SHIFTS, DUAL_SOFTER, DUAL_START_ERROR, PROJECTION_ERROR, PROJECTIONS, RIMS,
 };
 use super::world::{World, world_inertia};
 use crate::physics::body::free_rotation::turn_freely;
@@ -110,6 +110,8 @@ pub(super) struct DualSystem {
     free: Vec<Twist<f64>>,
     velocities: Vec<Twist<f64>>,
     mobilities: Vec<Mobility>,
+    /// How far gaps would have each member move.
+    moves: Vec<Twist<f64>>,
     /// How far the last projection moved each member.
     pub shifts: Vec<Twist<f64>>,
     /// Geometric stiffness of each member.
@@ -220,7 +222,7 @@ impl DualSystem {
     /// Takes the states from the starts to the ends, with forces that act for `kick`, s. Whether impulses were found.
     fn take_piece(&mut self, world: &impl World, members: &[u32], terms: &DualTerms, kick: f64) -> bool {
         self.set_off(world, members, terms, kick);
-        self.mend_start(world, terms);
+        self.mend_start(world, members, terms);
         let is_solved = self.find_impulses(world, members, terms) <= DUAL_ACCEPTED;
         if is_solved {
             self.note(terms.h, kick);
@@ -362,12 +364,12 @@ impl DualSystem {
 
     /// Moves members out of what rows are apart when the substep begins, in their poses alone: somebody else left it, or a
     /// substep that did not converge.
-    fn mend_start(&mut self, world: &impl World, terms: &DualTerms) {
+    fn mend_start(&mut self, world: &impl World, members: &[u32], terms: &DualTerms) {
         let worst = self.find_gaps();
         if worst <= DUAL_START_ERROR {
             return;
         }
-        self.close_gaps(DUAL_SOFTER[0], (terms.correction_speed * terms.h / worst).min(1.0));
+        self.close_gaps(world, members, DUAL_SOFTER[0], terms.correction_speed * terms.h);
         self.place_rows(world, terms.time, false);
         self.set_aims(terms);
     }
@@ -384,28 +386,44 @@ impl DualSystem {
         residual.iter().fold(0.0, |worst: f64, error| worst.max(error.abs()))
     }
 
-    /// Moves the starts by that share of what closes the gaps in the residual, the nearest by masses; with at least
-    /// so much of each row's mobility added.
-    fn close_gaps(&mut self, softer: f64, share: f64) {
+    /// Moves the starts towards where the gaps in the residual are closed, the nearest way by masses and no point of a body
+    /// further than `most`, m; with at least so much of each row's mobility added. Near a pose in which rows are redundant
+    /// that way may lead anywhere.
+    fn close_gaps(&mut self, world: &impl World, members: &[u32], softer: f64, most: f64) {
         self.assemble(softer);
         self.factor.solve(&self.couplings.elimination, &mut self.residual[..]);
-        for link in &self.links {
+        let Self { links, responses, residual, moves, shifts, starts, .. } = self;
+        moves.clear();
+        moves.resize(members.len(), Twist::zero());
+        for link in &*links {
             for index in link.first..link.first + link.count {
-                let (response, by) = (&self.responses[index], share * self.residual[index]);
-                for (end, moved) in [(0, response.of_a()), (1, response.of_b())] {
-                    let (place, moved) = (link.ends[end] as usize, Twist::zero().plus(&moved, by));
-                    self.starts[place].position += moved.linear;
-                    self.starts[place].turn(&moved.angular);
-                    if let Some(shift) = self.shifts.get_mut(place) {
-                        *shift = shift.plus(&moved, 1.0);
+                for (end, moved) in [(0, responses[index].of_a()), (1, responses[index].of_b())] {
+                    if let Some(total) = moves.get_mut(link.ends[end] as usize) {
+                        *total = total.plus(&moved, residual[index]);
                     }
                 }
+            }
+        }
+        let reach = |(&member, moved): (&u32, &Twist<f64>)| {
+            moved.linear.norm() + moved.angular.norm() * world.body(member).radius.clamp(RIMS[0], RIMS[1])
+        };
+        let furthest = members.iter().zip(&*moves).map(reach).fold(0.0, f64::max);
+        let share = if furthest > most { most / furthest } else { 1.0 };
+        if !share.is_finite() {
+            return;
+        }
+        for (place, moved) in moves.iter().enumerate() {
+            let moved = Twist::zero().plus(moved, share);
+            starts[place].position += moved.linear;
+            starts[place].turn(&moved.angular);
+            if let Some(shift) = shifts.get_mut(place) {
+                *shift = shift.plus(&moved, 1.0);
             }
         }
     }
 
     /// Moves the members from these states at that time, s, to where their joints hold, the nearest by masses, and
-    /// not further than so many metres or radians at once; velocities stay. They are then in [`Self::projected`], and
+    /// not further than so many metres at once; velocities stay. They are then in [`Self::projected`], and
     /// how far each went in [`Self::shifts`].
     pub fn project(
         &mut self,
@@ -432,7 +450,7 @@ impl DualSystem {
             if worst <= PROJECTION_ERROR || !worst.is_finite() {
                 return;
             }
-            self.close_gaps(0.0, (most / worst).min(1.0));
+            self.close_gaps(world, members, 0.0, most);
         }
     }
 

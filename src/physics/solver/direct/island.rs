@@ -63,6 +63,8 @@ pub(crate) struct DirectIsland {
     pub(super) has_converged: bool,
     /// Whether its last solve was in motion.
     pub(super) moves: bool,
+    /// Whether some contact may bounce in its step in motion.
+    pub(super) bounces: bool,
     /// The substeps of its step in motion.
     pub(super) intervals: Intervals,
     /// Geometric stiffness of each member.
@@ -213,6 +215,21 @@ impl DirectIsland {
         }
     }
 
+    /// Has contacts bounce that come together faster than `least`, m/s, in the substep that begins; the penalty is that of others over the mass of the
+    /// island.
+    pub(super) fn bounce(&mut self, world: &impl World, least: f64, penalty: f64) {
+        for (local, &member) in self.members.iter().enumerate() {
+            let Body { linear, angular, .. } = world.body(member);
+            self.velocity[self.elimination.place(local as u32) as usize] = body_vector(linear, angular);
+        }
+        let mass: f64 = self.members.iter().map(|&member| world.body(member).mass).sum();
+        let Self { contact_rows, elimination, velocity, .. } = self;
+        for rows in contact_rows {
+            let motion = relative_motion(elimination, velocity, rows, &rows.prescribed);
+            rows.bounce(&motion, least, penalty * mass);
+        }
+    }
+
     /// Makes the rows of joints that hold a point at a point, for `h`, s, and hands each on with those before.
     pub(super) fn make_joint_rows(
         &mut self,
@@ -268,6 +285,9 @@ impl DirectIsland {
             matrix.solve(elimination, &mut velocity[..]);
             let share = if iteration == 0 { 1.0 } else { self.search_line() };
             let Self { contact_rows, joint_rows, any_rows, elimination, velocity, before, .. } = self;
+            for rows in &mut *any_rows {
+                rows.carry(&relative_motion(elimination, velocity, rows, &rows.prescribed), share);
+            }
             if share < 1.0 {
                 let pairs = velocity.iter_mut().zip(&*before);
                 pairs.for_each(|(velocity, before)| *velocity = before + (*velocity - before) * share);
@@ -287,13 +307,41 @@ impl DirectIsland {
         false
     }
 
-    /// See [`has_gained`]; the velocity is that of the iteration at hand.
+    /// Whether it has more energy than its bodies would have alone. Contacts and joints only take energy, so that some row
+    /// then has an impulse that is of another active set. (A support that moves gives energy, and costs an iteration more.)
     fn has_gained(&self) -> bool {
-        let placed = self.inertias.iter().enumerate().map(|(local, inertia)| {
+        let [kinetic, free] = self.energies();
+        kinetic > ENERGY_ROUNDING * free
+    }
+
+    /// See [`energies`]; the velocity is that of the iteration at hand.
+    fn energies(&self) -> [f64; 2] {
+        energies(self.inertias.iter().enumerate().map(|(local, inertia)| {
             let place = self.place(local);
             (inertia, &self.velocity[place], &self.momentum[place])
-        });
-        has_gained(placed)
+        }))
+    }
+
+    /// Slows all down alike to the energy that the bodies would have alone, with what springs and motors give: for where
+    /// the iterations did not end. Rows that hold still do.
+    pub(super) fn take_back_gain(&mut self) {
+        let [kinetic, free] = self.energies();
+        let Self { joint_rows, any_rows, elimination, velocity, .. } = self;
+        let mut given = 0.0;
+        for rows in joint_rows.iter().filter(|rows| rows.softness.is_some()) {
+            given += rows.impulse.dot(&relative_motion(elimination, velocity, rows, &rows.prescribed).linear).max(0.0);
+        }
+        for rows in &*any_rows {
+            given += rows.given(&relative_motion(elimination, velocity, rows, &rows.prescribed));
+        }
+        let most = ENERGY_ROUNDING * free + 2.0 * given;
+        if kinetic <= most {
+            return;
+        }
+        let share = (most / kinetic).sqrt();
+        velocity.iter_mut().for_each(|velocity| *velocity *= share);
+        joint_rows.iter_mut().for_each(|rows| rows.impulse *= share);
+        any_rows.iter_mut().for_each(|rows| rows.scale(share));
     }
 
     /// Which share of the line from the velocity before to the one at hand to go. With the rows active that are active
@@ -433,12 +481,11 @@ pub(super) fn momentum_of(body: &Body, inertia: &Matrix3<f64>, h: f64) -> BodyVe
     body_vector(&linear, &angular)
 }
 
-/// Whether bodies of these masses and inertias have more kinetic energy at a velocity than with their momentum, each
-/// given so, alone: contacts and joints only take energy, so that some row has an impulse that is of another active
-/// set. (A support that moves gives energy, and costs an iteration more.)
-pub(super) fn has_gained<'p>(
+/// Twice the kinetic energy of bodies of these masses and inertias at a velocity, and alone, with their momentum, each
+/// given so, J.
+pub(super) fn energies<'p>(
     bodies: impl Iterator<Item = (&'p (f64, Matrix3<f64>), &'p BodyVector, &'p BodyVector)>,
-) -> bool {
+) -> [f64; 2] {
     let (mut kinetic, mut free) = (0.0, 0.0);
     for ((mass, inertia), velocity, momentum) in bodies {
         let (linear, angular) = halves(velocity);
@@ -447,7 +494,7 @@ pub(super) fn has_gained<'p>(
         let spin = inertia.cholesky().map_or_else(Vector3::zeros, |factor| factor.solve(&angular));
         free += linear.norm_squared() / mass + angular.dot(&spin);
     }
-    kinetic > ENERGY_ROUNDING * free
+    [kinetic, free]
 }
 
 /// The relative motion that sides without a member give.
@@ -466,7 +513,7 @@ fn contact_rows(world: &impl World, slot: u32, ends: &[Option<u32>; 2], scale: f
     let origin = slot.origin_in_world(a);
     let offset = b.position - a.position + slot.ahead - origin;
     let turns = bodies.map(|body| body.rotation.to_rotation_matrix().into_inner());
-    let mut contact = DirectContact::new(state, &turns, &offset, scale);
+    let mut contact = DirectContact::new(state, &turns, &offset, [f64::from(slot.restitution), scale]);
     contact.sides[0].arm += origin;
     for (side, body) in contact.sides.iter_mut().zip(ends) {
         side.body = *body;

@@ -16,12 +16,12 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{
-    DEPTH_CORRECTION, GAP_CORRECTION, MOTION_CONTACT_PENALTY, MOTION_ITERATIONS, MOTION_PRODUCTS, MOTION_TURN,
-    SHORT_ITERATIONS,
+    DEPTH_CORRECTION, GAP_CORRECTION, LONG_ITERATIONS, MOTION_CONTACT_PENALTY, MOTION_ITERATIONS, MOTION_PRODUCTS,
+    MOTION_TURN, SHORT_ITERATIONS,
 };
 use super::dual::{DualTerms, move_to};
 use super::island::{DirectIsland, momentum_of, relative_motion};
-use super::rows::{Correction, body_vector, halves};
+use super::rows::{Correction, body_vector, curving_share, halves};
 use super::world::{World, moves_freely, world_inertia};
 use crate::physics::Geometry;
 use crate::physics::body::free_rotation::turn_freely;
@@ -89,10 +89,11 @@ impl DirectIsland {
             let [a, b] = [slot.pair.a, slot.pair.b].map(|body| world.body(body));
             rebound(f64::from(slot.restitution), fastest_approach(a, b), terms.restitution_speed) > 0.0
         };
-        if self.contacts.iter().any(bounces) {
-            return false;
-        }
-        self.is_analysed(world, terms.time) && (self.dual.is_some() || self.elimination.products() <= MOTION_PRODUCTS)
+        // What holds points alone bounces as well by sweeps, which do not stand limits that are hit.
+        self.bounces = self.contacts.iter().any(bounces);
+        self.is_analysed(world, terms.time)
+            && (!self.bounces || self.posture.is_some())
+            && (self.dual.is_some() || self.elimination.products() <= MOTION_PRODUCTS)
     }
 
     /// Into what its step is cut.
@@ -121,12 +122,15 @@ impl DirectIsland {
             let stays = |body: &Body| !is_first && body.geometry.as_ref().is_some_and(Geometry::is_round);
             self.make_contact_rows(world, [h, replaces, MOTION_CONTACT_PENALTY], stays, |_, _| {});
         }
+        if self.bounces {
+            self.bounce(world, terms.restitution_speed, MOTION_CONTACT_PENALTY);
+        }
         self.make_joint_rows(world, h, |rows, before, joint| match (&mut rows.softness, &before.softness) {
             (Some(now), Some(before)) if !is_first => now.resume(before),
             (Some(_), _) => {}
             (None, _) => {
-                rows.prescribed.linear +=
-                    turning_acceleration(world, joint, rows.sides.map(|side| side.arm)) * (0.5 * h);
+                let ahead = 0.5 * h * curving_share([joint.a, joint.b].map(|body| world.body(body)), h);
+                rows.prescribed.linear += turning_acceleration(world, joint, rows.sides.map(|side| side.arm)) * ahead;
             }
         });
         self.make_any_rows(world, time, [h, 0.5 * h, terms.restitution_speed], |rows, before| {
@@ -137,7 +141,12 @@ impl DirectIsland {
         self.take_momenta(world, h);
         self.factored.clear();
         let least = if self.has_converged { MOTION_ITERATIONS } else { SHORT_ITERATIONS };
-        self.has_converged = self.iterate(least..=MOTION_ITERATIONS);
+        let has_limits = self.posture.is_some();
+        self.has_converged = self.iterate(least..=if has_limits { LONG_ITERATIONS } else { MOTION_ITERATIONS });
+        let is_given = |&partner: &u32| world.body(partner).kind == RigidBody::Kinematic;
+        if has_limits && !self.has_converged && !self.partners.iter().any(is_given) {
+            self.take_back_gain();
+        }
         if self.factored.is_empty() {
             self.correction.fill(BodyVector::zeros());
             return;

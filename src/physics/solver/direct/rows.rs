@@ -9,7 +9,8 @@
 
 use nalgebra::{ArrayStorage, Matrix3, Vector3};
 
-use super::constants::ARM_CHANGE;
+use super::constants::{ARM_CHANGE, CURVING_TURNS};
+use crate::physics::body::Body;
 use crate::physics::collision::POINTS;
 use crate::physics::constraint::row::{Twist, Wrench};
 use crate::physics::solver::linear::{BodyBlock, BodyVector};
@@ -71,6 +72,14 @@ impl Side {
     pub fn wrench(&self, impulse: &Wrench<f64>) -> BodyVector {
         body_vector(&impulse.linear, &(self.arm.cross(&impulse.linear) + impulse.angular))
     }
+}
+
+/// Share of J̇V that a substep of length `h`, s, takes in: less where a body turns so far in it that what is of second
+/// order in its turn no longer tells where it gets to, and would feed it energy instead.
+pub(super) fn curving_share(bodies: [&Body; 2], h: f64) -> f64 {
+    let [most, none] = CURVING_TURNS;
+    let turn = bodies.map(|body| body.angular.norm() * h).into_iter().fold(0.0, f64::max);
+    ((none - turn) / (none - most)).clamp(0.0, 1.0)
 }
 
 pub(super) fn body_vector(linear: &Vector3<f64>, angular: &Vector3<f64>) -> BodyVector {
