@@ -20,7 +20,8 @@ const TABLE: &str = include_str!("../../../assets/reference/arm.csv");
 /// velocities lag by half a substep has impulses that are not those of a whole step.
 const FIRST: f64 = 0.05;
 
-pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
+/// `at_end`: whether loads are those at the end of a step, or means over it.
+pub(super) fn truth(scene: &SceneSpec, at_end: bool) -> Option<Truth> {
     let forearm = scene.bodies.len() - 1;
     let Some(ShapeSpec::Cuboid { size }) = scene.bodies[forearm].shape else { return None };
     let tip = 0.5 * size.x * DVec3::X;
@@ -34,7 +35,8 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
         let (arm, mut before) = (arm.clone(), 0.0);
         move |sample: &Sample| {
             let from = std::mem::replace(&mut before, sample.time);
-            (from >= FIRST && !sample.loads.is_empty()).then(|| arm.errors(sample, from))
+            (from >= FIRST && !sample.loads.is_empty())
+                .then(|| arm.errors(sample, if at_end { sample.time } else { from }))
         }
     };
     let (mut absolute, mut relative) = (errors.clone()(), errors());
@@ -138,7 +140,7 @@ impl Arm {
         torques
     }
 
-    /// How far the motors' torques are off from their means over the step from that time, N·m: what loads are.
+    /// How far the motors' torques are off from their means from that time to the sample's, N·m.
     fn errors(&self, sample: &Sample, from: f64) -> Vec<f64> {
         let (middle, half) = (0.5 * (from + sample.time), 0.5 * (sample.time - from));
         // Gauss's quadrature of order 6.

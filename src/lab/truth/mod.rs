@@ -40,7 +40,7 @@ mod tower;
 mod trajectory;
 mod wall;
 
-use crate::physics::SolverSettings;
+use crate::physics::{Method, SolverSettings};
 use crate::scene::SceneSpec;
 
 pub use answer::{EnergyScale, Poses, Truth};
@@ -72,7 +72,7 @@ pub fn of(scene: &SceneSpec, settings: &SolverSettings) -> Option<Truth> {
         "four_bar" => four_bar::truth(scene),
         "bricard" => bricard::truth(scene),
         "andrews" => andrews::truth(scene),
-        "arm" => arm::truth(scene),
+        "arm" => arm::truth(scene, settings.method == Method::Exact),
         "servo" => servo::truth(scene),
         "stop" => stop::truth(scene),
         "hinge_chain" => hinge_chain::truth(scene),

@@ -3,8 +3,8 @@
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
-/// What a joint carried in the last step, measured from its multipliers λ. Add it to a joint
-/// entity to have it filled in.
+/// What a joint carried in the last step, measured from its multipliers λ: by `accurate`, joints without contacts, at the
+/// step's end, unless a limit was hit in it; else its mean over the step. Add it to a joint entity to have it filled in.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Debug, Default, PartialEq)]
 pub struct JointLoad {

@@ -128,8 +128,10 @@ pub(super) struct DualSystem {
     /// With the least error so far.
     best: Vec<f64>,
     residual: Vec<f64>,
-    /// Impulse on B and moment about its centre of mass of each link over the step so far, whose length is `spent`, s.
+    /// Impulse on B and moment about its centre of mass of each link over the step so far, whose length is `spent`, s, and
+    /// in its first piece and its last.
     loads: Vec<Wrench<f64>>,
+    outer_loads: [Vec<Wrench<f64>>; 2],
     spent: f64,
     /// λ of each row in the last piece.
     forces: Vec<f64>,
@@ -723,10 +725,17 @@ impl DualSystem {
         self.spent += h;
         self.forces.clear();
         self.forces.extend(self.impulses.iter().map(|impulse| impulse / kick));
-        for (link, load) in self.links.iter().zip(&mut self.loads) {
-            for row in link.first..link.first + link.count {
-                *load = load.plus(&self.rows[row].jacobian.of_b(), self.forces[row] * h);
-            }
+        let Self { links, rows, forces, loads, outer_loads: [first, last], .. } = self;
+        last.clear();
+        last.extend(links.iter().map(|link| {
+            let own = link.first..link.first + link.count;
+            own.fold(Wrench::zero(), |sum, row| sum.plus(&rows[row].jacobian.of_b(), forces[row] * h))
+        }));
+        if self.spent == h {
+            first.clone_from(last);
+        }
+        for (load, more) in loads.iter_mut().zip(&*last) {
+            *load = load.plus(more, 1.0);
         }
     }
 
@@ -735,10 +744,14 @@ impl DualSystem {
         move_to(&self.ends[local], body, h);
     }
 
-    /// Writes what a joint carried: the mean over the step so far, and of each row in the last substep.
+    /// Writes what a joint carried: the mean over the step so far, and of each row in the last substep. As velocities are
+    /// half a substep behind the poses, half of what the first piece gave is of the step before; for what the next gives
+    /// of this one, the last stands.
     pub fn store(&self, index: u32, joint: &mut Joint) {
         let Some(&place) = self.place_of.get(&index) else { return };
-        let (link, load) = (&self.links[place as usize], &self.loads[place as usize]);
+        let link = &self.links[place as usize];
+        let [first, last] = self.outer_loads.each_ref().map(|loads| &loads[place as usize]);
+        let load = self.loads[place as usize].plus(first, -0.5).plus(last, 0.5);
         let arm = self.starts[link.ends[1] as usize].rotation * joint.definition.frames[1].anchor;
         joint.force = load.linear / self.spent;
         joint.torque = (load.angular - arm.cross(&load.linear)) / self.spent;

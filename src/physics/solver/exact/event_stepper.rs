@@ -31,6 +31,8 @@ pub(super) struct EventTerms {
     pub substeps: u32,
     /// Approach up to which no limit bounces, m/s or rad/s.
     pub restitution_speed: f64,
+    /// Whether somebody reads what joints carry.
+    pub reads_loads: bool,
 }
 
 /// A stepper, with what events need.
@@ -43,6 +45,8 @@ pub(crate) struct EventStepper {
     /// At the start and at the end of a trial.
     first: Vec<ModeReading>,
     last: Vec<ModeReading>,
+    /// Whether a limit gave an impulse at once in the step.
+    has_hit: bool,
     /// Error of joints that the last trial left, m or rad.
     left: f64,
     /// Times are 2 to this power shorter than substeps.
@@ -82,13 +86,24 @@ impl EventStepper {
         self.stepper.memory().chain(own.into_iter().filter(|number| *number != 0.0))
     }
 
-    /// Mean of each link's load over the step: force on B, and torque about B's anchor.
+    /// Each link's load at the end of the step, or its mean over one with an impact or with parts that did not converge:
+    /// force on B, and torque about B's anchor.
     pub fn loads(&self) -> &[Wrench<f64>] {
         &self.stepper.loads
     }
 
     /// Takes the mechanism through a step.
     pub fn advance(&mut self, mechanism: &mut Mechanism, terms: &EventTerms) -> StepEffort {
+        self.has_hit = false;
+        let effort = self.advance_smoothly(mechanism, terms);
+        if terms.reads_loads && !self.has_hit && effort.unsettled == 0 {
+            self.stepper.find_loads(mechanism, terms.time + terms.h * f64::from(terms.substeps));
+        }
+        effort
+    }
+
+    /// The same, with the mean of each link's load.
+    fn advance_smoothly(&mut self, mechanism: &mut Mechanism, terms: &EventTerms) -> StepEffort {
         let EventTerms { integrator, time, h, substeps, .. } = *terms;
         if !self.bounded.are_there(mechanism, time) {
             mechanism.modes.clear();
@@ -124,12 +139,13 @@ impl EventStepper {
     }
 
     fn pass_event(&mut self, mechanism: &mut Mechanism, progress: &mut Progress, may_bounce: bool) {
-        let Self { stepper: Stepper { projection, loads, .. }, bounded, .. } = self;
+        let Self { stepper: Stepper { projection, loads, .. }, bounded, has_hit, .. } = self;
         let EventTerms { h, substeps, restitution_speed, .. } = *progress.terms;
         let step = h * f64::from(substeps);
         let terms = ImpactTerms { least: restitution_speed.max(LEAST_BOUNCE), may_bounce };
         let outcome = bounded.pass(mechanism, projection, progress.now(), &terms, |link, impulse| {
             loads[link] = loads[link].plus(&impulse, 1.0 / step);
+            *has_hit |= impulse != Wrench::zero();
         });
         if outcome.changed {
             self.stepper.forget_history();

@@ -138,7 +138,7 @@ impl ExactGroup {
 
     /// Takes all through the step. `graph` has the contact forces of the step before.
     pub fn step(&mut self, bodies: &Bodies, integrator: ExactIntegrator, terms: &ContactTerms, graph: &ContactGraph) {
-        let ContactTerms { time, h, parts, restitution_speed, .. } = *terms;
+        let ContactTerms { time, h, parts, restitution_speed, reads_loads, .. } = *terms;
         for group in &mut self.contact_groups {
             group.step(terms, graph);
         }
@@ -152,7 +152,7 @@ impl ExactGroup {
             }
         }
         for piece in &mut self.pieces {
-            let terms = EventTerms { integrator, time, h, substeps: parts, restitution_speed };
+            let terms = EventTerms { integrator, time, h, substeps: parts, restitution_speed, reads_loads };
             piece.effort = piece.stepper.advance(&mut piece.mechanism, &terms);
         }
     }

@@ -103,6 +103,8 @@ impl RoundingCarry {
 pub(crate) struct Gauss<const S: usize> {
     tableau: Tableau<S>,
     stages: Vec<GaussStage>,
+    /// At the end of the step.
+    now: GaussStage,
     /// Of the last step that converged, and its length, s; 0 where there is none.
     history: Vec<GaussHistory>,
     carries: Vec<RoundingCarry>,
@@ -157,6 +159,36 @@ impl<const S: usize> Gauss<S> {
         })
     }
 
+    /// Each link's load at the mechanism's states and that time, s: the equations of a stage of no length. Twice, as what
+    /// rounding and soft rows leave of the first is made good by the second.
+    pub fn find_loads(&mut self, mechanism: &Mechanism, time: f64, loads: &mut Vec<Wrench<f64>>) {
+        let mut now = std::mem::take(&mut self.now);
+        now.accelerations.clear();
+        now.accelerations.resize(mechanism.members.len(), Twist::zero());
+        now.lambda.clear();
+        now.lambda.resize(mechanism.rows(), 0.0);
+        now.states.clone_from(&mechanism.states);
+        mechanism.place_rows(&now.states, time, &mut now.rows);
+        self.rotations.clear();
+        self.rotations.extend(now.states.iter().map(|state| state.rotation.to_rotation_matrix().into_inner()));
+        self.stiffness.clear();
+        let stage = self.stages.len();
+        self.stages.push(now);
+        self.assemble(mechanism, [0.0; 3], stage);
+        for _ in 0..2 {
+            if mechanism.may_be_singular {
+                self.stages[stage].lambda.fill(0.0);
+            }
+            self.stages[stage].give(mechanism);
+            self.balance(mechanism, stage);
+            self.correct(mechanism, stage);
+        }
+        self.now = self.stages.pop().unwrap_or_default();
+        let GaussStage { states, rows, lambda, .. } = &self.now;
+        loads.clear();
+        loads.extend(mechanism.links.iter().map(|link| link.load(&link.arm_b(states), rows, lambda)));
+    }
+
     /// Takes the mechanism through a step of h, s, from that time. Where the iterations do not converge it stays where it
     /// was.
     pub fn step(&mut self, mechanism: &mut Mechanism, time: f64, h: f64) -> StageIterations {
@@ -179,7 +211,9 @@ impl<const S: usize> Gauss<S> {
                 }
                 self.place_stage(mechanism, time, h, stage);
                 if refactors {
-                    self.assemble(mechanism, h, stage);
+                    let own = self.tableau.matrix[stage][stage] * h;
+                    let own_squared = self.tableau.pivots[stage] * h * h;
+                    self.assemble(mechanism, [h, own, own_squared], stage);
                 }
                 if mechanism.may_be_singular {
                     self.stages[stage].lambda.fill(0.0);
@@ -336,10 +370,9 @@ impl<const S: usize> Gauss<S> {
         mechanism.place_rows(states, time + h * nodes[stage], rows);
     }
 
-    /// Factors the rows of a stage at its present states.
-    fn assemble(&mut self, mechanism: &Mechanism, h: f64, stage: usize) {
-        let own = self.tableau.matrix[stage][stage] * h;
-        let own_squared = self.tableau.pivots[stage] * h * h;
+    /// Factors the rows of a stage at its present states, with the step h, and what of it and of its square the stage's
+    /// acceleration gives to the stage's velocity and place.
+    fn assemble(&mut self, mechanism: &Mechanism, [h, own, own_squared]: [f64; 3], stage: usize) {
         let GaussStage { states, rows, lambda, system, .. } = &mut self.stages[stage];
         let turn = h * states.iter().fold(0.0, |most: f64, state| most.max(state.angular.norm_squared())).sqrt();
         let stiff = !self.stiffness.is_empty();

@@ -43,7 +43,7 @@ use crate::physics::body::Bodies;
 use crate::physics::collision::{ContactGraph, Contacts};
 use crate::physics::contact::restitution_threshold;
 use crate::physics::island::Islands;
-use crate::physics::joint::Joints;
+use crate::physics::joint::{Breakable, JointLoad, Joints};
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::physics::settings::{Method, SolverSettings};
 use crate::physics::stats::StepStats;
@@ -89,6 +89,7 @@ fn solve_exactly(
     mut groups: ResMut<ExactGroups>,
     settings: Res<SolverSettings>,
     mut stats: ResMut<StepStats>,
+    read: Query<(), Or<(With<JointLoad>, With<Breakable>)>>,
 ) {
     let ExactGroups { list, used } = &mut *groups;
     *used = islands.count();
@@ -103,6 +104,7 @@ fn solve_exactly(
         parts: settings.substeps,
         correction_speed: settings.correction_speed.unwrap_or(f64::INFINITY),
         restitution_speed: restitution_threshold(&settings),
+        reads_loads: !read.is_empty(),
     };
     {
         let (bodies, joints, graph) = (&*bodies, &*joints, &*graph);

@@ -72,6 +72,8 @@ pub(crate) struct ContactTerms {
     pub correction_speed: f64,
     /// Approach up to which nothing bounces, m/s.
     pub restitution_speed: f64,
+    /// Whether somebody reads what joints carry.
+    pub reads_loads: bool,
 }
 
 /// Bodies in reach of each other, and what joints hold to them.
