@@ -96,7 +96,10 @@ impl AnyJoint {
             });
             let mut given = given.sum::<f64>() + row.time_rate;
             if row.spring.is_none() {
-                given += ahead * row.velocity_term;
+                // No more than turning can change a rate by: near where a coordinate is singular it would be anything.
+                let turning = (0..2).map(|side| row.jacobian.of(side).angular.norm() * bodies[side].angular.norm());
+                let most = 0.5 * turning.sum::<f64>();
+                given += (ahead * row.velocity_term).clamp(-most, most);
             }
             if place < 3 {
                 all.prescribed.linear[place] = given
@@ -159,12 +162,15 @@ impl AnyJoint {
         self.laws.iter_mut().for_each(|law| law.carried *= share);
     }
 
-    /// Writes what it carried in `h`, s.
-    pub fn store(&self, joint: &mut Joint, h: f64) {
+    /// Writes what it carried in `h`, s. Where that is `doubtful`, as iterations did not end, the next begins without the
+    /// impulses of its limits: sweeps would take those of a hit for those of a load.
+    pub fn store(&self, joint: &mut Joint, h: f64, doubtful: bool) {
         let (force, torque) = halves(&self.wrench_on(1, &self.impulses(|law, _| law.carried, &Twist::zero())));
         (joint.force, joint.torque) = (force / h, (torque - self.sides[1].arm.cross(&force)) / h);
         for row in 0..self.rows() {
-            joint.multipliers[row] = self.laws[self.place(row)].carried / h;
+            let law = &self.laws[self.place(row)];
+            let is_dropped = doubtful && matches!(law.bound, Bound::Within(..));
+            joint.multipliers[row] = if is_dropped { 0.0 } else { law.carried / h };
         }
     }
 

@@ -108,6 +108,9 @@ pub(super) const DUAL_ACCEPTED: f64 = 1e-5;
 /// Into how many pieces a substep is cut at most where its impulses are not found (`hinge_chain`: the crack of a whip).
 pub(super) const DUAL_PIECES: u32 = 16;
 
+/// ω h of springs up to which they are Newmark's, and from which on Euler's (`servo` from 10 Hz to 10 kHz).
+pub(super) const DUAL_STIFF: [f64; 2] = [1.0, 2.0];
+
 /// Mobility of a row that has its impulse already: it takes no other.
 pub(super) const DUAL_LOOSE: f64 = 1e200;
 

@@ -15,6 +15,9 @@
 //!
 //! λ = −h k C₀ − ¼ h² k (y − y₋) − ½ h c (y + y₋).
 //!
+//! One that is too stiff for the substep to tell its motion would ring on from substep to substep, at any speed; it goes
+//! over to Euler's implicit rule, λ = −h k (C₀ + h y) − h c y, which takes it to where it is at rest.
+//!
 //! A substep in which a body turns so far that no λ leads there is cut into halves. The velocities that somebody gave a
 //! body are those of its poses: its first substep takes half the kick.
 //!
@@ -27,7 +30,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{
     DUAL_ACCEPTED, DUAL_ACTIVE_SETS, DUAL_ERRORS, DUAL_ITERATIONS, DUAL_LAG, DUAL_LEFT, DUAL_LOOSE, DUAL_PIECES,
-    DUAL_SHIFTS, DUAL_SOFTER, DUAL_START_ERROR, PROJECTION_ERROR, PROJECTIONS, RIMS,
+    DUAL_SHIFTS, DUAL_SOFTER, DUAL_START_ERROR, DUAL_STIFF, PROJECTION_ERROR, PROJECTIONS, RIMS,
 };
 use super::world::{World, world_inertia};
 use crate::physics::body::free_rotation::turn_freely;
@@ -780,10 +783,15 @@ fn aim_of(row: &JointRow<f64>, mobility: f64, old: f64, terms: &DualTerms) -> Ai
     if let Some(constants) = row.spring {
         let mass = if mobility > 0.0 { 1.0 / mobility } else { 0.0 };
         let [stiffness, damping] = constants.per_mass(mass).map(|constant| constant * mass);
-        let (half, quarter) = (0.5 * h * damping, 0.25 * h * h * stiffness);
-        let weight = half + quarter;
-        let bias = if weight > 0.0 { (h * stiffness * row.error + (half - quarter) * old) / weight } else { 0.0 };
-        return Aim::Spring { weight, bias };
+        let (damper, spring) = (h * damping, h * h * stiffness);
+        // ω h and, of a damper alone, c h/m.
+        let pace = (spring * mobility).sqrt().max(damper * mobility);
+        let [fine, coarse] = DUAL_STIFF;
+        let share = ((pace - fine) / (coarse - fine)).clamp(0.0, 1.0);
+        let after = 0.5 * (1.0 + share) * damper + 0.25 * (1.0 + 3.0 * share) * spring;
+        let before = (0.5 * damper - 0.25 * spring) * (1.0 - share);
+        let bias = if after > 0.0 { (h * stiffness * row.error + before * old) / after } else { 0.0 };
+        return Aim::Spring { weight: after, bias };
     }
     if let Some(rate) = row.rebound(h, terms.least_bounce) {
         return Aim::Rate(rate);

@@ -449,7 +449,7 @@ impl DirectIsland {
         }
         match index.checked_sub(self.points) {
             None => joint.force = self.joint_rows[index].impulse / h,
-            Some(index) => self.any_rows[index].store(joint, h),
+            Some(index) => self.any_rows[index].store(joint, h, !self.has_converged),
         }
     }
 }
