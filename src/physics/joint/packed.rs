@@ -23,6 +23,8 @@ pub(crate) struct Joint {
     pub torque: Vector3<f64>,
     /// What each row carried, where it is not a ball joint's along a world axis, N or N·m.
     pub multipliers: [f64; 6],
+    /// Whether that was found by iterations that did not end: sweeps do not start from it.
+    pub is_doubtful: bool,
 }
 
 /// All joints, in the order in which they were made.
@@ -48,13 +50,14 @@ impl Joint {
     /// A joint that has carried nothing yet.
     pub fn new(entity: Entity, [a, b]: [u32; 2], definition: JointDefinition) -> Self {
         let zero = Vector3::zeros();
-        Self { entity, a, b, definition, force: zero, torque: zero, multipliers: [0.0; 6] }
+        Self { entity, a, b, definition, force: zero, torque: zero, multipliers: [0.0; 6], is_doubtful: false }
     }
 
     /// Takes in what one of its [halves](JointDefinition::halves) carried in `h`, s: impulse on B and moment about B's
     /// anchor, and each row's. The first half comes first.
     pub fn store(&mut self, half: usize, wrench: &Wrench<f64>, impulses: &Vector3<f64>, h: f64) {
         let first = if half == 0 { 0 } else { self.definition.halves()[0] };
+        self.is_doubtful = false;
         if half == 0 {
             (self.force, self.torque) = (Vector3::zeros(), Vector3::zeros());
         }
@@ -63,6 +66,11 @@ impl Joint {
         for (multiplier, impulse) in self.multipliers[first..].iter_mut().zip(impulses.iter()) {
             *multiplier = impulse / h;
         }
+    }
+
+    /// Takes in its force on B, N, where it holds a point alone.
+    pub fn set_force(&mut self, force: Vector3<f64>) {
+        (self.force, self.is_doubtful) = (force, false);
     }
 
     /// Whether what it carried are numbers.
@@ -75,6 +83,7 @@ impl Joint {
     /// known.
     pub fn set_load(&mut self, load: &Wrench<f64>, multipliers: [f64; 6]) {
         (self.force, self.torque, self.multipliers) = (load.linear, load.angular, multipliers);
+        self.is_doubtful = false;
     }
 
     /// Its points on A and B, from the centres of mass, body axes.

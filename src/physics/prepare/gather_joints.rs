@@ -183,6 +183,7 @@ pub(super) fn gather_joints(
             if let Some(known) = known.filter(|known| known.is_finite() && known.definition.is_alike(&piece.definition))
             {
                 (piece.force, piece.torque, piece.multipliers) = (known.force, known.torque, known.multipliers);
+                piece.is_doubtful = known.is_doubtful;
             }
             packed.push((joint.slot.born, piece));
         }

@@ -162,15 +162,12 @@ impl AnyJoint {
         self.laws.iter_mut().for_each(|law| law.carried *= share);
     }
 
-    /// Writes what it carried in `h`, s. Where that is `doubtful`, as iterations did not end, the next begins without the
-    /// impulses of its limits: sweeps would take those of a hit for those of a load.
-    pub fn store(&self, joint: &mut Joint, h: f64, doubtful: bool) {
+    /// Writes what it carried in `h`, s.
+    pub fn store(&self, joint: &mut Joint, h: f64) {
         let (force, torque) = halves(&self.wrench_on(1, &self.impulses(|law, _| law.carried, &Twist::zero())));
         (joint.force, joint.torque) = (force / h, (torque - self.sides[1].arm.cross(&force)) / h);
         for row in 0..self.rows() {
-            let law = &self.laws[self.place(row)];
-            let is_dropped = doubtful && matches!(law.bound, Bound::Within(..));
-            joint.multipliers[row] = if is_dropped { 0.0 } else { law.carried / h };
+            joint.multipliers[row] = self.laws[self.place(row)].carried / h;
         }
     }
 

@@ -445,11 +445,13 @@ impl DirectIsland {
     pub fn store_joint(&self, index: usize, joint: &mut Joint, h: f64) {
         if let Some(dual) = self.dual.as_ref().filter(|_| self.moves) {
             dual.store(self.joints[index], joint);
+            joint.is_doubtful = false;
             return;
         }
+        joint.is_doubtful = self.moves && self.posture.is_some() && !self.has_converged;
         match index.checked_sub(self.points) {
             None => joint.force = self.joint_rows[index].impulse / h,
-            Some(index) => self.any_rows[index].store(joint, h, !self.has_converged),
+            Some(index) => self.any_rows[index].store(joint, h),
         }
     }
 }

@@ -198,7 +198,7 @@ impl<L: Lanes> Walk<'_, L> {
                 tree.scatter(index, self.world.bodies.element(member));
             }
             for (joint, force) in tree.joints().zip(tree.forces(h)) {
-                self.world.joints.element(joint as usize).force = force;
+                self.world.joints.element(joint as usize).set_force(force);
             }
         }
     }
@@ -219,7 +219,7 @@ impl<L: Lanes> Walk<'_, L> {
                 block.take_in(&inputs[..joints.len()], &self.bodies.claim_pairs(block.ends), self.terms.h);
             } else if let Stage::Store(_) = stage {
                 for (lane, joint) in joints.enumerate() {
-                    self.world.joints.element(joint.global as usize).force = block.impulse(lane) / self.terms.h;
+                    self.world.joints.element(joint.global as usize).set_force(block.impulse(lane) / self.terms.h);
                 }
             } else {
                 self.sweep_joints(stage, block);
@@ -306,6 +306,7 @@ impl<L: Lanes> Walk<'_, L> {
         joint.definition.rows_at(&states, self.terms.time + passed, rows);
         let first = if part.half() == 0 { 0 } else { joint.definition.halves()[0] };
         let count = joint.definition.halves()[part.half()];
+        let trusted = if joint.is_doubtful { 0.0 } else { h };
         let of_half = |row: usize| rows.get(first + row).filter(|_| row < count).copied();
         let softness = of_half(0).and_then(|row| {
             // SAFETY: as the caller promises.
@@ -315,7 +316,9 @@ impl<L: Lanes> Walk<'_, L> {
         RowsInput {
             rows: std::array::from_fn(of_half),
             arm_b: states[1].rotation.mul_vec3(joint.definition.frames[1].anchor.into()).into(),
-            impulse: Vector3::from_fn(|row, _| if row < count { joint.multipliers[first + row] * h } else { 0.0 }),
+            impulse: Vector3::from_fn(
+                |row, _| if row < count { joint.multipliers[first + row] * trusted } else { 0.0 },
+            ),
             softness,
             least_bounce: self.terms.restitution_speed,
         }
@@ -328,7 +331,8 @@ impl<L: Lanes> Walk<'_, L> {
         let (joint, offset) = unsafe { (self.world.joints.get(global as usize), self.bodies.offset(a, b)) };
         let (anchors, softness) =
             (joint.anchors(), joint.softness().map(|softness| RowSoftness::new(softness, self.terms.h)));
-        JointInput { anchors, offset, impulse: joint.force * self.terms.h, softness }
+        let trusted = if joint.is_doubtful { 0.0 } else { self.terms.h };
+        JointInput { anchors, offset, impulse: joint.force * trusted, softness }
     }
 
     /// # Safety
