@@ -68,6 +68,11 @@ impl Joint {
         }
     }
 
+    /// For how much of `h`, s, sweeps start from what it carried: none where that is doubtful.
+    pub fn trusted_time(&self, h: f64) -> f64 {
+        if self.is_doubtful { 0.0 } else { h }
+    }
+
     /// Takes in its force on B, N, where it holds a point alone.
     pub fn set_force(&mut self, force: Vector3<f64>) {
         (self.force, self.is_doubtful) = (force, false);

@@ -126,8 +126,8 @@ impl DirectContact {
         self.expected = self.friction;
     }
 
-    /// Has points that come together within the substep, by the relative motion with which it begins, part as they are to
-    /// where they come faster than `least`, m/s: then by that much more than the penalty of other contacts.
+    /// Has points part again that come together within the substep faster than `least`, m/s, by the relative motion with
+    /// which it begins. Where some do, the contact is [`BOUNCE_PENALTY`] times as stiff as others, of that `penalty`, kg.
     pub fn bounce(&mut self, motion: &Twist<f64>, least: f64, penalty: f64) {
         let mut bounces = false;
         for point in &mut self.points[..self.count] {

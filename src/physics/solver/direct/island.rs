@@ -215,8 +215,8 @@ impl DirectIsland {
         }
     }
 
-    /// Has contacts bounce that come together faster than `least`, m/s, in the substep that begins; the penalty is that of others over the mass of the
-    /// island.
+    /// Has contacts bounce that come together faster than `least`, m/s, in the substep that begins; `penalty` is that of
+    /// the others, over the mass of the island.
     pub(super) fn bounce(&mut self, world: &impl World, least: f64, penalty: f64) {
         for (local, &member) in self.members.iter().enumerate() {
             let Body { linear, angular, .. } = world.body(member);
@@ -443,12 +443,11 @@ impl DirectIsland {
 
     /// Writes what a joint carried in `h`, s.
     pub fn store_joint(&self, index: usize, joint: &mut Joint, h: f64) {
+        joint.is_doubtful = self.moves && self.posture.is_some() && !self.has_converged;
         if let Some(dual) = self.dual.as_ref().filter(|_| self.moves) {
             dual.store(self.joints[index], joint);
-            joint.is_doubtful = false;
             return;
         }
-        joint.is_doubtful = self.moves && self.posture.is_some() && !self.has_converged;
         match index.checked_sub(self.points) {
             None => joint.force = self.joint_rows[index].impulse / h,
             Some(index) => self.any_rows[index].store(joint, h),

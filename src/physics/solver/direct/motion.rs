@@ -11,7 +11,8 @@
 //! ([`DualSystem::project`](super::dual::DualSystem::project)). Contacts keep the geometry of the start of the step, as
 //! in sweeps, unless a body turns far ([`Substeps`]) and none of the two is round: where a wheel touches does not turn
 //! with it. Where active-set iterations do not end they are left as they stand: a row too many or too few for a substep
-//! is corrected in the next.
+//! is corrected in the next. With limits, they go on for longer while the bodies have more energy than there can be, and
+//! what is left of that is taken back.
 
 use nalgebra::{Matrix3, Vector3};
 

@@ -306,7 +306,7 @@ impl<L: Lanes> Walk<'_, L> {
         joint.definition.rows_at(&states, self.terms.time + passed, rows);
         let first = if part.half() == 0 { 0 } else { joint.definition.halves()[0] };
         let count = joint.definition.halves()[part.half()];
-        let trusted = if joint.is_doubtful { 0.0 } else { h };
+        let trusted = joint.trusted_time(h);
         let of_half = |row: usize| rows.get(first + row).filter(|_| row < count).copied();
         let softness = of_half(0).and_then(|row| {
             // SAFETY: as the caller promises.
@@ -331,8 +331,7 @@ impl<L: Lanes> Walk<'_, L> {
         let (joint, offset) = unsafe { (self.world.joints.get(global as usize), self.bodies.offset(a, b)) };
         let (anchors, softness) =
             (joint.anchors(), joint.softness().map(|softness| RowSoftness::new(softness, self.terms.h)));
-        let trusted = if joint.is_doubtful { 0.0 } else { self.terms.h };
-        JointInput { anchors, offset, impulse: joint.force * trusted, softness }
+        JointInput { anchors, offset, impulse: joint.force * joint.trusted_time(self.terms.h), softness }
     }
 
     /// # Safety
