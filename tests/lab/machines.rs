@@ -120,6 +120,19 @@ fn a_chain_of_hinges_does_not_tilt() {
     assert!(metrics.joint_error_max_m < 1e-9, "{:e} m", metrics.joint_error_max_m);
 }
 
+/// Where a solve leaves rows of joints unsatisfied as limits hit, the light boxes tilt by hundredths of a radian.
+#[test]
+fn limits_that_a_heavy_ball_hits_do_not_part_a_chain_of_hinges() {
+    for (n, ratio, limit, seconds) in [(1.0, 1e4, 30.0, 1.0), (2.0, 1e4, 30.0, 2.0), (100.0, 1e3, 45.0, 0.25)] {
+        let parameters = [("n", n), ("r", ratio), ("limit", limit)];
+        let metrics = run("hinge_chain", &parameters, SolverSettings::accurate(), Some(seconds));
+        let [tilt, overshoot] = errors(&metrics)[..] else { panic!("two answers") };
+        assert!(tilt < 1e-9 && overshoot < 1e-8, "{n}, {ratio} kg: {tilt:e} rad, {overshoot:e} rad over");
+        assert!(metrics.joint_error_max_m < 1e-9, "{n}, {ratio} kg: {:e} m", metrics.joint_error_max_m);
+        assert_eq!(metrics.exact.unwrap().unsettled, 0, "{n}, {ratio} kg");
+    }
+}
+
 #[test]
 fn a_bridge_hangs_in_its_catenary() {
     for (settings, moves, share) in [(accurate(240.0), 1e-8, 1e-6), (game(), 1e-3, 0.02)] {

@@ -1,5 +1,5 @@
-//! Machines at the edge of what joints bear: heavy wheels on a light shaft, a limit inside a loop, a fast rotor on two
-//! hinges.
+//! Machines at the edge of what joints bear: heavy wheels on a light shaft, a limit inside a loop, a range of no width, a
+//! fast rotor on two hinges.
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
@@ -95,6 +95,28 @@ fn a_limit_that_closes_inside_a_loop_holds_it() {
         assert!(worst <= tolerance, "{:?}: joints are off by {worst:e}", settings.method);
         let JointCoordinate { value, rate } = *world.get::<JointCoordinate>(stopped).unwrap();
         assert!((value - room).abs() < tolerance && rate.abs() < tolerance, "{:?}: {value}, {rate}", settings.method);
+    }
+}
+
+/// A rod on a hinge that swings until its range is closed about the angle that it then has. Its two limits are rows of one
+/// coordinate, of which one more would be redundant.
+#[test]
+fn a_range_of_no_width_holds() {
+    for (settings, tolerance) in [(awake_game(), 1e-3), (SolverSettings::accurate(), 1e-9)] {
+        let mut world = world_with(settings);
+        let ground = world.spawn((RigidBody::Static, Position(DVec3::ZERO))).id();
+        let rod = body(&mut world, Collider::cuboid(1.0, 0.1, 0.1), DVec3::X * 0.5);
+        world.entity_mut(rod).insert((Mass(1.0), CollisionLayers::NONE));
+        let joint = HingeJoint::new(ground, rod).with_anchors(DVec3::ZERO, DVec3::X * -0.5).with_axis(DVec3::Z);
+        let hinge = world.spawn((joint, JointLimits::range(-3.0, 3.0))).id();
+        let mut worst = worst_error(&mut world, 0.2);
+        let there = world.get::<JointCoordinate>(hinge).unwrap().value;
+        assert!(there < -0.1, "{:?}: it has not fallen: {there} rad", settings.method);
+        world.entity_mut(hinge).insert(JointLimits::range(there, there));
+        worst = worst.max(worst_error(&mut world, 1.0));
+        assert!(worst <= tolerance, "{:?}: the joint is off by {worst:e}", settings.method);
+        let JointCoordinate { value, rate } = *world.get::<JointCoordinate>(hinge).unwrap();
+        assert!((value - there).abs() < tolerance && rate.abs() < tolerance, "{:?}: {value}, {rate}", settings.method);
     }
 }
 

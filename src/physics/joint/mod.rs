@@ -28,14 +28,14 @@ pub use axes::JointAxes;
 pub use ball::BallJoint;
 pub use breakable::{Breakable, BrokenJoint};
 pub use constraint::{BodyState, Constraint, ConstraintRow, ConstraintRows};
-pub(crate) use definition::JointDefinition;
 #[cfg(test)]
-pub(crate) use definition::{Frame, Hold, Laws};
+pub(crate) use definition::{Frame, Laws};
+pub(crate) use definition::{Hold, JointDefinition};
 pub use distance::{DistanceJoint, DistanceLaw};
 pub use framed::{FixedJoint, GenericJoint, HingeJoint, SliderJoint};
 pub(crate) use kind::{JointKind, any_changed, define_joints, kind_changed};
 pub use law::JointAxis;
-pub(crate) use law::{LawAxis, LawPart};
+pub(crate) use law::{CoordinateLaw, LawAxis, LawPart};
 pub use load::JointLoad;
 pub use motion::PrescribedMotion;
 pub(crate) use packed::{Joint, Joints};

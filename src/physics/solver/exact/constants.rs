@@ -62,6 +62,9 @@ pub(super) const STUCK_PROJECTION: f64 = 0.95;
 pub(super) const STALE_ROWS: f64 = 1e-6;
 /// Shortest share of a step in the line search of a projection.
 pub(super) const SHORTEST_SHARE: f64 = 1e-3;
+/// Range between limits of one coordinate, m or rad, from which on they never hold together: more than both may be
+/// overshot by, [`TOUCHING`]. Seen by: `a_range_of_no_width_holds`.
+pub(super) const NARROW_RANGE: f64 = 1e-6;
 /// Softness of the rows of a spring where only rigid joints are to hold, 1/kg.
 pub(super) const LOOSE: f64 = 1e200;
 

@@ -216,7 +216,7 @@ impl JointedPiece {
     }
 
     fn gather(&mut self, bodies: &Bodies, joints: &Joints) {
-        let Mechanism { members, states, links, moving, .. } = &mut self.mechanism;
+        let Mechanism { members, states, moving, .. } = &mut self.mechanism;
         let known = members.len() == self.bodies.len();
         members.clear();
         members.extend(self.bodies.iter().map(|&body| member(&bodies.list[body as usize])));
@@ -230,10 +230,7 @@ impl JointedPiece {
             moved |= index < *moving && now != *old;
             *old = now;
         }
-        links
-            .iter_mut()
-            .zip(&self.joints)
-            .for_each(|(link, &joint)| link.renew(&joints.list[joint as usize].definition));
+        self.mechanism.renew(self.joints.iter().map(|&joint| &joints.list[joint as usize].definition));
         if moved {
             self.stepper.forget();
         }

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 use super::constants::KICKED_SPRING;
+use super::redundancy::may_be_redundant;
 use super::rotation::{exponential, in_world};
 use super::row_mode::RowMode;
 use crate::physics::body::free_rotation::free_rotation;
@@ -214,8 +215,9 @@ impl MechanismLink {
         Self { a, b, definition: definition.clone(), rows: 0..rows.len(), may_be_bounded }
     }
 
-    /// Takes in what of its joint changes from step to step: the numbers of its laws, and its turns.
-    pub fn renew(&mut self, definition: &JointDefinition) {
+    /// Takes in what of its joint changes from step to step: the numbers of its laws, and its turns. Whether the former
+    /// are others than before.
+    pub fn renew(&mut self, definition: &JointDefinition) -> bool {
         let is_same = match (&self.definition.laws, &definition.laws) {
             (Some(own), Some(laws)) => Arc::ptr_eq(own, laws),
             _ => true,
@@ -224,6 +226,7 @@ impl MechanismLink {
             self.definition.laws.clone_from(&definition.laws);
         }
         self.definition.turned = definition.turned;
+        !is_same
     }
 
     /// From the centre of mass of A (0) or of B (1), body axes.
@@ -443,6 +446,12 @@ impl Couplings {
     }
 }
 
+/// Whether rows of a mechanism may be redundant or contradict each other.
+fn is_singular(moving: usize, locked: bool, links: &[MechanismLink]) -> bool {
+    let pieces = links.iter().map(|link| (link.ends(), &link.definition));
+    locked || links.iter().any(MechanismLink::is_driven) || may_be_redundant(moving, pieces)
+}
+
 /// Links from the member that is held, or the first one, outwards, each with its nearer end; none if they are no
 /// tree.
 fn walk(moving: usize, links: &[[u32; 2]], at: &[Vec<(u32, usize)>]) -> Option<Vec<(u32, usize)>> {
@@ -474,6 +483,8 @@ pub(crate) struct Mechanism {
     /// Where all links are points and the members that move make a tree, held at one point or none: its links from the
     /// root outwards, each with the end (0: A, 1: B) that is nearer to the root.
     pub(super) tree: Option<Vec<(u32, usize)>>,
+    /// Whether axes of some member are locked.
+    locked: bool,
     /// Whether rows may be redundant or contradict each other: loops, several fixed points, locked axes, rows of a
     /// user's own.
     pub may_be_singular: bool,
@@ -491,18 +502,36 @@ impl Mechanism {
         let rows: Vec<u8> = links.iter().map(|link| link.rows.len() as u8).collect();
         let at = links_at(moving, &ends);
         let Couplings { order, elimination, list } = Couplings::of(&at, &rows);
-        // A tree with one fixed point has as many links as bodies, one without has one less; any more close a loop.
-        let is_held = ends.iter().flatten().any(|&member| member as usize >= moving);
-        let nodes = links.len() + usize::from(!is_held);
-        let may_be_singular = locked || nodes > moving || links.iter().any(MechanismLink::is_driven);
-        let is_tree = !may_be_singular && nodes == moving && links.iter().all(MechanismLink::is_point);
+        let may_be_singular = is_singular(moving, locked, links);
+        // A piece that closes no loop has as many links as bodies, or one less if nothing holds it.
+        let is_tree = !may_be_singular && links.iter().all(MechanismLink::is_point);
         let place = |(link, end): (u32, usize)| (elimination.place(link), end);
         let tree = if is_tree { walk(moving, &ends, &at) } else { None };
         let tree = tree.map(|tree| tree.into_iter().map(place).collect());
         let gives = links.iter().any(MechanismLink::gives);
         let mut links: Vec<_> = order.iter().map(|&link| links[link as usize].clone()).collect();
         number_rows(&mut links);
-        (order, Self { moving, may_be_singular, gives, tree, elimination, couplings: list, links, ..Self::default() })
+        let plan = Self {
+            moving,
+            locked,
+            may_be_singular,
+            gives,
+            tree,
+            elimination,
+            couplings: list,
+            links,
+            ..Self::default()
+        };
+        (order, plan)
+    }
+
+    /// Takes in what of each link's joint changes from step to step.
+    pub fn renew<'d>(&mut self, definitions: impl Iterator<Item = &'d JointDefinition>) {
+        let renewed = self.links.iter_mut().zip(definitions).map(|(link, definition)| link.renew(definition));
+        // Not `any`, which would leave out those after the first.
+        if renewed.fold(false, |some, changed| some | changed) {
+            self.may_be_singular = is_singular(self.moving, self.locked, &self.links);
+        }
     }
 
     /// The rows of all links at those states and that time, s, as their modes have them.

@@ -25,6 +25,7 @@ mod lockstep;
 mod mechanism;
 mod projection;
 mod rattle;
+mod redundancy;
 mod rotation;
 mod row_mode;
 mod rows;

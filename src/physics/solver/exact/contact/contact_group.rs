@@ -165,7 +165,9 @@ impl ContactGroup {
         self.shapes.clear();
         self.shapes.extend(list().cloned());
         let joint = |&joint: &u32| &joints.list[joint as usize];
-        self.links.iter_mut().zip(&self.joints).for_each(|(link, index)| link.renew(&joint(index).definition));
+        self.links.iter_mut().zip(&self.joints).for_each(|(link, index)| {
+            link.renew(&joint(index).definition);
+        });
         self.joint_loads.clear();
         let loads = self.joints.iter().map(joint).map(|joint| Wrench { linear: joint.force, angular: joint.torque });
         self.joint_loads.extend(loads);
