@@ -133,6 +133,17 @@ fn limits_that_a_heavy_ball_hits_do_not_part_a_chain_of_hinges() {
     }
 }
 
+/// Where two hinges near their limits knock each other off, each time by less, thousands of impacts follow each other within
+/// a microsecond.
+#[test]
+fn limits_that_knock_each_other_off_come_to_rest() {
+    let parameters = [("n", 10.0), ("r", 1.0), ("limit", 30.0)];
+    let metrics = run("hinge_chain", &parameters, SolverSettings::accurate(), Some(5.0));
+    let [tilt, overshoot] = errors(&metrics)[..] else { panic!("two answers") };
+    assert!(tilt < 1e-9 && overshoot < 1e-8, "{tilt:e} rad, {overshoot:e} rad over");
+    assert_eq!(metrics.exact.unwrap().unsettled, 0);
+}
+
 #[test]
 fn a_bridge_hangs_in_its_catenary() {
     for (settings, moves, share) in [(accurate(240.0), 1e-8, 1e-6), (game(), 1e-3, 0.02)] {

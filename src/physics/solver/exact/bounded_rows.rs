@@ -10,7 +10,9 @@
 //! holds from pulling, a boxed row that holds from its bounds, one at a bound from the speed that it wants.
 
 use super::active_set::ActiveSet;
-use super::constants::{IMPACTS_OF_A_PAIR, RESTING_SPEED, STOPPED_OVERLAP, STOPPED_SPEED, TOUCHING};
+use super::constants::{
+    IMPACTS_OF_A_PAIR, LEAST_BOUNCE, MOST_PUT_BACK, RESTING_SPEED, STOPPED_OVERLAP, STOPPED_SPEED, TOUCHING,
+};
 use super::mechanism::{Mechanism, place_rows};
 use super::projection::JointProjection;
 use super::row_mode::{RowLaw, RowMode};
@@ -48,6 +50,8 @@ pub(super) struct ImpactTerms {
     /// Approach up to which nothing bounces, m/s or rad/s.
     pub least: f64,
     pub may_bounce: bool,
+    /// Whether limits that are slow may be knocked off by the impact of others.
+    pub may_leave: bool,
 }
 
 /// What was done at an event.
@@ -127,34 +131,34 @@ impl BoundedRows {
         let mut outcome = EventOutcome::default();
         self.place(mechanism, time);
         self.before.clone_from(&mechanism.modes);
-        self.put_back(mechanism, projection, time, &mut outcome);
+        outcome.solves += self.put_placed_back(mechanism, projection, time);
+        outcome.changed |= outcome.solves > 0;
         self.pass_impacts(mechanism, time, terms, &mut outcome, &mut note);
         self.find_modes(mechanism, &mut outcome);
         outcome.changed |= mechanism.modes != self.before;
         outcome
     }
 
-    fn put_back(
-        &mut self,
-        mechanism: &mut Mechanism,
-        projection: &mut JointProjection,
-        time: f64,
-        outcome: &mut EventOutcome,
-    ) {
-        let overshot: Vec<usize> = self
-            .limits()
-            .filter(|&(row, side)| self.set.rows[row].error * side < -STOPPED_OVERLAP)
-            .map(|(row, _)| row)
-            .collect();
-        if overshot.is_empty() {
-            return;
-        }
-        overshot.into_iter().for_each(|row| mechanism.modes[row] = RowMode::Held);
-        projection.assemble(mechanism, time);
-        projection.project_positions(mechanism, time);
+    /// Puts limits that are overshot back to their stops. How many projections that took.
+    pub fn put_back(&mut self, mechanism: &mut Mechanism, projection: &mut JointProjection, time: f64) -> u32 {
         self.place(mechanism, time);
-        outcome.changed = true;
-        outcome.solves += 1;
+        self.put_placed_back(mechanism, projection, time)
+    }
+
+    /// The same with the rows of [`Self::place`].
+    fn put_placed_back(&mut self, mechanism: &mut Mechanism, projection: &mut JointProjection, time: f64) -> u32 {
+        for count in 0..MOST_PUT_BACK {
+            let is_over = |&(row, side): &(usize, f64)| self.set.rows[row].error * side < -STOPPED_OVERLAP;
+            let overshot: Vec<usize> = self.limits().filter(is_over).map(|(row, _)| row).collect();
+            if overshot.is_empty() {
+                return count;
+            }
+            overshot.into_iter().for_each(|row| mechanism.modes[row] = RowMode::Held);
+            projection.assemble(mechanism, time);
+            projection.project_positions(mechanism, time);
+            self.place(mechanism, time);
+        }
+        MOST_PUT_BACK
     }
 
     /// The approach of a limit that touches, m/s or rad/s.
@@ -176,12 +180,12 @@ impl BoundedRows {
             let approaches = bouncing.map(|(row, side)| (row, self.approach(row, side)));
             let first = approaches.filter(|(_, speed)| *speed > terms.least).max_by(|a, b| a.1.total_cmp(&b.1));
             let Some((first, _)) = first else { break };
-            self.impact(mechanism, Some(first), outcome, note);
+            self.impact(mechanism, Some(first), true, outcome, note);
             self.place(mechanism, time);
         }
         let comes = self.limits().any(|(row, side)| self.approach(row, side) > STOPPED_SPEED);
         if comes || self.is_pushed_over() {
-            self.impact(mechanism, None, outcome, note);
+            self.impact(mechanism, None, terms.may_leave, outcome, note);
             self.place(mechanism, time);
         }
     }
@@ -196,11 +200,13 @@ impl BoundedRows {
         })
     }
 
-    /// One impact: of that limit, or of all that touch, which are stopped then.
+    /// One impact: of that limit, or of all that touch, which are stopped then. Where they may not leave, those that are
+    /// slow are stopped both ways.
     fn impact(
         &mut self,
         mechanism: &mut Mechanism,
         first: Option<usize>,
+        may_leave: bool,
         outcome: &mut EventOutcome,
         note: &mut impl FnMut(usize, Wrench<f64>),
     ) {
@@ -214,7 +220,10 @@ impl BoundedRows {
                     Some(first) => row == first || told.restitution == 0.0,
                     None => true,
                 };
-                if has_part && self.touches(row, side) {
+                if !may_leave && self.touches(row, side) && free.abs() <= LEAST_BOUNCE {
+                    self.set.bounds[row] = (f64::NEG_INFINITY, f64::INFINITY);
+                    mode = RowMode::Held;
+                } else if has_part && self.touches(row, side) {
                     if free * side < 0.0 {
                         mode = RowMode::Held;
                     }

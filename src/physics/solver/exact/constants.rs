@@ -76,6 +76,9 @@ pub(super) const MOST_DIVISIONS: u32 = 12;
 pub(super) const MOST_EVALUATIONS: u32 = 500;
 /// Evaluations times joints that a step may take: few joints may take more evaluations.
 pub(super) const MOST_JOINT_EVALUATIONS: u64 = 200_000;
+/// The same for a step with limits or other bounded rows, where each event takes some hundred. Seen by: parts of
+/// `hinge_chain` with limits that are not settled.
+pub(super) const MOST_EVENT_EVALUATIONS: u64 = 1_000_000;
 /// A step is divided into 2 to this power substeps where they are Euler's.
 pub(super) const EULER_DIVISIONS: u32 = 6;
 /// Turn of a free body in a substep, rad: at twice that, a box that flips over its middle axis keeps no digit for a
@@ -109,10 +112,16 @@ pub(super) const ACTIVE_SET_PATIENCE: usize = 3;
 pub(super) const ACTIVE_SET_ERROR: f64 = 1e-9;
 /// Acceleration of a row that is none, m/s² or rad/s²: what differences leave of users' velocity terms.
 pub(super) const NO_ACCELERATION: f64 = 1e-10;
+/// Projections of positions at most that put limits back: each may bring others over.
+pub(super) const MOST_PUT_BACK: u32 = 4;
 /// Events in a substep, after which nothing bounces and the rest of it goes by Euler's steps.
 pub(super) const MOST_EVENTS: u32 = 1_000;
 /// Time from an event to the next one, as a share of a substep, that counts as none.
 pub(super) const SHORTEST_EVENT: f64 = 1e-9;
+/// Smooth motion, as a share of a substep, that is too short for what limits knock off each other to fly.
+pub(super) const CHATTER_TIME: f64 = 1e-3;
+/// Such motions in a row after which slow limits stay together. Seen by: `limits_that_knock_each_other_off_come_to_rest`.
+pub(super) const MOST_CHATTERS: u32 = 8;
 /// Time that is left of a substep, as a share of it, that is none.
 pub(super) const NO_TIME: f64 = 1e-12;
 

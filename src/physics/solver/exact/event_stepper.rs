@@ -6,13 +6,16 @@
 //! passes ([`BoundedRows::pass`]), and the rest of the step follows. A limit that is left and reached again within the
 //! time is seen by the cubic through its C and Ċ at both ends: the time is cut at its least value.
 //!
+//! Limits may knock each other off in turn, at speeds that fall by a little each time and in times that are nothing: after
+//! [`MOST_CHATTERS`] such motions in a row those that touch and are slow stay together, until forces part them.
+//!
 //! A time for which the iterations do not converge is halved, as in the [`Stepper`]; so many events or evaluations in a
 //! step are the end of it: the rest goes by Euler's steps, where nothing bounces, and is reported.
 
 use super::bounded_rows::{BoundedRows, ImpactTerms, ModeReading};
 use super::constants::{
-    CONVERGED_BEFORE_LONGER, EULER_DIVISIONS, LEAST_BOUNCE, MOST_DIVISIONS, MOST_EVENTS, MOST_TRIALS, NO_TIME, PARTED,
-    SHORTEST_EVENT,
+    CHATTER_TIME, CONVERGED_BEFORE_LONGER, EULER_DIVISIONS, LEAST_BOUNCE, MOST_CHATTERS, MOST_DIVISIONS,
+    MOST_EVENT_EVALUATIONS, MOST_EVENTS, MOST_TRIALS, NO_TIME, PARTED, SHORTEST_EVENT,
 };
 use super::event_search::EventSearch;
 use super::mechanism::{Mechanism, MemberState};
@@ -64,12 +67,18 @@ struct Progress<'a> {
     /// s.
     left: f64,
     events: u32,
+    /// Smooth motions in a row that were too short for anything to fly.
+    chatters: u32,
     effort: StepEffort,
 }
 
 impl Progress<'_> {
     fn now(&self) -> f64 {
         self.start + (self.terms.h - self.left)
+    }
+
+    fn note_motion(&mut self, length: f64) {
+        self.chatters = if length < CHATTER_TIME * self.terms.h { self.chatters + 1 } else { 0 };
     }
 }
 
@@ -111,7 +120,8 @@ impl EventStepper {
         }
         self.stepper.loads.clear();
         self.stepper.loads.resize(mechanism.links.len(), Wrench::zero());
-        let mut progress = Progress { terms, start: time, left: h, events: 0, effort: StepEffort::default() };
+        let mut progress =
+            Progress { terms, start: time, left: h, events: 0, chatters: 0, effort: StepEffort::default() };
         for substep in 0..substeps {
             (progress.start, progress.left) = (time + h * f64::from(substep), h);
             self.advance_substep(mechanism, &mut progress);
@@ -121,7 +131,7 @@ impl EventStepper {
 
     fn advance_substep(&mut self, mechanism: &mut Mechanism, progress: &mut Progress) {
         let h = progress.terms.h;
-        (progress.events, progress.left) = (0, h);
+        (progress.events, progress.chatters, progress.left) = (0, 0, h);
         let mut pieces = 0;
         while progress.left > NO_TIME * h {
             let is_spent = self.is_spent(mechanism, progress);
@@ -135,14 +145,18 @@ impl EventStepper {
     }
 
     fn is_spent(&self, mechanism: &Mechanism, progress: &Progress) -> bool {
-        progress.events >= MOST_EVENTS || progress.effort.is_spent(mechanism.links.len())
+        progress.events >= MOST_EVENTS || progress.effort.is_spent(mechanism.links.len(), MOST_EVENT_EVALUATIONS)
     }
 
     fn pass_event(&mut self, mechanism: &mut Mechanism, progress: &mut Progress, may_bounce: bool) {
         let Self { stepper: Stepper { projection, loads, .. }, bounded, has_hit, .. } = self;
         let EventTerms { h, substeps, restitution_speed, .. } = *progress.terms;
         let step = h * f64::from(substeps);
-        let terms = ImpactTerms { least: restitution_speed.max(LEAST_BOUNCE), may_bounce };
+        let terms = ImpactTerms {
+            least: restitution_speed.max(LEAST_BOUNCE),
+            may_bounce,
+            may_leave: progress.chatters < MOST_CHATTERS,
+        };
         let outcome = bounded.pass(mechanism, projection, progress.now(), &terms, |link, impulse| {
             loads[link] = loads[link].plus(&impulse, 1.0 / step);
             *has_hit |= impulse != Wrench::zero();
@@ -159,15 +173,35 @@ impl EventStepper {
     fn step_to_event(&mut self, mechanism: &mut Mechanism, progress: &mut Progress) -> Option<f64> {
         self.start.clone_from(&mechanism.states);
         self.bounded.read(mechanism, progress.now(), &mut self.first);
-        let mut length = self.longest(progress)?;
-        while !self.run(mechanism, progress, length) {
+        let length = loop {
+            let longest = self.longest(progress)?;
+            if let Some(length) = self.try_to_event(mechanism, progress, longest) {
+                break length;
+            }
+            mechanism.states.clone_from(&self.start);
             self.divisions += 1;
             self.converged = 0;
-            length = self.longest(progress)?;
-        }
+        };
         self.converged += 1;
         if self.converged >= CONVERGED_BEFORE_LONGER && self.divisions > 0 {
             (self.divisions, self.converged) = (self.divisions - 1, 0);
+        }
+        let share = length / (progress.terms.h * f64::from(progress.terms.substeps));
+        for link in 0..mechanism.links.len() {
+            let load = self.stepper.load(mechanism, progress.terms.integrator, link, length);
+            self.stepper.loads[link] = self.stepper.loads[link].plus(&load, share);
+        }
+        progress.effort.unsettled += u32::from(self.left > PARTED);
+        progress.note_motion(length);
+        Some(length)
+    }
+
+    /// A smooth motion of that length, s, or until the first event within it. Its length; none where a trial does not
+    /// converge.
+    fn try_to_event(&mut self, mechanism: &mut Mechanism, progress: &mut Progress, longest: f64) -> Option<f64> {
+        let mut length = longest;
+        if !self.run(mechanism, progress, length) {
+            return None;
         }
         if let Some(dip) = self.dip(length) {
             self.retry(mechanism, progress, dip)?;
@@ -177,12 +211,6 @@ impl EventStepper {
             length = self.find_event(mechanism, progress, length)?;
             progress.events += 1;
         }
-        let share = length / (progress.terms.h * f64::from(progress.terms.substeps));
-        for link in 0..mechanism.links.len() {
-            let load = self.stepper.load(mechanism, progress.terms.integrator, link, length);
-            self.stepper.loads[link] = self.stepper.loads[link].plus(&load, share);
-        }
-        progress.effort.unsettled += u32::from(self.left > PARTED);
         Some(length)
     }
 
@@ -192,6 +220,7 @@ impl EventStepper {
         let (now, length) = (progress.now(), progress.left.min(h / f64::from(1_u32 << EULER_DIVISIONS)));
         self.stepper.euler_step(mechanism, now, length, h * f64::from(substeps));
         let left = self.stepper.projection.project(mechanism, now + length);
+        progress.effort.solves += self.bounded.put_back(mechanism, &mut self.stepper.projection, now + length);
         progress.effort.unsettled += 1 + u32::from(left > PARTED);
         (self.divisions, self.converged) = (EULER_DIVISIONS, 0);
         length
@@ -219,12 +248,8 @@ impl EventStepper {
     /// The same again from the start, for another time. None where it does not converge.
     fn retry(&mut self, mechanism: &mut Mechanism, progress: &mut Progress, length: f64) -> Option<()> {
         mechanism.states.clone_from(&self.start);
-        self.stepper.forget_history();
-        let converged = self.run(mechanism, progress, length);
-        if !converged {
-            self.divisions = MOST_DIVISIONS.min(self.divisions + 1);
-        }
-        converged.then_some(())
+        self.stepper.rewind();
+        self.run(mechanism, progress, length).then_some(())
     }
 
     /// The time until a limit is nearest that comes and goes within a time, s, if that overshoots it.

@@ -109,6 +109,8 @@ pub(crate) struct Gauss<const S: usize> {
     history: Vec<GaussHistory>,
     carries: Vec<RoundingCarry>,
     length: f64,
+    /// How much of that step the present state is after its start, s.
+    elapsed: f64,
     /// R_m of each member.
     middles: Vec<UnitQuaternion<f64>>,
     /// Of the stage at hand.
@@ -139,6 +141,13 @@ impl<const S: usize> Gauss<S> {
         self.length = 0.0;
     }
 
+    /// The mechanism was put back to where the last step started from: the next one is continued from the stages of that
+    /// one.
+    pub fn rewind(&mut self) {
+        self.elapsed = 0.0;
+        self.carries.fill(RoundingCarry::default());
+    }
+
     /// All that the next step depends on beside the mechanism's state.
     pub fn memory(&self) -> impl Iterator<Item = f64> + '_ {
         let known = self.history.iter().filter(|_| self.length > 0.0);
@@ -147,7 +156,9 @@ impl<const S: usize> Gauss<S> {
             twists.chain(&past.lambda).copied()
         });
         let carries = self.carries.iter().filter(|_| self.length > 0.0);
-        known.chain(carries.flat_map(RoundingCarry::numbers))
+        let is_within = self.length > 0.0 && self.elapsed != self.length;
+        let within = is_within.then_some([self.elapsed, self.length]).into_iter().flatten();
+        known.chain(carries.flat_map(RoundingCarry::numbers)).chain(within)
     }
 
     /// Mean of each link's load over the step.
@@ -268,8 +279,13 @@ impl<const S: usize> Gauss<S> {
         self.refresh_rates(mechanism, h);
     }
 
-    /// Keeps the stages for the next step.
+    /// Keeps the stages for the next step. Those of a longer step from the same start say more.
     fn remember(&mut self, h: f64) {
+        let is_part = self.length > h && self.elapsed == 0.0;
+        self.elapsed = h;
+        if is_part {
+            return;
+        }
         self.length = h;
         self.history.resize_with(S, GaussHistory::default);
         for (past, stage) in self.history.iter_mut().zip(&self.stages) {
@@ -280,7 +296,11 @@ impl<const S: usize> Gauss<S> {
 
     /// Continues the polynomials through the stages of the step before.
     fn extrapolate(&mut self, mechanism: &Mechanism, h: f64) {
-        let ahead = if h == self.length { self.tableau.ahead } else { self.tableau.ahead_by(h / self.length) };
+        let ahead = if h == self.length && self.elapsed == self.length {
+            self.tableau.ahead
+        } else {
+            self.tableau.ahead_by(self.elapsed / self.length, h / self.length)
+        };
         for member in 0..mechanism.moving {
             let old: [Twist<f64>; S] = std::array::from_fn(|j| self.history[j].accelerations[member]);
             for (stage, shares) in self.stages.iter_mut().zip(&ahead) {

@@ -36,10 +36,9 @@ pub(crate) struct StepEffort {
 }
 
 impl StepEffort {
-    /// Whether a step of so many joints has taken the work that it may.
-    pub(super) fn is_spent(&self, joints: usize) -> bool {
-        let work = u64::from(self.solves) * joints as u64;
-        self.solves >= MOST_EVALUATIONS && work >= MOST_JOINT_EVALUATIONS
+    /// Whether a step of so many joints has taken the work that it may, in evaluations times joints.
+    pub(super) fn is_spent(&self, joints: usize, most: u64) -> bool {
+        self.solves >= MOST_EVALUATIONS && u64::from(self.solves) * joints as u64 >= most
     }
 }
 
@@ -73,6 +72,12 @@ impl Stepper {
     /// Forgets how the last step went, from which the next would be continued.
     pub(super) fn forget_history(&mut self) {
         self.gauss.forget();
+        self.lockstep.forget();
+    }
+
+    /// The mechanism was put back to where the last step started from.
+    pub(super) fn rewind(&mut self) {
+        self.gauss.rewind();
         self.lockstep.forget();
     }
 
@@ -158,7 +163,7 @@ impl Stepper {
             let mut size = left.min(whole >> self.divisions);
             let share_of = |size: u32| f64::from(size) / f64::from(whole);
             let start = time + h * share_of(whole - left);
-            let is_spent = effort.is_spent(mechanism.links.len());
+            let is_spent = effort.is_spent(mechanism.links.len(), MOST_JOINT_EVALUATIONS);
             let part = h * share_of(size);
             let iterations =
                 if is_spent { StageIterations::NONE } else { self.step(mechanism, integrator, start, part) };

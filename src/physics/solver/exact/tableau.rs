@@ -45,15 +45,15 @@ impl<const S: usize> Tableau<S> {
             std::array::from_fn(|i| std::array::from_fn(|j| (0..S).map(|k| matrix[i][k] * matrix[k][j]).sum()));
         let last = std::array::from_fn(|j| (0..S).map(|k| weights[k] * matrix[k][j]).sum());
         let mut tableau = Self { nodes, weights, matrix, squared, last, pivots: pivots(squared), ahead: matrix };
-        tableau.ahead = tableau.ahead_by(1.0);
+        tableau.ahead = tableau.ahead_by(1.0, 1.0);
         tableau
     }
 
-    /// ℓ_j(1 + r c_i), for a next step r times as long.
-    pub fn ahead_by(&self, ratio: f64) -> [[f64; S]; S] {
+    /// ℓ_j(s + r c_i), for a next step r times as long that starts after the share s of this one.
+    pub fn ahead_by(&self, start: f64, ratio: f64) -> [[f64; S]; S] {
         let polynomials: [[f64; S]; S] = std::array::from_fn(|j| lagrange(&self.nodes, j));
         let value = |j: usize, at: f64| (0..S).rev().fold(0.0, |sum, power| sum * at + polynomials[j][power]);
-        std::array::from_fn(|i| std::array::from_fn(|j| value(j, 1.0 + ratio * self.nodes[i])))
+        std::array::from_fn(|i| std::array::from_fn(|j| value(j, start + ratio * self.nodes[i])))
     }
 }
 
