@@ -21,6 +21,9 @@ use super::{is_isotropic, rotation_by};
 /// with any accuracy left.
 const ITERATIONS: usize = 6;
 
+/// Share of hΩ̄ that an iteration changes from which on the next would not be felt: it changes the square of that.
+const CONVERGED: f64 = 1e-9;
+
 /// One step of free rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FreeRotation {
@@ -32,6 +35,7 @@ pub(crate) struct FreeRotation {
 
 /// Turns a body of that principal inertia (kg m²; any common factor cancels) with Ω in body axes
 /// over a time h, s.
+#[inline(always)]
 pub(crate) fn rotate(inertia: &Vector3<f64>, angular: &Vector3<f64>, h: f64) -> FreeRotation {
     let start = angular * h;
     let mean = if turns_steadily(inertia, &start) { start } else { midpoint(inertia, &start) };
@@ -41,6 +45,7 @@ pub(crate) fn rotate(inertia: &Vector3<f64>, angular: &Vector3<f64>, h: f64) -> 
 
 /// The angular velocity, world axes, and the rotation after a time h of a body that is not round; none
 /// where the angular velocity stays what it is.
+#[inline(always)]
 pub(crate) fn free_rotation(
     rotation: &UnitQuaternion<f64>,
     angular: &Vector3<f64>,
@@ -59,6 +64,7 @@ pub(crate) fn free_rotation(
 }
 
 /// Turns a body without torque over a time h.
+#[inline(always)]
 pub(crate) fn turn_freely(
     rotation: &mut UnitQuaternion<f64>,
     angular: &mut Vector3<f64>,
@@ -77,13 +83,34 @@ pub(crate) fn turn_freely(
 const NEGLIGIBLE: f64 = 1e-12;
 
 /// Whether Ω stays what it is over the step: the body is round, or turns about a principal axis.
+#[inline]
 fn turns_steadily(inertia: &Vector3<f64>, start: &Vector3<f64>) -> bool {
     let torque = start.cross(&inertia.component_mul(start));
     torque.amax() <= NEGLIGIBLE * inertia.min() * start.amax()
 }
 
 /// hΩ̄ from hΩ.
+#[inline(never)]
 fn midpoint(inertia: &Vector3<f64>, start: &Vector3<f64>) -> Vector3<f64> {
+    match (0..3).find(|&axis| inertia[(axis + 1) % 3] == inertia[(axis + 2) % 3]) {
+        Some(axis) => midpoint_of_symmetric(inertia, start, axis),
+        None => midpoint_by_newton(inertia, start),
+    }
+}
+
+/// The same for two equal moments across an axis: there u = hΩ along the axis, of which f is linear in the rest. With κ =
+/// ½ (I_axis/I_across − 1) u, u_y + κ u_z = hΩ_y and u_z − κ u_y = hΩ_z for y and z after the axis.
+fn midpoint_of_symmetric(inertia: &Vector3<f64>, start: &Vector3<f64>, axis: usize) -> Vector3<f64> {
+    let [next, last] = [(axis + 1) % 3, (axis + 2) % 3];
+    let turn = 0.5 * (inertia[axis] / inertia[next] - 1.0) * start[axis];
+    let share = 1.0 / (1.0 + turn * turn);
+    let mut mean = *start;
+    mean[next] = (start[next] - turn * start[last]) * share;
+    mean[last] = (start[last] + turn * start[next]) * share;
+    mean
+}
+
+fn midpoint_by_newton(inertia: &Vector3<f64>, start: &Vector3<f64>) -> Vector3<f64> {
     let scale = 1.0 / inertia.amax();
     let inertia = inertia * scale;
     let mut mean = *start;
@@ -94,7 +121,7 @@ fn midpoint(inertia: &Vector3<f64>, start: &Vector3<f64>) -> Vector3<f64> {
         let Some(inverse) = tangent.try_inverse() else { break };
         let step = inverse * residual;
         mean -= step;
-        if step.amax() <= f64::EPSILON * mean.amax() {
+        if step.amax() <= CONVERGED * mean.amax() {
             break;
         }
     }
@@ -206,6 +233,20 @@ mod tests {
             let step = rotate(&inertia, &angular, 1.0 / 60.0);
             let drift = energy(&inertia, &step.angular) / energy(&inertia, &angular) - 1.0;
             assert!(drift.abs() < 1e-9, "{angular:?}: {drift:e}");
+        }
+    }
+
+    #[test]
+    fn of_two_equal_moments_the_closed_form_is_what_newton_finds() {
+        let mut random = Random::new(13);
+        for round in 0..300 {
+            let (along, across) = (random.within(0.3, 1.0), random.within(0.5, 1.0));
+            let mut inertia = Vector3::repeat(across);
+            inertia[round % 3] = along;
+            let start = random.vector() * 0.5;
+            let [closed, found] =
+                [midpoint_of_symmetric(&inertia, &start, round % 3), midpoint_by_newton(&inertia, &start)];
+            assert!((closed - found).norm() < 1e-14, "{inertia:?} {start:?}: {closed:?} or {found:?}");
         }
     }
 
