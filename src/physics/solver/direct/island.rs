@@ -65,6 +65,8 @@ pub(crate) struct DirectIsland {
     pub(super) moves: bool,
     /// Whether some contact may bounce in its step in motion.
     pub(super) bounces: bool,
+    /// Whether it was still when its step in motion began.
+    pub(super) was_still: bool,
     /// The substeps of its step in motion.
     pub(super) intervals: Intervals,
     /// Geometric stiffness of each member.
@@ -182,6 +184,7 @@ impl DirectIsland {
         self.analysis = Analysis::Due;
         self.factored.clear();
         self.blocks.clear();
+        self.snapshots.clear();
     }
 
     /// Whether it is of these bodies, contacts and joints.

@@ -77,6 +77,7 @@ impl DirectIsland {
             };
             self.intervals = terms.substeps.for_bodies(self.members.iter().map(|&member| world.body(member)), far);
             self.moves = true;
+            self.was_still = self.dual.is_some() && self.is_still(world);
         }
         sets_off
     }

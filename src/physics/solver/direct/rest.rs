@@ -26,11 +26,12 @@ pub(crate) enum Outcome {
 
 impl DirectIsland {
     /// Tries a step of length `step`, s, of which the impulses of contacts are kept for `substeps` intervals.
-    /// `may_skip`: nobody wants to know the impulses where nothing changes.
+    /// `may_skip`: nobody wants to know the impulses of contacts
+    /// where nothing changes.
     pub fn solve(&mut self, world: &impl World, step: f64, substeps: u32, may_skip: bool) -> Outcome {
         let found_in = self.contacts.iter().map(|&slot| world.slot(slot).found_in).sum();
         let key = (step * f64::from(substeps), found_in);
-        if may_skip && self.snapshot_key == key && self.is_unchanged(world) {
+        if (may_skip || self.contacts.is_empty()) && self.snapshot_key == key && self.is_unchanged(world) {
             return Outcome::Unchanged;
         }
         self.snapshots.clear();
@@ -86,7 +87,7 @@ impl DirectIsland {
         self.is_analysed(world, 0.0)
     }
 
-    /// Whether the last step changed nothing, nor anybody since. Joints are not looked at, so with them it is not.
+    /// Whether the last step changed nothing, nor anybody since: who changes a joint has it [renewed](Self::renew).
     fn is_unchanged(&self, world: &impl World) -> bool {
         let bodies = self.members.iter().chain(&self.partners);
         let is_as_then = |(&body, then): (&u32, &Snapshot)| Snapshot::of(world.body(body)) == *then;
@@ -97,9 +98,35 @@ impl DirectIsland {
     pub fn remember(&mut self, world: &impl World) {
         let moved = self.fastest(world, &self.velocity).max(self.fastest(world, &self.correction));
         if moved <= UNCHANGED_SPEED && self.joints.is_empty() {
-            let bodies = self.members.iter().chain(&self.partners);
-            self.snapshots.extend(bodies.map(|&body| Snapshot::of(world.body(body))));
+            self.take_snapshots(world);
         }
+    }
+
+    /// The same of a step in motion without contacts, before and after which it was still. What springs hold or what is
+    /// driven may turn round there.
+    pub fn remember_motion(&mut self, world: &impl World) {
+        let is_plain = |&joint: &u32| {
+            let definition = &world.joint(joint).definition;
+            !definition.is_driven() && !definition.is_soft()
+        };
+        let may = self.was_still && self.dual.is_some() && self.is_still(world);
+        if may && self.joints.iter().all(is_plain) {
+            self.take_snapshots(world);
+        }
+    }
+
+    fn take_snapshots(&mut self, world: &impl World) {
+        let bodies = self.members.iter().chain(&self.partners);
+        self.snapshots.extend(bodies.map(|&body| Snapshot::of(world.body(body))));
+    }
+
+    /// Whether no body moves so fast that one could tell.
+    pub(super) fn is_still(&self, world: &impl World) -> bool {
+        let is_still = |&member: &u32| {
+            let body = world.body(member);
+            body.linear.norm() + body.angular.norm() * body.radius <= UNCHANGED_SPEED
+        };
+        self.members.iter().all(is_still)
     }
 
     /// The largest speed of a body, centre and rim together.

@@ -142,6 +142,7 @@ unsafe fn solve_in_motion(
         island.carry_on(h);
     }
     view.moved.clear();
+    island.remember_motion(view);
     true
 }
 
