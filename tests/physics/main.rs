@@ -3,6 +3,7 @@
 mod allocations;
 mod architecture;
 mod arrows;
+mod articulated;
 mod at_rest;
 mod bounded_rows;
 mod breaking;

@@ -71,6 +71,17 @@ pub(crate) enum Hold {
     Locked,
 }
 
+/// What a joint holds that holds a point at a point rigidly, has no law of a single coordinate, and no spring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum JointHolds {
+    /// The point alone.
+    Point,
+    /// And the frames' x axes parallel: a hinge.
+    Axis,
+    /// And all rotations.
+    All,
+}
+
 impl Frame {
     /// A frame with the axes of its body.
     pub fn at(anchor: impl Into<Vector3<f64>>) -> Self {
@@ -115,6 +126,20 @@ impl JointDefinition {
         self.function.is_none()
             && self.laws.is_none()
             && [self.translation.hold, self.rotation.hold] == [Laws::LOCKED.hold, Laws::FREE.hold]
+    }
+
+    /// What it holds beside a point, if it does nothing else.
+    pub fn holds(&self) -> Option<JointHolds> {
+        let is_rigid = self.translation == Laws::LOCKED && self.rotation.spring.is_none();
+        if !is_rigid || self.function.is_some() || self.laws.is_some() {
+            return None;
+        }
+        match self.rotation.hold {
+            [Hold::Free, Hold::Free, Hold::Free] => Some(JointHolds::Point),
+            [Hold::Free, Hold::Locked, Hold::Locked] => Some(JointHolds::Axis),
+            [Hold::Locked, Hold::Locked, Hold::Locked] => Some(JointHolds::All),
+            _ => None,
+        }
     }
 
     /// What solvers take as joints of their own: what it holds, if that is something, then its laws, two at a time.

@@ -30,7 +30,7 @@ pub use breakable::{Breakable, BrokenJoint};
 pub use constraint::{BodyState, Constraint, ConstraintRow, ConstraintRows};
 #[cfg(test)]
 pub(crate) use definition::{Frame, Laws};
-pub(crate) use definition::{Hold, JointDefinition};
+pub(crate) use definition::{Hold, JointDefinition, JointHolds};
 pub use distance::{DistanceJoint, DistanceLaw};
 pub use framed::{FixedJoint, GenericJoint, HingeJoint, SliderJoint};
 pub(crate) use kind::{JointKind, any_changed, define_joints, kind_changed};

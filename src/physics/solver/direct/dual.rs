@@ -28,6 +28,7 @@
 use bevy::platform::collections::HashMap;
 use nalgebra::{Matrix3, Vector3};
 
+use super::articulated::{ArticulatedTree, Piece, TreeJoint};
 use super::constants::{
     DUAL_ACCEPTED, DUAL_ACTIVE_SETS, DUAL_ERRORS, DUAL_ITERATIONS, DUAL_LAG, DUAL_LEFT, DUAL_LOOSE, DUAL_PIECES,
     DUAL_SHIFTS, DUAL_SOFTER, DUAL_START_ERROR, DUAL_STIFF, PROJECTION_ERROR, PROJECTIONS, RIMS,
@@ -103,6 +104,8 @@ pub(super) struct DualSystem {
     place_of: HashMap<u32, u32>,
     couplings: Couplings,
     pub has_loops: bool,
+    /// Where the joints are a tree of points and hinges: takes the place of the rows.
+    tree: Option<ArticulatedTree>,
     /// Scalar rows.
     pub row_count: usize,
     /// Where the bodies are when the substep begins: members, then partners.
@@ -183,9 +186,12 @@ impl DualSystem {
         // A tree held at one point has as many joints as bodies.
         let held = entities.iter().filter(|(_, ends)| ends.iter().any(|&end| end as usize >= members.len())).count();
         let has_loops = entities.len() + usize::from(held == 0) > members.len();
+        let joints: Option<Vec<_>> =
+            links.iter().map(|link| TreeJoint::of(&world.joint(link.joint).definition, link.ends)).collect();
+        let tree = joints.and_then(|joints| ArticulatedTree::new(&joints, members.len()));
         let loads = vec![Wrench::zero(); links.len()];
         let place_of = (0..).zip(&links).map(|(place, link)| (link.joint, place)).collect();
-        Some(Self { links, place_of, couplings, has_loops, loads, row_count: first, ..Self::default() })
+        Some(Self { links, place_of, couplings, has_loops, tree, loads, row_count: first, ..Self::default() })
     }
 
     /// Takes the island through a substep: where its members are at its end stands in [`Self::ends`].
@@ -226,6 +232,15 @@ impl DualSystem {
 
     /// Takes the states from the starts to the ends, with forces that act for `kick`, s. Whether impulses were found.
     fn take_piece(&mut self, world: &impl World, members: &[u32], terms: &DualTerms, kick: f64) -> bool {
+        if let Some(tree) = &mut self.tree {
+            let piece = tree.take_piece(world, members, &self.starts, &mut self.ends, [terms.h, kick]);
+            if piece == Piece::Done {
+                self.note_tree(terms.h);
+            }
+            if piece != Piece::Apart {
+                return piece == Piece::Done;
+            }
+        }
         self.set_off(world, members, terms, kick);
         self.mend_start(world, members, terms);
         let is_solved = self.find_impulses(world, members, terms) <= DUAL_ACCEPTED;
@@ -279,6 +294,15 @@ impl DualSystem {
             self.forces.extend(&world.joint(link.joint).multipliers[..link.count]);
         }
         self.impulses.clone_from(&self.forces);
+        self.resume_tree();
+    }
+
+    /// Hands the tree what its joints carried last, where rows told it.
+    fn resume_tree(&mut self) {
+        let Self { tree, links, forces, .. } = self;
+        if let Some(tree) = tree {
+            tree.resume(links.iter().map(|link| Vector3::from_column_slice(&forces[link.first..link.first + 3])));
+        }
     }
 
     /// The rows at the start or at the end of the substep.
@@ -725,15 +749,35 @@ impl DualSystem {
 
     /// Adds forces that acted for `kick`, s, to those of the step, as of a piece of length `h`, s.
     fn note(&mut self, h: f64, kick: f64) {
-        self.spent += h;
         self.forces.clear();
         self.forces.extend(self.impulses.iter().map(|impulse| impulse / kick));
-        let Self { links, rows, forces, loads, outer_loads: [first, last], .. } = self;
+        let Self { links, rows, forces, outer_loads: [_, last], .. } = self;
         last.clear();
         last.extend(links.iter().map(|link| {
             let own = link.first..link.first + link.count;
             own.fold(Wrench::zero(), |sum, row| sum.plus(&rows[row].jacobian.of_b(), forces[row] * h))
         }));
+        self.add_loads(h);
+        self.resume_tree();
+    }
+
+    /// The same of what the tree found.
+    fn note_tree(&mut self, h: f64) {
+        let Self { links, tree: Some(tree), forces, outer_loads: [_, last], .. } = self else { return };
+        last.clear();
+        forces.fill(0.0);
+        for (place, link) in links.iter().enumerate() {
+            let Wrench { linear, angular } = tree.load(place);
+            forces[link.first..link.first + 3].copy_from_slice(linear.as_slice());
+            last.push(Wrench { linear: linear * h, angular: (angular + tree.arm(place).cross(&linear)) * h });
+        }
+        self.add_loads(h);
+    }
+
+    /// Adds the loads of the last piece, of length `h`, s, to those of the step.
+    fn add_loads(&mut self, h: f64) {
+        self.spent += h;
+        let Self { loads, outer_loads: [first, last], .. } = self;
         if self.spent == h {
             first.clone_from(last);
         }
@@ -759,6 +803,14 @@ impl DualSystem {
         joint.force = load.linear / self.spent;
         joint.torque = (load.angular - arm.cross(&load.linear)) / self.spent;
         joint.multipliers[..link.count].copy_from_slice(&self.forces[link.first..][..link.count]);
+        if let Some(tree) = &self.tree {
+            // Rows of rotations act along A's axes, or are that nearly.
+            let torque = tree.load(place as usize).angular;
+            let turned = self.starts[link.ends[0] as usize].rotation * joint.definition.frames[0].rotation;
+            let along = turned.inverse() * torque;
+            let skipped = 6 - link.count;
+            joint.multipliers[3..link.count].copy_from_slice(&along.as_slice()[skipped..]);
+        }
     }
 }
 

@@ -169,6 +169,11 @@ impl DirectIsland {
         &self.joints
     }
 
+    /// Whether it is joints alone, which tell what they carried at the end of the step.
+    pub fn is_without_contacts(&self) -> bool {
+        self.dual.is_some()
+    }
+
     /// Scalar rows: of each contact its points and three of friction.
     pub fn rows(&self) -> u32 {
         let of_contacts: usize = self.contact_rows.iter().map(|contact| contact.points() + 3).sum();

@@ -17,9 +17,13 @@
 //! substitutions a step; and where the step changes nothing any more, it need not be solved for until somebody else
 //! changes something.
 //!
+//! Islands of joints alone are solved by the impulses of their rows ([`dual`]), or, where they are trees of points, hinges
+//! and rigid joints, by [`articulated`] inertias.
+//!
 //! An island that turns out not to rest, or whose iterations do not end, is left as it was, for the sweeps.
 
 mod any_joint;
+mod articulated;
 mod constants;
 mod contact;
 mod dual;

@@ -137,7 +137,9 @@ unsafe fn solve_in_motion(
             for (local, &member) in island.members().iter().enumerate() {
                 island.move_on(local, world.bodies.element(member as usize), h);
             }
-            store(island, world, [h, replaces], substep == 0);
+            if substep + 1 == count || !island.is_without_contacts() {
+                store(island, world, [h, replaces], substep == 0);
+            }
         }
         island.carry_on(h);
     }
