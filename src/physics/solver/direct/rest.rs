@@ -26,8 +26,7 @@ pub(crate) enum Outcome {
 
 impl DirectIsland {
     /// Tries a step of length `step`, s, of which the impulses of contacts are kept for `substeps` intervals.
-    /// `may_skip`: nobody wants to know the impulses of contacts
-    /// where nothing changes.
+    /// `may_skip`: nobody wants to know the impulses of contacts where nothing changes.
     pub fn solve(&mut self, world: &impl World, step: f64, substeps: u32, may_skip: bool) -> Outcome {
         let found_in = self.contacts.iter().map(|&slot| world.slot(slot).found_in).sum();
         let key = (step * f64::from(substeps), found_in);
