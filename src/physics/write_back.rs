@@ -10,11 +10,11 @@ use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::columns::{self, set_if_other};
-use super::joint::{LawAxis, LawPart};
+use super::joint::{LawAxis, LawPart, nearest_turn};
 use super::{
-    Bodies, Body, BodyQuarantined, BodySlot, BodyState, JointCoordinate, JointDefinition, JointLoad, JointSlot, Joints,
-    PhysicsSchedule, PhysicsSystems, PoseHistory, Position, QuarantineReason, RigidBody, Rotation, Sleep, Sleeping,
-    SolverSettings, StepStats, Velocity, set_aside,
+    Bodies, Body, BodyQuarantined, BodySlot, BodyState, JointAxis, JointCoordinate, JointDefinition, JointLoad,
+    JointSlot, Joints, PhysicsSchedule, PhysicsSystems, PoseHistory, Position, QuarantineReason, RigidBody, Rotation,
+    Sleep, Sleeping, SolverSettings, StepStats, Velocity, set_aside,
 };
 
 pub(super) fn plugin(app: &mut App) {
@@ -121,7 +121,8 @@ pub(super) fn write_joint_loads(joints: Res<Joints>, mut loads: Query<(Entity, &
         }
         let force = DVec3::from(pieces.iter().map(|piece| piece.force).sum::<Vector3<f64>>());
         let torque = DVec3::from(pieces.iter().map(|piece| piece.torque).sum::<Vector3<f64>>());
-        load.set_if_neq(JointLoad { force, torque, lambda: force.length().hypot(torque.length()) });
+        let lambda = (force.length_squared() + torque.length_squared()).sqrt();
+        load.set_if_neq(JointLoad { force, torque, lambda });
     }
 }
 
@@ -140,7 +141,7 @@ pub(super) fn write_joint_coordinates(
             continue;
         }
         // However fast it came, it did not go on beyond its limits.
-        let [_, now] = first.definition.coordinate(axis, &states);
+        let [bare, now] = first.definition.coordinate(axis, &states);
         let rate = if coordinate.is_added() { now } else { coordinate.rate };
         let ahead = coordinate.value + rate * settings.step();
         let laws = pieces.iter().flat_map(|piece| piece.definition.laws.iter().flat_map(|laws| laws.iter()));
@@ -150,9 +151,8 @@ pub(super) fn write_joint_coordinates(
                 LawPart::Limit { bound, is_upper: false, .. } => ahead.max(bound),
                 _ => ahead,
             });
-        let nearest = JointDefinition { frames: first.definition.frames, turned, ..default() };
-        let [value, rate] = nearest.coordinate(axis, &states);
-        coordinate.set_if_neq(JointCoordinate { value, rate });
+        let value = if axis == JointAxis::Twist { nearest_turn(bare, turned) } else { bare };
+        coordinate.set_if_neq(JointCoordinate { value, rate: now });
         pieces.iter_mut().for_each(|piece| piece.definition.turned = value);
     }
 }

@@ -11,8 +11,11 @@ use crate::rig::*;
 /// reaches keeps it from being a tree of plain joints.
 fn tree(world: &mut World, is_pinned: bool, by_rows: bool) -> ([Entity; 6], Vec<Entity>) {
     let at = [[0.0, 0.0, 0.0], [1.0, 0.2, 0.0], [-1.0, 0.0, 0.3], [0.0, -1.0, 0.0], [1.6, 1.0, 0.0], [1.0, -0.9, 0.4]];
-    let bodies = at.map(|at| {
-        let body = body(world, Collider::cuboid(0.4, 0.5, 0.3), DVec3::from(at));
+    // All moments different, two equal about each axis, and all equal.
+    let sizes = [[0.4, 0.5, 0.3], [0.4, 0.5, 0.5], [0.4, 0.4, 0.4], [0.5, 0.2, 0.5], [0.4, 0.5, 0.3], [0.3, 0.3, 0.6]];
+    let bodies = [0, 1, 2, 3, 4, 5].map(|index: usize| {
+        let [x, y, z] = sizes[index];
+        let body = body(world, Collider::cuboid(x, y, z), DVec3::from(at[index]));
         world.entity_mut(body).insert(CollisionLayers::NONE);
         body
     });

@@ -42,7 +42,7 @@ pub(crate) use packed::{Joint, Joints};
 pub(crate) use pairs::JoinedPairs;
 #[cfg(test)]
 pub(crate) use rows::point_jacobian;
-pub(crate) use rows::{Bound, JointRow};
+pub(crate) use rows::{Bound, JointRow, nearest_turn};
 pub(crate) use slot::JointSlot;
 pub use softness::Softness;
 pub(crate) use softness::SpringConstants;

@@ -481,6 +481,11 @@ fn law_row(law: &CoordinateLaw, state: &JointState<f64>, turned: f64, time: f64)
     }
 }
 
+/// The value of an angle, rad, whole turns added, that is nearest to another.
+pub(crate) fn nearest_turn(angle: f64, to: f64) -> f64 {
+    angle + TAU * ((to - angle) / TAU).round()
+}
+
 /// The row whose error is a coordinate.
 fn coordinate(axis: JointAxis, state: &JointState<f64>, turned: f64) -> JointRow<f64> {
     match axis {
@@ -489,7 +494,7 @@ fn coordinate(axis: JointAxis, state: &JointState<f64>, turned: f64) -> JointRow
         JointAxis::Z => translation(state, 2),
         JointAxis::Twist => {
             let row = state.twist(&state.rotations.map(|rotation| rotation.to_rotation_matrix().into_inner()));
-            JointRow { error: row.error + TAU * ((turned - row.error) / TAU).round(), ..row }
+            JointRow { error: nearest_turn(row.error, turned), ..row }
         }
         JointAxis::Swing => swing(state),
         JointAxis::Distance => distance(state),

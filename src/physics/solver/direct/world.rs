@@ -1,6 +1,6 @@
 //! The world as islands read it.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use crate::physics::body::Body;
 use crate::physics::collision::{ContactState, Slot};
@@ -23,10 +23,15 @@ pub(super) fn moves_freely(body: &Body) -> bool {
 
 /// World inertia of a body that moves freely.
 pub(super) fn world_inertia(body: &Body) -> Matrix3<f64> {
-    let principal = body.inverse_inertia_body.map(f64::recip);
+    inertia_at(&body.rotation, &body.inverse_inertia_body)
+}
+
+/// World inertia of a body that is turned so.
+pub(super) fn inertia_at(rotation: &UnitQuaternion<f64>, inverse_inertia_body: &Vector3<f64>) -> Matrix3<f64> {
+    let principal = inverse_inertia_body.map(f64::recip);
     if principal.x == principal.y && principal.y == principal.z {
         return Matrix3::from_diagonal(&principal);
     }
-    let axes = body.rotation.to_rotation_matrix().into_inner();
+    let axes = rotation.to_rotation_matrix().into_inner();
     axes * Matrix3::from_diagonal(&principal) * axes.transpose()
 }

@@ -180,12 +180,14 @@ pub(super) fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
 }
 
 /// [r]× M.
-fn cross_columns(r: &Vector3<f64>, m: &Matrix3<f64>) -> Matrix3<f64> {
+#[inline(always)]
+pub(crate) fn cross_columns(r: &Vector3<f64>, m: &Matrix3<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(&[r.cross(&m.column(0)), r.cross(&m.column(1)), r.cross(&m.column(2))])
 }
 
 /// −M [r]×: each row of M crossed with −r, that is r × row.
-fn cross_rows(m: &Matrix3<f64>, r: &Vector3<f64>) -> Matrix3<f64> {
+#[inline(always)]
+pub(crate) fn cross_rows(m: &Matrix3<f64>, r: &Vector3<f64>) -> Matrix3<f64> {
     cross_columns(r, &m.transpose()).transpose()
 }
 

@@ -52,6 +52,7 @@ mod tests;
 mod tree;
 
 pub(crate) use constants::UNRESOLVED;
+pub(crate) use factor::{cross_columns, cross_rows};
 pub(crate) use position::PoseChange;
 pub(crate) use stiffness::{StiffnessShares, add_stiffness};
 pub(crate) use structure::{Partition, partition};
