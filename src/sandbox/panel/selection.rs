@@ -133,7 +133,7 @@ fn show_joint(
     let header = ui.horizontal(|ui| {
         state.show_toggle_button(ui, egui::collapsing_header::paint_default_icon);
         cut = ui.small_button("✂ cut").on_hover_text("cut this joint").clicked();
-        let label = egui::Label::new(format!("{} to {other}{broken}", noun(&component))).truncate();
+        let label = egui::Label::new(format!("{} to {other}{broken}", noun(&component))).truncate().selectable(false);
         if ui.add(label.sense(egui::Sense::click())).on_hover_text("click to open").clicked() {
             state.toggle(ui);
         }
