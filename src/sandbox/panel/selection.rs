@@ -9,7 +9,7 @@ use super::super::joint_readings::ReadJoints;
 use super::super::{JointChange, SandboxAction, Selection};
 use super::buttons::tooltip;
 use super::joint;
-use super::theme::Quantity;
+use super::theme::{Quantity, name_of};
 use crate::physics::{Mass, Position, RigidBody, Rotation, Velocity};
 use crate::scene::{JointComponent, SceneEntity};
 
@@ -67,12 +67,8 @@ pub(super) fn show(
     read.set_if_neq(now);
 }
 
-fn name_of(bodies: &Bodies, body: Entity) -> String {
-    match bodies.get(body) {
-        Ok((Some(name), ..)) if name.starts_with("world:") => "the world".into(),
-        Ok((Some(name), ..)) => name.to_string(),
-        _ => body.to_string(),
-    }
+fn name_in(bodies: &Bodies, body: Entity) -> String {
+    name_of(bodies.get(body).ok().and_then(|(name, ..)| name), body)
 }
 
 fn show_body(
@@ -100,7 +96,7 @@ fn show_body(
         });
     });
     if let Some(partner) = selection.partner {
-        let partner = name_of(bodies, partner.entity);
+        let partner = name_in(bodies, partner.entity);
         ui.label(format!("and {partner}")).on_hover_text("picked with Shift held, to be joined");
     }
     egui::Grid::new("selected body").num_columns(2).show(ui, |ui| {
@@ -125,7 +121,7 @@ fn show_joint(
 ) -> (Option<JointChange>, bool) {
     let Some(component) = joint.joint.component() else { return (None, false) };
     let [a, b] = component.bodies();
-    let other = name_of(bodies, if a == body { b } else { a });
+    let other = name_in(bodies, if a == body { b } else { a });
     let broken = if joint.broken.is_some() { ", broken" } else { "" };
     let id = ui.make_persistent_id(entity);
     let mut state = egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, false);

@@ -42,6 +42,18 @@ pub fn apply(mut contexts: EguiContexts, mut done: Local<bool>) -> Result {
     Ok(())
 }
 
+/// A body as the panel calls it: each joint of the world has a body of its own to hold on to.
+pub fn name_of(name: Option<&Name>, body: Entity) -> String {
+    match name {
+        Some(name) if name.starts_with("world:") => "the world".into(),
+        Some(name) => name.to_string(),
+        None => body.to_string(),
+    }
+}
+
+/// The one unit that takes no prefix.
+const DEGREE: &str = "°";
+
 /// A unit with an SI prefix that keeps numbers between 1 and 1000.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantity {
@@ -59,7 +71,8 @@ impl Quantity {
         let (size, prefix) = PREFIXES
             .into_iter()
             .find(|(size, _)| largest.abs() >= *size)
-            .unwrap_or(if largest == 0.0 { (1.0, "") } else { LEAST });
+            .filter(|_| unit != DEGREE)
+            .unwrap_or(if largest == 0.0 || unit == DEGREE { (1.0, "") } else { LEAST });
         Self { factor: 1.0 / size, unit: format!("{prefix}{unit}") }
     }
 
@@ -75,7 +88,8 @@ impl Quantity {
             size if size >= 9.995 => 1,
             _ => 2,
         };
-        format!("{scaled:.decimals$} {}", suiting.unit)
+        let space = if unit == DEGREE { "" } else { " " };
+        format!("{scaled:.decimals$}{space}{}", suiting.unit)
     }
 }
 
@@ -90,6 +104,8 @@ mod tests {
         assert_eq!(Quantity::text(-0.0456, "m"), "-45.6 mm");
         assert_eq!(Quantity::text(5e-9, "m"), "5.00 nm");
         assert_eq!(Quantity::text(5e-11, "m"), "0.05 nm");
+        assert_eq!(Quantity::text(1234.0, "°"), "1234°");
+        assert_eq!(Quantity::text(-0.0456, "°"), "-0.05°");
         assert_eq!(Quantity::text(123.4, "kg"), "123 kg");
         assert_eq!(Quantity::text(f64::NAN, "J"), "NaN J");
     }
