@@ -310,6 +310,12 @@ fn joint_charts<'a>(axis: Option<JointAxis>) -> impl Iterator<Item = Chart<'a>> 
     [force, torque].into_iter().chain(stands)
 }
 
+/// A mark with the digits that its step has: of halves one.
+fn mark_text(mark: GridMark) -> String {
+    let decimals = (-mark.step_size.log10()).ceil().max(0.0) as usize;
+    format!("{:.decimals$}", mark.value)
+}
+
 impl Chart<'_> {
     /// A caption that is the legend too, with the newest values, and the curves below.
     fn draw(&self, ui: &mut egui::Ui, history: &History, labels_time: bool) {
@@ -342,6 +348,7 @@ impl Chart<'_> {
             .y_axis_min_width(36.0)
             .y_grid_spacer(round_marks)
             .x_grid_spacer(move |_| fifth_seconds(end - WINDOW, end))
+            .y_axis_formatter(|mark, _| mark_text(mark))
             .x_axis_formatter(|mark, _| format!("{} s", mark.value))
             .label_formatter(|position| match position {
                 HoverPosition::NearDataPoint { plot_name, position, .. } => {
@@ -463,6 +470,15 @@ mod tests {
         assert_eq!(times(&history), [1.0]);
         history.push(at(0.5));
         assert_eq!(times(&history), [0.5]);
+    }
+
+    #[test]
+    fn marks_have_the_digits_of_their_step() {
+        for (value, step_size, text) in
+            [(0.5, 0.5, "0.5"), (0.002, 0.001, "0.002"), (40.0, 20.0, "40"), (3.0, 1.0, "3")]
+        {
+            assert_eq!(mark_text(GridMark { value, step_size }), text);
+        }
     }
 
     #[test]
