@@ -32,14 +32,25 @@ pub struct ShownGizmos {
 #[derive(Default, Reflect, GizmoConfigGroup)]
 struct Overlay;
 
+/// What joints are drawn as, in front of other lines.
+#[derive(Default, Reflect, GizmoConfigGroup)]
+struct Glyphs;
+
+/// The dark rim of a glyph, behind it: a red line is seen on a red body too.
+#[derive(Default, Reflect, GizmoConfigGroup)]
+struct Rims;
+
+/// Lines in front of all bodies, the nearer one in front where two are at one place.
+fn in_front<Group: GizmoConfigGroup>(app: &mut App, nearness: f32, width: f32) {
+    let line = GizmoLineConfig { width, ..default() };
+    app.insert_gizmo_config(Group::default(), GizmoConfig { depth_bias: -nearness, line, ..default() });
+}
+
 pub(super) fn plugin(app: &mut App) {
-    app.insert_gizmo_config(
-        Overlay,
-        GizmoConfig { depth_bias: -1.0, line: GizmoLineConfig { width: 1.8, ..default() }, ..default() },
-    )
-    .init_resource::<ShownGizmos>()
-    .add_systems(PreUpdate, switch_contact_forces)
-    .add_systems(
+    in_front::<Overlay>(app, 0.98, 1.8);
+    in_front::<Rims>(app, 0.99, 5.0);
+    in_front::<Glyphs>(app, 1.0, 2.6);
+    app.init_resource::<ShownGizmos>().add_systems(PreUpdate, switch_contact_forces).add_systems(
         PostUpdate,
         (
             draw_contacts.run_if(|shown: Res<ShownGizmos>| shown.contacts),
@@ -183,7 +194,7 @@ fn draw_contacts(
 }
 
 fn draw_joints(
-    mut gizmos: Gizmos<Overlay>,
+    (mut gizmos, mut rims, mut glyphs): (Gizmos<Overlay>, Gizmos<Rims>, Gizmos<Glyphs>),
     joints: Query<WholeJoint, IsJoint>,
     poses: Query<(&RigidBody, &Transform, Option<&Collider>)>,
     gravity: Res<Gravity>,
@@ -202,7 +213,8 @@ fn draw_joints(
         let Some([at_a, at_b]) = placed.anchors() else { continue };
         for (points, color) in placed.strokes() {
             if points.iter().all(|point| point.is_finite()) {
-                gizmos.linestrip(points, color);
+                rims.linestrip(points.iter().copied(), RIM);
+                glyphs.linestrip(points, color);
             }
         }
         let held_at_a_point = !matches!(component, JointComponent::Slider(_) | JointComponent::Distance(_));
@@ -219,6 +231,9 @@ fn draw_joints(
         }
     }
 }
+
+/// Of the rim of a glyph.
+const RIM: Color = Color::srgba(0.05, 0.06, 0.08, 0.75);
 
 /// From green, nothing, to red, all that it bears.
 fn shade(load: f32) -> Color {

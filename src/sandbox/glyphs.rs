@@ -23,6 +23,8 @@ const TURNS: usize = 8;
 const PER_TURN: usize = 12;
 /// Lines to an arch.
 const ARCH: usize = 16;
+/// A needle's length in the size of its glyph.
+const NEEDLE: f32 = 0.7;
 /// Nearer to its target than this, rad or m, a motor has nowhere to go.
 const ARRIVED: f64 = 1e-3;
 
@@ -160,10 +162,11 @@ impl Sketch {
         self.strokes.push((points.collect(), color));
     }
 
-    /// A head at that end of a line, in the plane across `normal`.
-    fn head(&mut self, tip: Vec3, along: Vec3, normal: Vec3, color: Color) {
+    /// A head at that end of a line of a length, in the plane across `normal`.
+    fn head(&mut self, tip: Vec3, along: Vec3, normal: Vec3, color: Color, length: f32) {
         let (along, across) = (along.normalize_or_zero(), along.cross(normal).normalize_or_zero());
-        let wing = |side: f32| tip - (along * 0.18 + across * (0.09 * side)) * self.size;
+        let reach = (0.18 * self.size).min(0.6 * length);
+        let wing = |side: f32| tip - (along + across * (0.5 * side)) * reach;
         self.strokes.push((vec![wing(1.0), tip, wing(-1.0)], color));
     }
 
@@ -171,7 +174,7 @@ impl Sketch {
     fn hinge(&mut self, dial: &Dial, value: f64, bounds: [f64; 2], drive: Option<Drive>) {
         let (size, radius) = (self.size, 0.6 * self.size);
         self.line(dial.center - dial.axis * size, dial.center + dial.axis * size);
-        self.strokes.push((vec![dial.center, dial.at(0.0, radius * 1.15)], color(palette::SKY)));
+        self.strokes.push((vec![dial.center, dial.at(0.0, NEEDLE * size)], color(palette::SKY)));
         let offsets = bounds.map(|bound| (bound - value) as f32);
         for offset in offsets.into_iter().filter(|offset| offset.is_finite()) {
             self.line(dial.center, dial.at(offset, radius));
@@ -187,7 +190,8 @@ impl Sketch {
             Drive::Rate(_) => [-0.75 * PI * sign.signum(), 1.5 * PI * sign.signum()],
             Drive::To(target) => {
                 let target = (target - value) as f32;
-                self.strokes.push((vec![dial.center, dial.at(target, 1.5 * radius)], drives));
+                // Beyond the needle, which lies there once it has arrived.
+                self.strokes.push((vec![dial.at(target, NEEDLE * size), dial.at(target, 0.95 * size)], drives));
                 [0.0, target.clamp(-TAU, TAU)]
             }
         };
@@ -195,7 +199,7 @@ impl Sketch {
         if sign != 0.0 {
             let (tip, behind) = (dial.at(from + sweep, radius), dial.at(from + sweep - FRAC_PI_2 * sign, radius));
             // The tangent: a quarter turn behind, the radius points along it.
-            self.head(tip, dial.center - behind, dial.axis, drives);
+            self.head(tip, dial.center - behind, dial.axis, drives, radius * sweep.abs());
         }
     }
 
@@ -230,7 +234,7 @@ impl Sketch {
         };
         if sign != 0.0 {
             self.strokes.push((vec![at_b + beside, tip], drives));
-            self.head(tip, along * sign, along.cross(across), drives);
+            self.head(tip, along * sign, along.cross(across), drives, tip.distance(at_b + beside));
         }
     }
 
@@ -369,6 +373,26 @@ mod tests {
         }
         assert_eq!(Drive::Rate(0.0).sign(1.0), 0.0);
         assert_eq!(Drive::To(1.0).sign(1.0), 0.0);
+    }
+
+    #[test]
+    fn a_motor_that_has_arrived_is_marked_beyond_the_needle() {
+        let mut sketch = sketch();
+        sketch.hinge(&dial(), 1.0, [f64::NEG_INFINITY, f64::INFINITY], Some(Drive::To(1.0)));
+        let of = |tint: [u8; 3]| sketch.strokes.iter().find(|stroke| stroke.1 == color(tint)).unwrap().0.clone();
+        let (needle, mark) = (of(palette::SKY), of(palette::YELLOW));
+        assert!(mark[0].distance(needle[1]) < 1e-6, "it begins at {} and the needle ends at {}", mark[0], needle[1]);
+        assert!(mark[1].length() > 1.2 * needle[1].length());
+    }
+
+    #[test]
+    fn the_head_of_a_short_arrow_is_shorter_than_the_arrow() {
+        for target in [0.02_f64, -0.3, 2.0] {
+            let mut sketch = sketch();
+            sketch.hinge(&dial(), 0.0, [f64::NEG_INFINITY, f64::INFINITY], Some(Drive::To(target)));
+            let (tip, wings) = head(&sketch.strokes);
+            assert!(tip.distance(wings) < 0.4 * target.abs() as f32, "{target} rad");
+        }
     }
 
     #[test]

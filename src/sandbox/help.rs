@@ -90,7 +90,7 @@ fn show_hint(
         |ui| {
             let keys =
                 driving.0.iter().map(|motors| format!("  ·  {} drive", motors.label)).take(3).collect::<String>();
-            let hint = egui::Label::new(format!("drag a limb{keys}  ·  H for help")).extend();
+            let hint = egui::Label::new(format!("drag a body{keys}  ·  H for help")).extend();
             egui::Frame::popup(ui.style()).show(ui, |ui| ui.add(hint));
         },
     );

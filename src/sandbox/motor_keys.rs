@@ -66,7 +66,7 @@ fn list_keys(
 }
 
 /// A key's name as it stands on the key: `Up`, `W`.
-fn short_name(name: &str) -> &str {
+pub(super) fn short_name(name: &str) -> &str {
     ["Arrow", "Key", "Digit"].into_iter().find_map(|prefix| name.strip_prefix(prefix)).unwrap_or(name)
 }
 

@@ -8,10 +8,10 @@ use bevy_egui::egui;
 use egui_plot::{GridInput, GridMark, HoverPosition, Line, Plot, PlotPoints};
 
 use super::CurrentScene;
-use super::any_joint::{IsJoint, WholeJoint};
+use super::any_joint::{IsJoint, WholeJoint, noun};
 use super::ghost::{self, GhostDistance};
 use super::joint_readings::ReadJoints;
-use super::panel::{Quantity, palette};
+use super::panel::{Quantity, name_of, palette};
 use crate::physics::{Diagnostics, JointAxis, PhysicsSchedule, PhysicsSystems, Position, Rotation, StepStats};
 
 /// Simulation time on view, s.
@@ -225,7 +225,8 @@ pub(super) fn show(
     history: Res<History>,
     ghost: Res<GhostDistance>,
     read: Res<ReadJoints>,
-    joints: Query<(WholeJoint, Option<&Name>)>,
+    joints: Query<WholeJoint>,
+    names: Query<&Name>,
 ) {
     let start = history.potential_at_start.unwrap_or_default();
     let potential = |sample: &Sample| sample.potential - start;
@@ -264,10 +265,11 @@ pub(super) fn show(
         curves: &[("distance", palette::SKY, &|sample| sample.ghost)],
     };
     let plotted = read.plotted.and_then(|joint| joints.get(joint).ok());
-    let of_joint = plotted.iter().flat_map(|(joint, _)| joint_charts(joint.axis()));
+    let of_joint = plotted.iter().flat_map(|joint| joint_charts(joint.axis()));
     let charts: Vec<_> = of_joint.chain(ghost.0.map(|_| distance)).chain(charts).collect();
-    if let Some((_, name)) = plotted {
-        ui.weak(name.map_or("a joint", Name::as_str))
+    if let Some(component) = plotted.and_then(|joint| joint.joint.component()) {
+        let [a, b] = component.bodies().map(|body| name_of(names.get(body).ok(), body));
+        ui.weak(format!("{} of {a} and {b}", noun(&component)))
             .on_hover_text("the joint that is plotted: tick it off in the list");
     }
     for (place, chart) in charts.iter().enumerate() {
@@ -289,13 +291,29 @@ fn joint_charts<'a>(axis: Option<JointAxis>) -> impl Iterator<Item = Chart<'a>> 
         about: "the torque about its point that the plotted joint carries",
         curves: &[("torque", palette::ORANGE, &|sample| sample.joint.torque)],
     };
-    let stands = axis.map(|axis| Chart {
-        title: if axis.is_angle() { "joint angle" } else { "joint distance" },
-        unit: if axis.is_angle() { "rad" } else { "m" },
-        about: "where the plotted joint stands along its axis",
-        curves: &[("stands at", palette::SKY, &|sample| sample.joint.value)],
+    let about = "where the plotted joint stands along its axis";
+    let stands = axis.map(|axis| match axis.is_angle() {
+        // In degrees, as the list has it.
+        true => Chart {
+            title: "joint angle",
+            unit: "°",
+            about,
+            curves: &[("stands at", palette::SKY, &|sample| sample.joint.value.to_degrees())],
+        },
+        false => Chart {
+            title: "joint distance",
+            unit: "m",
+            about,
+            curves: &[("stands at", palette::SKY, &|sample| sample.joint.value)],
+        },
     });
     [force, torque].into_iter().chain(stands)
+}
+
+/// A mark with the digits that its step has: of halves one.
+fn mark_text(mark: GridMark) -> String {
+    let decimals = (-mark.step_size.log10()).ceil().max(0.0) as usize;
+    format!("{:.decimals$}", mark.value)
 }
 
 impl Chart<'_> {
@@ -330,6 +348,7 @@ impl Chart<'_> {
             .y_axis_min_width(36.0)
             .y_grid_spacer(round_marks)
             .x_grid_spacer(move |_| fifth_seconds(end - WINDOW, end))
+            .y_axis_formatter(|mark, _| mark_text(mark))
             .x_axis_formatter(|mark, _| format!("{} s", mark.value))
             .label_formatter(|position| match position {
                 HoverPosition::NearDataPoint { plot_name, position, .. } => {
@@ -451,6 +470,15 @@ mod tests {
         assert_eq!(times(&history), [1.0]);
         history.push(at(0.5));
         assert_eq!(times(&history), [0.5]);
+    }
+
+    #[test]
+    fn marks_have_the_digits_of_their_step() {
+        for (value, step_size, text) in
+            [(0.5, 0.5, "0.5"), (0.002, 0.001, "0.002"), (40.0, 20.0, "40"), (3.0, 1.0, "3")]
+        {
+            assert_eq!(mark_text(GridMark { value, step_size }), text);
+        }
     }
 
     #[test]

@@ -9,6 +9,7 @@ use bevy_egui::egui;
 
 use super::super::JointChange;
 use super::super::any_joint::WholeJointItem;
+use super::super::motor_keys::short_name;
 use super::theme::Quantity;
 use crate::physics::{
     Breakable, DistanceLaw, JointAxes, JointAxis, JointFriction, JointLimits, JointMotor, LimitRange, MotorTarget,
@@ -16,11 +17,8 @@ use crate::physics::{
 };
 use crate::scene::{JointComponent, MotorKeys};
 
-/// Any number.
-const ANY: RangeInclusive<f64> = f64::NEG_INFINITY..=f64::INFINITY;
-/// What is 0 or more, and what must be more.
-const NOT_NEGATIVE: RangeInclusive<f64> = 0.0..=f64::INFINITY;
-const POSITIVE: RangeInclusive<f64> = 1e-9..=f64::INFINITY;
+/// The width that labels before sliders have.
+const LABEL: f32 = 58.0;
 
 /// What a new motor gives at most, N or N·m: it moves a limb, and tears at nothing.
 const NEW_FORCE: f64 = 100.0;
@@ -40,8 +38,8 @@ struct Unit {
     force: &'static str,
     stiffness: &'static str,
     damping: &'static str,
-    /// What a drag by a pixel changes, as shown.
-    speed: f64,
+    /// How far sliders for values go either way, as shown.
+    reach: f64,
 }
 
 const DEGREES: Unit = Unit {
@@ -51,10 +49,10 @@ const DEGREES: Unit = Unit {
     force: " N·m",
     stiffness: " N·m/rad",
     damping: " N·m·s/rad",
-    speed: 0.5,
+    reach: 360.0,
 };
 const METERS: Unit =
-    Unit { factor: 1.0, value: " m", rate: " m/s", force: " N", stiffness: " N/m", damping: " N·s/m", speed: 0.005 };
+    Unit { factor: 1.0, value: " m", rate: " m/s", force: " N", stiffness: " N/m", damping: " N·s/m", reach: 10.0 };
 
 impl Unit {
     fn of(axis: Option<JointAxis>) -> Self {
@@ -70,26 +68,24 @@ pub(super) fn show(ui: &mut egui::Ui, joint: &WholeJointItem, value: Option<f64>
     let is_ball = matches!(component, JointComponent::Ball(_));
     let has_range = joint.axis().is_some() && !is_ball;
     let mut change = None;
-    egui::Grid::new("joint").num_columns(2).spacing([8.0, 3.0]).show(ui, |ui| {
-        let mut take = |asked: Option<JointChange>| change = change.take().or(asked);
-        match component {
-            JointComponent::Distance(joint) => take(length(ui, joint.length)),
-            JointComponent::Ball(joint) => take(softness(ui, joint.softness)),
-            _ => {}
-        }
-        if has_range {
-            let stands_at = value.unwrap_or_default();
-            take(limits(ui, joint.limits.copied(), stands_at, unit));
-            take(motor(ui, joint, stands_at, unit));
-        }
-        if is_ball {
-            take(swing_twist(ui, joint.limits.copied()));
-        }
-        if has_range || is_ball {
-            take(friction(ui, joint.friction.copied(), if is_ball { DEGREES } else { unit }));
-        }
-        take(strength(ui, joint.breakable.copied()));
-    });
+    let mut take = |asked: Option<JointChange>| change = change.take().or(asked);
+    match component {
+        JointComponent::Distance(joint) => take(length(ui, joint.length)),
+        JointComponent::Ball(joint) => take(softness(ui, joint.softness)),
+        _ => {}
+    }
+    if has_range {
+        let stands_at = value.unwrap_or_default();
+        take(limits(ui, joint.limits.copied(), stands_at, unit));
+        take(motor(ui, joint, stands_at, unit));
+    }
+    if is_ball {
+        take(swing_twist(ui, joint.limits.copied()));
+    }
+    if has_range || is_ball {
+        take(friction(ui, joint.friction.copied(), if is_ball { DEGREES } else { unit }));
+    }
+    take(strength(ui, joint.breakable.copied()));
     if joint.broken.is_some() && ui.small_button("mend").on_hover_text("let it hold again what it held").clicked() {
         change = Some(JointChange::Broken(None));
     }
@@ -119,47 +115,104 @@ fn readings(ui: &mut egui::Ui, joint: &WholeJointItem, value: Option<f64>, unit:
         .on_hover_text("force and torque about its point in the last step, and the share of its strength");
 }
 
-/// A number that is shown times a factor; tells whether it was changed.
-fn number(
-    ui: &mut egui::Ui,
-    value: &mut f64,
-    suffix: &str,
+/// A number, how it is shown and what it may be.
+#[derive(Clone)]
+struct Number {
+    suffix: &'static str,
+    /// What it is multiplied with to be shown.
     factor: f64,
-    speed: f64,
-    range: RangeInclusive<f64>,
-) -> bool {
-    let mut shown = *value * factor;
-    let range = range.start() * factor..=range.end() * factor;
-    let drag = egui::DragValue::new(&mut shown).suffix(suffix).speed(speed).range(range).max_decimals(3);
-    let changed = ui.add(drag.update_while_editing(false)).changed();
-    if changed {
-        *value = shown / factor;
-    }
-    changed
+    /// Where the slider goes, as shown; more can be typed.
+    slider: RangeInclusive<f64>,
+    /// What may be typed, not multiplied.
+    limits: RangeInclusive<f64>,
+    /// Whether the slider spans decades.
+    logarithmic: bool,
 }
 
-/// A number without a scale of its own: it is dragged by a hundredth of itself.
-fn amount(ui: &mut egui::Ui, value: &mut f64, suffix: &str, range: RangeInclusive<f64>) -> bool {
-    let speed = (0.01 * value.abs()).max(1e-3);
-    number(ui, value, suffix, 1.0, speed, range)
+impl Number {
+    /// Any value of a joint's coordinate.
+    fn value(unit: Unit) -> Self {
+        let slider = -unit.reach..=unit.reach;
+        let limits = f64::NEG_INFINITY..=f64::INFINITY;
+        Self { suffix: unit.value, factor: unit.factor, slider, limits, logarithmic: unit.factor == 1.0 }
+    }
+
+    /// Any rate of a joint's coordinate.
+    fn rate(unit: Unit) -> Self {
+        Self { suffix: unit.rate, factor: 1.0, slider: -100.0..=100.0, logarithmic: true, ..Self::value(unit) }
+    }
+
+    /// What is 0 or more, by decades.
+    fn amount(suffix: &'static str, most: f64) -> Self {
+        Self { suffix, factor: 1.0, slider: 0.0..=most, limits: 0.0..=f64::INFINITY, logarithmic: true }
+    }
+
+    /// What is more than 0, by decades.
+    fn positive(suffix: &'static str, slider: RangeInclusive<f64>) -> Self {
+        Self { slider, limits: 1e-9..=f64::INFINITY, ..Self::amount(suffix, 1.0) }
+    }
+
+    fn share(most: f64, limit: f64) -> Self {
+        Self { slider: 0.0..=most, limits: 0.0..=limit, logarithmic: false, ..Self::amount("", most) }
+    }
+
+    fn within(self, limits: RangeInclusive<f64>) -> Self {
+        Self { limits, ..self }
+    }
+
+    /// Its slider; tells whether it was changed.
+    fn show(self, ui: &mut egui::Ui, value: &mut f64) -> bool {
+        let mut shown = *value * self.factor;
+        let slider = egui::Slider::new(&mut shown, self.slider)
+            .suffix(self.suffix)
+            .logarithmic(self.logarithmic)
+            .smallest_positive(0.01)
+            .clamping(egui::SliderClamping::Never)
+            .update_while_editing(false)
+            .max_decimals(3);
+        let changed = ui.add(slider).changed() && !shown.is_nan();
+        if changed {
+            *value = (shown / self.factor).max(*self.limits.start()).min(*self.limits.end());
+        }
+        changed
+    }
+}
+
+/// A line with a label; tells whether its contents were changed.
+fn line(ui: &mut egui::Ui, label: &str, about: &str, contents: impl FnOnce(&mut egui::Ui) -> bool) -> bool {
+    let line = |ui: &mut egui::Ui| {
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        ui.allocate_ui_with_layout(egui::vec2(LABEL, ui.spacing().interact_size.y), layout, |ui| {
+            ui.set_min_width(LABEL);
+            let label = ui.label(label);
+            if !about.is_empty() {
+                label.on_hover_text(about);
+            }
+        });
+        contents(ui)
+    };
+    ui.horizontal(line).inner
 }
 
 /// A bound that may be infinite: a box that is ticked where it is not.
-fn bound(ui: &mut egui::Ui, value: &mut f64, new: f64, suffix: &str) -> bool {
-    let mut bounded = value.is_finite();
-    let mut changed = ui.checkbox(&mut bounded, "").on_hover_text("without it, any").changed();
-    if changed {
-        *value = if bounded { new } else { f64::INFINITY };
-    }
-    if bounded {
-        changed |= amount(ui, value, suffix, POSITIVE);
-    } else {
-        ui.weak("any");
-    }
-    changed
+fn bound(ui: &mut egui::Ui, label: &str, value: &mut f64, new: f64, suffix: &'static str) -> bool {
+    line(ui, label, "", |ui| {
+        let mut bounded = value.is_finite();
+        let mut changed = ui.checkbox(&mut bounded, "").on_hover_text("without it, any").changed();
+        if changed {
+            *value = if bounded { new } else { f64::INFINITY };
+        }
+        if bounded {
+            ui.spacing_mut().slider_width -= 24.0;
+            changed |= Number::positive(suffix, 0.01..=1e6).show(ui, value);
+        } else {
+            ui.weak("any");
+        }
+        changed
+    })
 }
 
-/// A row of the grid: a box with a label, and, where it is ticked, what it stands for. `new` is what ticking it makes.
+/// A box with a label, and, where it is ticked, below it what it stands for. `new` is what ticking it makes.
 fn part<T: Copy>(
     ui: &mut egui::Ui,
     label: &str,
@@ -171,8 +224,7 @@ fn part<T: Copy>(
     let mut is_there = part.is_some();
     let ticked = ui.checkbox(&mut is_there, label).on_hover_text(about).changed();
     let mut edited = part.unwrap_or(new);
-    let changed = is_there && ui.vertical(|ui| contents(ui, &mut edited)).inner;
-    ui.end_row();
+    let changed = is_there && ui.indent(label, |ui| contents(ui, &mut edited)).inner;
     (ticked || changed).then_some(is_there.then_some(edited))
 }
 
@@ -181,15 +233,13 @@ fn limits(ui: &mut egui::Ui, limits: Option<JointLimits>, center: f64, unit: Uni
     let new = JointLimits::range(center - reach, center + reach);
     let edited = part(ui, "limits", "how far it may go", limits, new, |ui, limits| {
         let LimitRange::Range { min, max } = &mut limits.range else { return false };
-        ui.horizontal(|ui| {
-            let (least, most) = (*min, *max);
-            let low = number(ui, min, unit.value, unit.factor, unit.speed, f64::NEG_INFINITY..=most);
-            ui.label("to");
-            let high = number(ui, max, unit.value, unit.factor, unit.speed, least..=f64::INFINITY);
-            ui.label("e").on_hover_text("share of its speed that it goes back with");
-            low | high | number(ui, &mut limits.restitution, "", 1.0, 0.01, 0.0..=1.0)
-        })
-        .inner
+        let (least, most) = (*min, *max);
+        let low = Number::value(unit).within(f64::NEG_INFINITY..=most);
+        let high = Number::value(unit).within(least..=f64::INFINITY);
+        let back = "share of its speed that it goes back with";
+        line(ui, "from", "", |ui| low.show(ui, min))
+            | line(ui, "to", "", |ui| high.show(ui, max))
+            | line(ui, "bounce", back, |ui| Number::share(1.0, 1.0).show(ui, &mut limits.restitution))
     })?;
     Some(JointChange::Limits(edited))
 }
@@ -200,19 +250,12 @@ fn swing_twist(ui: &mut egui::Ui, limits: Option<JointLimits>) -> Option<JointCh
     let edited = part(ui, "limits", about, limits, new, |ui, limits| {
         let LimitRange::SwingTwist { swing, min, max, .. } = &mut limits.range else { return false };
         let within = 0.999 * PI;
-        let angle = |ui: &mut egui::Ui, angle: &mut f64, range| {
-            number(ui, angle, DEGREES.value, DEGREES.factor, DEGREES.speed, range)
-        };
-        let swings = ui.horizontal(|ui| {
-            ui.label("swing");
-            angle(ui, swing, 0.001..=within)
-        });
-        let twists = ui.horizontal(|ui| {
-            ui.label("twist");
-            let (least, most) = (*min, *max);
-            angle(ui, min, -within..=most) | angle(ui, max, least..=within)
-        });
-        swings.inner | twists.inner
+        let (least, most) = (*min, *max);
+        let angle = |limits| Number { slider: -180.0..=180.0, ..Number::value(DEGREES).within(limits) };
+        let swings = Number { slider: 0.0..=180.0, ..angle(0.001..=within) };
+        line(ui, "swing", "", |ui| swings.show(ui, swing))
+            | line(ui, "twist from", "", |ui| angle(-within..=most).show(ui, min))
+            | line(ui, "to", "", |ui| angle(least..=within).show(ui, max))
     })?;
     Some(JointChange::Limits(edited))
 }
@@ -227,14 +270,10 @@ fn motor(ui: &mut egui::Ui, joint: &WholeJointItem, value: f64, unit: Unit) -> O
                 keys_changed = key_targets(ui, keys, &motor.target, unit);
                 false
             }
-            _ => ui.horizontal(|ui| target_value(ui, &mut motor.target, unit)).inner,
+            _ => target_value(ui, &mut motor.target, unit),
         };
-        let spring = ui.horizontal(|ui| target_spring(ui, &mut motor.target, unit)).inner;
-        let most = ui.horizontal(|ui| {
-            ui.label("at most");
-            bound(ui, &mut motor.max_force, NEW_FORCE, unit.force)
-        });
-        kind | target | spring | most.inner
+        let spring = target_spring(ui, &mut motor.target, unit);
+        kind | target | spring | bound(ui, "at most", &mut motor.max_force, NEW_FORCE, unit.force)
     });
     let keys_changed = keys_changed.map(|keys| JointChange::Keys(Some(keys)));
     edited.map(JointChange::Motor).or(keys_changed)
@@ -260,9 +299,9 @@ fn target_kind(ui: &mut egui::Ui, target: &mut MotorTarget, value: f64) -> bool 
 
 fn target_value(ui: &mut egui::Ui, target: &mut MotorTarget, unit: Unit) -> bool {
     match target {
-        MotorTarget::Speed(rate) => number(ui, rate, unit.rate, 1.0, 0.02, ANY),
+        MotorTarget::Speed(rate) => line(ui, "speed", "", |ui| Number::rate(unit).show(ui, rate)),
         MotorTarget::Position { target, .. } | MotorTarget::Spring { target, .. } => {
-            number(ui, target, unit.value, unit.factor, unit.speed, ANY)
+            line(ui, "target", "", |ui| Number::value(unit).show(ui, target))
         }
         MotorTarget::Motion(_) => false,
     }
@@ -271,19 +310,24 @@ fn target_value(ui: &mut egui::Ui, target: &mut MotorTarget, unit: Unit) -> bool
 /// How hard it goes for a position.
 fn target_spring(ui: &mut egui::Ui, target: &mut MotorTarget, unit: Unit) -> bool {
     match target {
-        MotorTarget::Position { frequency, damping_ratio, .. } => {
-            amount(ui, frequency, " Hz", POSITIVE) | ratio(ui, damping_ratio)
-        }
+        MotorTarget::Position { frequency, damping_ratio, .. } => hardness(ui, frequency, damping_ratio),
         MotorTarget::Spring { stiffness, damping, .. } => {
-            amount(ui, stiffness, unit.stiffness, NOT_NEGATIVE) | amount(ui, damping, unit.damping, NOT_NEGATIVE)
+            stiffness_and_damping(ui, stiffness, damping, [unit.stiffness, unit.damping])
         }
         MotorTarget::Speed(_) | MotorTarget::Motion(_) => false,
     }
 }
 
-fn ratio(ui: &mut egui::Ui, damping_ratio: &mut f64) -> bool {
-    ui.label("ζ").on_hover_text("damping ratio: 1 is critical");
-    number(ui, damping_ratio, "", 1.0, 0.01, NOT_NEGATIVE)
+fn hardness(ui: &mut egui::Ui, frequency: &mut f64, damping_ratio: &mut f64) -> bool {
+    line(ui, "frequency", "", |ui| Number::positive(" Hz", 0.1..=100.0).show(ui, frequency))
+        | line(ui, "damping", "damping ratio: 1 is critical", |ui| {
+            Number::share(2.0, f64::INFINITY).show(ui, damping_ratio)
+        })
+}
+
+fn stiffness_and_damping(ui: &mut egui::Ui, stiffness: &mut f64, damping: &mut f64, units: [&'static str; 2]) -> bool {
+    line(ui, "stiffness", "", |ui| Number::amount(units[0], 1e6).show(ui, stiffness))
+        | line(ui, "damping", "", |ui| Number::amount(units[1], 1e5).show(ui, damping))
 }
 
 /// What the target is while each key is held, and while none is.
@@ -293,13 +337,11 @@ fn key_targets(ui: &mut egui::Ui, keys: &MotorKeys, target: &MotorTarget, unit: 
     let mut changed = false;
     let values = edited.values.iter_mut().chain([&mut edited.rest]);
     for (name, value) in [forward.as_str(), back.as_str(), "no key"].into_iter().zip(values) {
-        ui.horizontal(|ui| {
-            ui.label(name);
-            changed |= match target {
-                MotorTarget::Speed(_) => number(ui, value, unit.rate, 1.0, 0.02, ANY),
-                _ => number(ui, value, unit.value, unit.factor, unit.speed, ANY),
-            };
-        });
+        let number = match target {
+            MotorTarget::Speed(_) => Number::rate(unit),
+            _ => Number::value(unit),
+        };
+        changed |= line(ui, short_name(name), "its target while this key is held", |ui| number.show(ui, value));
     }
     changed.then_some(edited)
 }
@@ -307,7 +349,7 @@ fn key_targets(ui: &mut egui::Ui, keys: &MotorKeys, target: &MotorTarget, unit: 
 fn friction(ui: &mut egui::Ui, friction: Option<JointFriction>, unit: Unit) -> Option<JointChange> {
     let about = "dry friction against its motion";
     let edited = part(ui, "friction", about, friction, JointFriction(1.0), |ui, friction| {
-        amount(ui, &mut friction.0, unit.force, NOT_NEGATIVE)
+        line(ui, "at most", "", |ui| Number::amount(unit.force, 1e5).show(ui, &mut friction.0))
     })?;
     Some(JointChange::Friction(edited))
 }
@@ -316,50 +358,40 @@ fn strength(ui: &mut egui::Ui, breakable: Option<Breakable>) -> Option<JointChan
     let about = "the force and the torque that it bears before it breaks";
     let new = Breakable::at_force(NEW_STRENGTH);
     let edited = part(ui, "breaks", about, breakable, new, |ui, breakable| {
-        let force = ui.horizontal(|ui| bound(ui, &mut breakable.force, NEW_STRENGTH, " N"));
-        let torque = ui.horizontal(|ui| bound(ui, &mut breakable.torque, NEW_STRENGTH, " N·m"));
-        force.inner | torque.inner
+        bound(ui, "force", &mut breakable.force, NEW_STRENGTH, " N")
+            | bound(ui, "torque", &mut breakable.torque, NEW_STRENGTH, " N·m")
     })?;
     Some(JointChange::Strength(edited))
 }
 
 fn length(ui: &mut egui::Ui, law: DistanceLaw) -> Option<JointChange> {
     let mut edited = law;
-    ui.label("length");
-    ui.vertical(|ui| match &mut edited {
+    let meters = || Number { slider: 0.01..=METERS.reach, ..Number::positive(METERS.value, 0.0..=1.0) };
+    let from_nothing = |most| Number { slider: 0.0..=METERS.reach, ..meters().within(0.0..=most) };
+    match &mut edited {
         DistanceLaw::Range { min, max } if *min == *max => {
-            if number(ui, min, METERS.value, 1.0, METERS.speed, POSITIVE) {
+            if line(ui, "length", "", |ui| meters().show(ui, min)) {
                 *max = *min;
             }
         }
         DistanceLaw::Range { min, max } => {
-            let (least, most) = (*min, *max);
-            ui.horizontal(|ui| {
-                number(ui, min, METERS.value, 1.0, METERS.speed, 0.0..=most);
-                ui.label("to");
-                number(ui, max, METERS.value, 1.0, METERS.speed, least.max(*POSITIVE.start())..=f64::INFINITY);
-            });
+            let (least, most) = (min.max(1e-9), *max);
+            line(ui, "at least", "", |ui| from_nothing(most).show(ui, min));
+            line(ui, "at most", "", |ui| meters().within(least..=f64::INFINITY).show(ui, max));
         }
         DistanceLaw::Spring { rest, stiffness, damping } => {
-            number(ui, rest, METERS.value, 1.0, METERS.speed, NOT_NEGATIVE);
-            amount(ui, stiffness, METERS.stiffness, NOT_NEGATIVE);
-            amount(ui, damping, METERS.damping, NOT_NEGATIVE);
+            line(ui, "at rest", "its length without a force", |ui| from_nothing(f64::INFINITY).show(ui, rest));
+            stiffness_and_damping(ui, stiffness, damping, [METERS.stiffness, METERS.damping]);
         }
-    });
-    ui.end_row();
+    }
     (edited != law).then_some(JointChange::Length(edited))
 }
 
 fn softness(ui: &mut egui::Ui, softness: Option<Softness>) -> Option<JointChange> {
     let new = Softness { frequency: 5.0, damping_ratio: 1.0, max_force: NEW_STRENGTH };
     let edited = part(ui, "soft", "a damped spring instead of a rigid joint", softness, new, |ui, spring| {
-        let hard = ui
-            .horizontal(|ui| amount(ui, &mut spring.frequency, " Hz", POSITIVE) | ratio(ui, &mut spring.damping_ratio));
-        let most = ui.horizontal(|ui| {
-            ui.label("at most");
-            amount(ui, &mut spring.max_force, " N", POSITIVE)
-        });
-        hard.inner | most.inner
+        hardness(ui, &mut spring.frequency, &mut spring.damping_ratio)
+            | line(ui, "at most", "", |ui| Number::positive(" N", 0.01..=1e6).show(ui, &mut spring.max_force))
     })?;
     Some(JointChange::Softness(edited))
 }
@@ -432,7 +464,7 @@ mod tests {
     fn every_part_can_be_ticked_off() {
         let mut world = World::new();
         let joint = hinge(&mut world);
-        let clicks = (0..120).map(|row| egui::pos2(14.0, 3.0 * row as f32));
+        let clicks = (0..200).map(|row| egui::pos2(14.0, 3.0 * row as f32));
         let asked: Vec<_> = clicks.filter_map(|click| ask(&mut world, joint, Some(click))).collect();
         for off in [
             JointChange::Limits(None),

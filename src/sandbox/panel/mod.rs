@@ -20,7 +20,7 @@ mod toast;
 mod world;
 
 pub use chart::{ChartSource, measure_chart};
-pub(super) use theme::{Quantity, palette};
+pub(super) use theme::{Quantity, name_of, palette};
 
 use bevy::prelude::*;
 use bevy_egui::{EguiContext, EguiPrimaryContextPass, PrimaryEguiContext, egui};

@@ -9,7 +9,7 @@ use super::super::joint_readings::ReadJoints;
 use super::super::{JointChange, SandboxAction, Selection};
 use super::buttons::tooltip;
 use super::joint;
-use super::theme::Quantity;
+use super::theme::{Quantity, name_of};
 use crate::physics::{Mass, Position, RigidBody, Rotation, Velocity};
 use crate::scene::{JointComponent, SceneEntity};
 
@@ -30,11 +30,13 @@ type Bodies<'w, 's> = Query<
     ),
 >;
 
+type Joints<'w, 's> = Query<'w, 's, (Entity, WholeJoint), (IsJoint, With<SceneEntity>)>;
+
 pub(super) fn show(
     InMut(ui): InMut<egui::Ui>,
     selection: Res<Selection>,
     bodies: Bodies,
-    joints: Query<(Entity, WholeJoint), (IsJoint, With<SceneEntity>)>,
+    joints: Joints,
     mut read: ResMut<ReadJoints>,
     mut changing: Local<bool>,
     mut actions: MessageWriter<SandboxAction>,
@@ -45,20 +47,18 @@ pub(super) fn show(
         None => _ = ui.weak("none: click a body in the picture"),
         Some(body) => {
             show_body(ui, &selection, body, &bodies, &mut actions);
-            let own = |(_, joint): &(Entity, WholeJointItem)| {
-                joint.joint.component().is_some_and(|joint| joint.bodies().contains(&body))
-            };
-            for (entity, joint) in joints.iter().filter(own).take(LISTED) {
-                let (change, cut) = show_joint(ui, body, entity, &joint, &bodies, &mut now);
+            let own = joints_of(body, &joints);
+            for (entity, joint) in own.iter().take(LISTED) {
+                let (change, cut) = show_joint(ui, body, *entity, joint, &bodies, &mut now);
                 if cut {
-                    actions.write(SandboxAction::Cut(entity));
+                    actions.write(SandboxAction::Cut(*entity));
                 }
                 if let Some(change) = change {
-                    actions.write(SandboxAction::ChangeJoint { joint: entity, change, continues: *changing });
+                    actions.write(SandboxAction::ChangeJoint { joint: *entity, change, continues: *changing });
                     *changing = ui.input(|input| input.pointer.any_down());
                 }
             }
-            let more = joints.iter().filter(own).count().saturating_sub(LISTED);
+            let more = own.len().saturating_sub(LISTED);
             if more > 0 {
                 ui.weak(format!("and {more} more joints"));
             }
@@ -67,12 +67,16 @@ pub(super) fn show(
     read.set_if_neq(now);
 }
 
-fn name_of(bodies: &Bodies, body: Entity) -> String {
-    match bodies.get(body) {
-        Ok((Some(name), ..)) if name.starts_with("world:") => "the world".into(),
-        Ok((Some(name), ..)) => name.to_string(),
-        _ => body.to_string(),
-    }
+/// A body's joints, the oldest first: what is changed about one moves none in the list.
+fn joints_of<'a>(body: Entity, joints: &'a Joints) -> Vec<(Entity, WholeJointItem<'a, 'a>)> {
+    let is_own = |joint: &WholeJointItem| joint.joint.component().is_some_and(|joint| joint.bodies().contains(&body));
+    let mut own: Vec<_> = joints.iter().filter(|(_, joint)| is_own(joint)).collect();
+    own.sort_by_key(|(entity, _)| *entity);
+    own
+}
+
+fn name_in(bodies: &Bodies, body: Entity) -> String {
+    name_of(bodies.get(body).ok().and_then(|(name, ..)| name), body)
 }
 
 fn show_body(
@@ -100,7 +104,7 @@ fn show_body(
         });
     });
     if let Some(partner) = selection.partner {
-        let partner = name_of(bodies, partner.entity);
+        let partner = name_in(bodies, partner.entity);
         ui.label(format!("and {partner}")).on_hover_text("picked with Shift held, to be joined");
     }
     egui::Grid::new("selected body").num_columns(2).show(ui, |ui| {
@@ -125,7 +129,7 @@ fn show_joint(
 ) -> (Option<JointChange>, bool) {
     let Some(component) = joint.joint.component() else { return (None, false) };
     let [a, b] = component.bodies();
-    let other = name_of(bodies, if a == body { b } else { a });
+    let other = name_in(bodies, if a == body { b } else { a });
     let broken = if joint.broken.is_some() { ", broken" } else { "" };
     let id = ui.make_persistent_id(entity);
     let mut state = egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, false);
@@ -133,7 +137,7 @@ fn show_joint(
     let header = ui.horizontal(|ui| {
         state.show_toggle_button(ui, egui::collapsing_header::paint_default_icon);
         cut = ui.small_button("✂ cut").on_hover_text("cut this joint").clicked();
-        let label = egui::Label::new(format!("{} to {other}{broken}", noun(&component))).truncate();
+        let label = egui::Label::new(format!("{} to {other}{broken}", noun(&component))).truncate().selectable(false);
         if ui.add(label.sense(egui::Sense::click())).on_hover_text("click to open").clicked() {
             state.toggle(ui);
         }
@@ -160,4 +164,25 @@ fn value_of(joint: &WholeJointItem, component: &JointComponent, bodies: &Bodies)
 
 fn vector_text(v: DVec3, unit: &str) -> String {
     format!("{:7.3} {:7.3} {:7.3} {unit}", v.x, v.y, v.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::ecs::system::SystemState;
+
+    use super::*;
+    use crate::physics::{HingeJoint, JointLimits};
+
+    #[test]
+    fn a_change_moves_no_joint_in_the_list() {
+        let mut world = World::new();
+        let [body, other] = [world.spawn_empty().id(), world.spawn_empty().id()];
+        let joints = [0; 3].map(|_| world.spawn((HingeJoint::new(body, other), SceneEntity)).id());
+        world.spawn((HingeJoint::new(other, other), SceneEntity));
+        world.entity_mut(joints[0]).insert(JointLimits::range(-1.0, 1.0));
+        let mut state = SystemState::<Joints>::new(&mut world);
+        let query = state.get(&world).expect("no parameter that can be missing");
+        let listed: Vec<_> = joints_of(body, &query).into_iter().map(|(entity, _)| entity).collect();
+        assert_eq!(listed, joints);
+    }
 }

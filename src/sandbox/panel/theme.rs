@@ -42,6 +42,18 @@ pub fn apply(mut contexts: EguiContexts, mut done: Local<bool>) -> Result {
     Ok(())
 }
 
+/// A body as the panel calls it: each joint of the world has a body of its own to hold on to.
+pub fn name_of(name: Option<&Name>, body: Entity) -> String {
+    match name {
+        Some(name) if name.starts_with("world:") => "the world".into(),
+        Some(name) => name.to_string(),
+        None => body.to_string(),
+    }
+}
+
+/// The one unit that takes no prefix.
+const DEGREE: &str = "°";
+
 /// A unit with an SI prefix that keeps numbers between 1 and 1000.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantity {
@@ -54,11 +66,13 @@ pub struct Quantity {
 impl Quantity {
     /// The prefix that suits `largest`, in `unit`.
     pub fn suiting(largest: f64, unit: &str) -> Self {
+        const LEAST: (f64, &str) = (1e-9, "n");
         const PREFIXES: [(f64, &str); 6] = [(1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ")];
         let (size, prefix) = PREFIXES
             .into_iter()
             .find(|(size, _)| largest.abs() >= *size)
-            .unwrap_or(if largest == 0.0 { (1.0, "") } else { (1e-6, "µ") });
+            .filter(|_| unit != DEGREE)
+            .unwrap_or(if largest == 0.0 || unit == DEGREE { (1.0, "") } else { LEAST });
         Self { factor: 1.0 / size, unit: format!("{prefix}{unit}") }
     }
 
@@ -74,7 +88,8 @@ impl Quantity {
             size if size >= 9.995 => 1,
             _ => 2,
         };
-        format!("{scaled:.decimals$} {}", suiting.unit)
+        let space = if unit == DEGREE { "" } else { " " };
+        format!("{scaled:.decimals$}{space}{}", suiting.unit)
     }
 }
 
@@ -87,7 +102,10 @@ mod tests {
         assert_eq!(Quantity::text(0.0, "J"), "0 J");
         assert_eq!(Quantity::text(1234.0, "J"), "1.23 kJ");
         assert_eq!(Quantity::text(-0.0456, "m"), "-45.6 mm");
-        assert_eq!(Quantity::text(5e-9, "m"), "0.01 µm");
+        assert_eq!(Quantity::text(5e-9, "m"), "5.00 nm");
+        assert_eq!(Quantity::text(5e-11, "m"), "0.05 nm");
+        assert_eq!(Quantity::text(1234.0, "°"), "1234°");
+        assert_eq!(Quantity::text(-0.0456, "°"), "-0.05°");
         assert_eq!(Quantity::text(123.4, "kg"), "123 kg");
         assert_eq!(Quantity::text(f64::NAN, "J"), "NaN J");
     }
