@@ -92,7 +92,7 @@ fn json_has_every_key_and_no_other() {
     assert_eq!(sorted(&keys(&metrics["ms_per_step"])), "median p95 total");
     assert_eq!(sorted(&keys(&metrics["energy"])), "end max_relative_drift start");
     assert_eq!(sorted(&keys(&metrics["truth"])), "error fails_above name uncertainty unit");
-    assert_eq!(sorted(&keys(&metrics["counts"])), "pairs row_updates");
+    assert_eq!(sorted(&keys(&metrics["counts"])), "axes_tested pairs row_updates");
     assert_eq!(sorted(&keys(&metrics["momentum"])), "angular_max_relative_drift linear_max_relative_drift");
     assert_eq!(keys(&metrics["joint_gaps"]), "ball");
     assert_eq!(sorted(&keys(&metrics["joint_gaps"]["ball"])), "gap_m tilt_rad");

@@ -6,7 +6,8 @@
 //! too and the others normalised, and the vertices of a shape when it is made.
 //!
 //! The first few are compared in one sweep of wide instructions; those after them are chained by
-//! their x, so that the thousand axes of two fine hulls cost no million comparisons.
+//! cells of x and y, so that the thousand axes of two fine hulls cost no million comparisons. Cells are at least ε
+//! wide: what is near a vector lies in its cell or in one of the eight around it, however large ε is.
 
 use nalgebra::Vector3;
 
@@ -18,8 +19,8 @@ const SWEPT: usize = 24;
 /// Vectors in one run of the sweep, which ends after a run that has one near.
 const RUN: usize = 8;
 
-/// Chains by x.
-const CHAINS: usize = 1024;
+/// Most cells along x, and along y.
+const MOST_CELLS: usize = 32;
 
 /// End of a chain.
 const END: u32 = u32::MAX;
@@ -29,14 +30,16 @@ const END: u32 = u32::MAX;
 pub(crate) struct VectorSet {
     epsilon: f64,
     merge_opposites: bool,
-    /// Chains in a unit of x.
+    /// Cells along x, and along y.
+    cells: usize,
+    /// Cells in a unit of x.
     scale: f64,
     vectors: Vec<Vector3<f64>>,
     /// The first of them by components, the rest of the row beyond reach of any.
     swept: [[f64; SWEPT]; 3],
     /// Next in the chain of each vector after those.
     next: Vec<u32>,
-    /// First in each chain; made when first needed.
+    /// First in the chain of each cell; made when first needed.
     first: Vec<u32>,
 }
 
@@ -46,7 +49,8 @@ impl Default for VectorSet {
         Self {
             epsilon: 0.0,
             merge_opposites: false,
-            scale: CHAINS as f64 / 2.0,
+            cells: MOST_CELLS,
+            scale: MOST_CELLS as f64 / 2.0,
             vectors: Vec::new(),
             swept: [[f64::INFINITY; SWEPT]; 3],
             next: Vec::new(),
@@ -61,7 +65,8 @@ impl VectorSet {
     pub fn reset(&mut self, epsilon: f64, merge_opposites: bool, reach: f64) {
         self.epsilon = epsilon;
         self.merge_opposites = merge_opposites;
-        self.scale = CHAINS as f64 / (2.0 * reach);
+        self.cells = ((2.0 * reach / epsilon) as usize).clamp(1, MOST_CELLS);
+        self.scale = self.cells as f64 / (2.0 * reach);
         self.vectors.clear();
         self.swept = [[f64::INFINITY; SWEPT]; 3];
         if !self.next.is_empty() {
@@ -87,10 +92,10 @@ impl VectorSet {
                 self.swept[axis][index] = vector[axis];
             }
         } else {
-            self.first.resize(CHAINS, END);
-            let chain = self.chain(vector.x);
-            self.next.push(self.first[chain]);
-            self.first[chain] = index as u32;
+            self.first.resize(self.cells * self.cells, END);
+            let cell = self.column(vector.x) * self.cells + self.column(vector.y);
+            self.next.push(self.first[cell]);
+            self.first[cell] = index as u32;
         }
         self.vectors.push(vector);
         true
@@ -137,8 +142,8 @@ impl VectorSet {
     }
 
     fn is_near_chained(&self, vector: &Vector3<f64>) -> bool {
-        (self.chain(vector.x - self.epsilon)..=self.chain(vector.x + self.epsilon)).any(|chain| {
-            let mut index = self.first[chain];
+        self.cells_near(vector).any(|cell| {
+            let mut index = self.first[cell];
             while index != END {
                 let apart = self.vectors[index as usize] - vector;
                 if apart.x.abs() + apart.y.abs() + apart.z.abs() <= self.epsilon {
@@ -150,10 +155,21 @@ impl VectorSet {
         })
     }
 
-    /// Chain of an x; those beyond the reach fall in the outermost.
+    /// The cells that vectors within ε may be in.
     #[inline]
-    fn chain(&self, x: f64) -> usize {
-        let chain = x * self.scale + CHAINS as f64 / 2.0;
-        (chain.max(0.0) as usize).min(CHAINS - 1)
+    pub fn cells_near(&self, vector: &Vector3<f64>) -> impl Iterator<Item = usize> + use<> {
+        let [across, along] = [vector.x, vector.y].map(|at| {
+            let [from, to] = [at - self.epsilon, at + self.epsilon].map(|at| self.column(at));
+            from..=to
+        });
+        let cells = self.cells;
+        across.flat_map(move |x| along.clone().map(move |y| x * cells + y))
+    }
+
+    /// The column of cells of an x, or the row of a y; those beyond the reach fall in the outermost.
+    #[inline]
+    fn column(&self, at: f64) -> usize {
+        let column = at * self.scale + 0.5 * self.cells as f64;
+        (column.max(0.0) as usize).min(self.cells - 1)
     }
 }

@@ -35,6 +35,27 @@ fn keeps_what_a_plain_search_keeps() {
     }
 }
 
+/// Of a thousand directions, as two fine hulls give: what makes a search slow at a large ε is cells, not vectors.
+#[test]
+fn no_search_looks_into_more_than_nine_cells_nor_at_many_vectors() {
+    let mut random = Random::new(2);
+    let directions: Vec<_> = (0..1300).map(|_| random.direction()).collect();
+    let mut set = VectorSet::default();
+    for epsilon in [0.0, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5] {
+        set.reset(epsilon, false, 1.0);
+        let (mut cells, mut most) = (0, 0);
+        for direction in &directions {
+            let near: Vec<_> = set.cells_near(direction).collect();
+            cells += near.len();
+            most = most.max(near.len());
+            set.insert(*direction);
+        }
+        assert!(most <= 9, "ε {epsilon}: {most} cells");
+        // Where cells are much larger than ε, most reach into no other.
+        assert!(epsilon > 0.001 || cells < 14 * directions.len() / 10, "ε {epsilon}: {cells} cells");
+    }
+}
+
 #[test]
 fn epsilon_is_in_the_l1_norm_and_inclusive() {
     let mut set = VectorSet::default();
