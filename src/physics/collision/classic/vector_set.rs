@@ -9,6 +9,8 @@
 //! cells of x and y, so that the thousand axes of two fine hulls cost no million comparisons. Cells are at least ε
 //! wide: what is near a vector lies in its cell or in one of the eight around it, however large ε is.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 
 use crate::physics::collision::constants::LEAST_AXIS;
@@ -142,28 +144,26 @@ impl VectorSet {
     }
 
     fn is_near_chained(&self, vector: &Vector3<f64>) -> bool {
-        self.cells_near(vector).any(|cell| {
-            let mut index = self.first[cell];
-            while index != END {
-                let apart = self.vectors[index as usize] - vector;
-                if apart.x.abs() + apart.y.abs() + apart.z.abs() <= self.epsilon {
-                    return true;
+        let [columns, rows] = self.cells_near(vector);
+        for column in columns {
+            for row in rows.clone() {
+                let mut index = self.first[column * self.cells + row];
+                while index != END {
+                    let apart = self.vectors[index as usize] - vector;
+                    if apart.x.abs() + apart.y.abs() + apart.z.abs() <= self.epsilon {
+                        return true;
+                    }
+                    index = self.next[index as usize - SWEPT];
                 }
-                index = self.next[index as usize - SWEPT];
             }
-            false
-        })
+        }
+        false
     }
 
-    /// The cells that vectors within ε may be in.
+    /// The columns and rows of the cells that vectors within ε may be in.
     #[inline]
-    pub fn cells_near(&self, vector: &Vector3<f64>) -> impl Iterator<Item = usize> + use<> {
-        let [across, along] = [vector.x, vector.y].map(|at| {
-            let [from, to] = [at - self.epsilon, at + self.epsilon].map(|at| self.column(at));
-            from..=to
-        });
-        let cells = self.cells;
-        across.flat_map(move |x| along.clone().map(move |y| x * cells + y))
+    pub fn cells_near(&self, vector: &Vector3<f64>) -> [Range<usize>; 2] {
+        [vector.x, vector.y].map(|at| self.column(at - self.epsilon)..self.column(at + self.epsilon) + 1)
     }
 
     /// The column of cells of an x, or the row of a y; those beyond the reach fall in the outermost.

@@ -45,9 +45,10 @@ fn no_search_looks_into_more_than_nine_cells() {
         set.reset(epsilon, false, 1.0);
         let (mut cells, mut most) = (0, 0);
         for direction in &directions {
-            let near: Vec<_> = set.cells_near(direction).collect();
-            cells += near.len();
-            most = most.max(near.len());
+            let [columns, rows] = set.cells_near(direction);
+            let near = columns.len() * rows.len();
+            cells += near;
+            most = most.max(near);
             set.insert(*direction);
         }
         assert!(most <= 9, "ε {epsilon}: {most} cells");
