@@ -5,9 +5,9 @@
 //! separating axis test, where vectors near zero (cross products of parallel edges) are dropped
 //! too and the others normalised, and the vertices of a shape when it is made.
 //!
-//! The first few are compared in one sweep of wide instructions; those after them are chained by
-//! cells of x and y, so that the thousand axes of two fine hulls cost no million comparisons. Cells are at least ε
-//! wide: what is near a vector lies in its cell or in one of the eight around it, however large ε is.
+//! The first few are compared in one sweep of wide instructions; those after them are listed in
+//! the cells of x and y that are within ε of them, so that the thousand axes of two fine hulls cost no million
+//! comparisons: a search looks into one cell. Cells are at least ε wide, and nothing is listed in more than nine.
 
 use std::ops::Range;
 
@@ -24,7 +24,7 @@ const RUN: usize = 8;
 /// Most cells along x, and along y.
 const MOST_CELLS: usize = 32;
 
-/// End of a chain.
+/// End of a list.
 const END: u32 = u32::MAX;
 
 /// A set of vectors in which no two are within ε of each other.
@@ -39,9 +39,9 @@ pub(crate) struct VectorSet {
     vectors: Vec<Vector3<f64>>,
     /// The first of them by components, the rest of the row beyond reach of any.
     swept: [[f64; SWEPT]; 3],
-    /// Next in the chain of each vector after those.
-    next: Vec<u32>,
-    /// First in the chain of each cell; made when first needed.
+    /// The others, once for each cell in reach of them: which it is, and the next entry of the cell.
+    entries: Vec<[u32; 2]>,
+    /// First entry of each cell; made when first needed.
     first: Vec<u32>,
 }
 
@@ -55,7 +55,7 @@ impl Default for VectorSet {
             scale: MOST_CELLS as f64 / 2.0,
             vectors: Vec::new(),
             swept: [[f64::INFINITY; SWEPT]; 3],
-            next: Vec::new(),
+            entries: Vec::new(),
             first: Vec::new(),
         }
     }
@@ -71,8 +71,8 @@ impl VectorSet {
         self.scale = self.cells as f64 / (2.0 * reach);
         self.vectors.clear();
         self.swept = [[f64::INFINITY; SWEPT]; 3];
-        if !self.next.is_empty() {
-            self.next.clear();
+        if !self.entries.is_empty() {
+            self.entries.clear();
             self.first.clear();
         }
     }
@@ -95,9 +95,14 @@ impl VectorSet {
             }
         } else {
             self.first.resize(self.cells * self.cells, END);
-            let cell = self.column(vector.x) * self.cells + self.column(vector.y);
-            self.next.push(self.first[cell]);
-            self.first[cell] = index as u32;
+            let [columns, rows] = self.cells_near(&vector);
+            for column in columns {
+                for row in rows.clone() {
+                    let first = &mut self.first[column * self.cells + row];
+                    self.entries.push([index as u32, *first]);
+                    *first = self.entries.len() as u32 - 1;
+                }
+            }
         }
         self.vectors.push(vector);
         true
@@ -119,7 +124,7 @@ impl VectorSet {
     #[inline]
     pub fn has_near(&self, vector: &Vector3<f64>) -> bool {
         self.is_near_swept(vector)
-            || (!self.next.is_empty()
+            || (!self.entries.is_empty()
                 && (self.is_near_chained(vector) || (self.merge_opposites && self.is_near_chained(&-vector))))
     }
 
@@ -144,18 +149,14 @@ impl VectorSet {
     }
 
     fn is_near_chained(&self, vector: &Vector3<f64>) -> bool {
-        let [columns, rows] = self.cells_near(vector);
-        for column in columns {
-            for row in rows.clone() {
-                let mut index = self.first[column * self.cells + row];
-                while index != END {
-                    let apart = self.vectors[index as usize] - vector;
-                    if apart.x.abs() + apart.y.abs() + apart.z.abs() <= self.epsilon {
-                        return true;
-                    }
-                    index = self.next[index as usize - SWEPT];
-                }
+        let mut entry = self.first[self.column(vector.x) * self.cells + self.column(vector.y)];
+        while entry != END {
+            let [index, next] = self.entries[entry as usize];
+            let apart = self.vectors[index as usize] - vector;
+            if apart.x.abs() + apart.y.abs() + apart.z.abs() <= self.epsilon {
+                return true;
             }
+            entry = next;
         }
         false
     }
