@@ -92,7 +92,7 @@ fn json_has_every_key_and_no_other() {
     assert_eq!(sorted(&keys(&metrics["ms_per_step"])), "median p95 total");
     assert_eq!(sorted(&keys(&metrics["energy"])), "end max_relative_drift start");
     assert_eq!(sorted(&keys(&metrics["truth"])), "error fails_above name uncertainty unit");
-    assert_eq!(sorted(&keys(&metrics["counts"])), "pairs row_updates");
+    assert_eq!(sorted(&keys(&metrics["counts"])), "axes_tested pairs row_updates");
     assert_eq!(sorted(&keys(&metrics["momentum"])), "angular_max_relative_drift linear_max_relative_drift");
     assert_eq!(keys(&metrics["joint_gaps"]), "ball");
     assert_eq!(sorted(&keys(&metrics["joint_gaps"]["ball"])), "gap_m tilt_rad");
@@ -388,7 +388,20 @@ fn refuses_what_a_user_wrote_and_the_method_does_not_read() {
         (
             "(method: pgs, axis_epsilon: 0.1)",
             ":1:15:",
-            ["axis_epsilon: pgs reads it only with contacts: extreme_vertices", "leave it out or set that too"],
+            [
+                "axis_epsilon: pgs reads it only with contacts: extreme_vertices or single_point",
+                "leave it out or set that too",
+            ],
+        ),
+        (
+            "(method: pgs, contacts: single_point, contacts_ahead: true)",
+            ":1:39:",
+            ["contacts_ahead: pgs reads it only with contacts: clipping", "leave it out or set that too"],
+        ),
+        (
+            "(method: soft_step, nonlinear_projection: true)",
+            ":1:21:",
+            ["nonlinear_projection: soft_step", "only pgs, cg_pgs, nncg, joint_space do"],
         ),
     ] {
         let (_folder, path) = file("s.ron", text);

@@ -19,4 +19,5 @@ mod settings_page;
 mod stability;
 mod standing;
 mod sweeps;
+mod the_2009_engine;
 mod truth;

@@ -115,6 +115,20 @@ fn a_box_on_a_slope_sticks_or_slides() {
 }
 
 #[test]
+fn what_slides_on_any_number_of_points_follows_the_same_answer() {
+    for points in [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 64.0] {
+        for (theta, slides) in [(30.0, true), (20.0, false)] {
+            let parameters = [("theta".to_owned(), theta), ("points".to_owned(), points)];
+            let plan = Plan::new("incline", &parameters, SolverSettings::accurate(), Some(1.0)).unwrap();
+            let metrics = measure(&plan, |_| Ok::<(), Infallible>(())).unwrap();
+            let error = metrics.truth.unwrap().error;
+            assert!(error < 1e-9, "{points} points, {theta} degrees: off by {error} m");
+            assert_eq!(metrics.drift_max_m > 0.5, slides, "{points} points, {theta} degrees");
+        }
+    }
+}
+
+#[test]
 fn a_thrown_ball_slides_then_rolls() {
     let scene = scene("slide_roll", &[]);
     let rolls_from = 2.0 * 5.0 / (7.0 * 0.3 * 9.81);

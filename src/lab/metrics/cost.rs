@@ -22,6 +22,8 @@ pub struct StepCounts {
     pub row_updates: u64,
     /// Pairs that the narrow phase tested.
     pub pairs: u32,
+    /// Axes along which it measured pairs.
+    pub axes_tested: u64,
 }
 
 /// What the exact method had to do beside its steps, over a run.
@@ -45,7 +47,7 @@ impl ExactCounts {
 
 impl StepCounts {
     pub(super) fn of(stats: &StepStats) -> Self {
-        Self { row_updates: stats.row_updates, pairs: stats.pairs }
+        Self { row_updates: stats.row_updates, pairs: stats.pairs, axes_tested: stats.axes_tested }
     }
 }
 

@@ -3,9 +3,10 @@
 //! Contacts are found once a step, at the poses of its start. One that is found only when it overlaps is found up to a
 //! step's way too late; one across a gap has a negative depth, and its row lets the gap close and no more.
 //!
-//! - **Extreme vertices**: 0. The 2009 engine's contacts are of what overlaps.
-//! - **Force-level rows, over a half-space, without restitution**: how far the body falls to the plane in the step. A
-//!   plane has one normal. What bounces needs the approach that a row across the gap would take away.
+//! - **Extreme vertices**, one or all: 0. The 2009 engine's contacts are of what overlaps.
+//! - **Force-level rows with `contacts_ahead`, over a half-space, without restitution**: how far the body falls to the
+//!   plane in the step. A plane has one normal. What bounces needs the approach that a row across the gap would take
+//!   away.
 //! - **Force-level rows, all others**: 0. The normal across a gap between bodies that pass beside each other would stop
 //!   them.
 //! - **Contacts that last**: [`SPECULATIVE_MARGIN`] of the smaller radius, and what both can close in the step. The
@@ -31,7 +32,8 @@ pub(super) fn contact_gap(a: &Body, b: &Body, settings: &SolverSettings) -> f64 
         return SPECULATIVE_MARGIN * a.radius.min(b.radius) + fastest_approach(a, b) * h;
     }
     let is_over_plane = matches!(a.geometry, Some(Geometry::HalfSpace));
-    if !is_over_plane || settings.contact_model() != ContactModel::Clipping || may_bounce(a, b) {
+    let is_ahead = settings.sweeps.contacts == ContactModel::Clipping && settings.sweeps.contacts_ahead;
+    if !is_over_plane || !is_ahead || may_bounce(a, b) {
         return 0.0;
     }
     let normal = a.rotation * Vector3::y();

@@ -151,6 +151,8 @@ pub(super) fn touch(
 ) -> Option<Overlap> {
     match settings.contact_model() {
         ContactModel::Clipping => contact_pair::touch(a, b, contact_gap(a, b, settings), &mut buffers.search, points),
-        ContactModel::ExtremeVertices => extreme_vertices::touch(a, b, settings, &mut buffers.axes, points),
+        ContactModel::ExtremeVertices | ContactModel::SinglePoint => {
+            extreme_vertices::touch(a, b, settings, &mut buffers.axes, points)
+        }
     }
 }

@@ -58,6 +58,9 @@ choices! {
         /// over a set of axes, and for points the extreme vertices of each shape toward the other, moved onto the
         /// contact plane, all with the same depth.
         ExtremeVertices = "extreme_vertices",
+        /// As `extreme_vertices`, but one point only: the foremost of these vertices that lies in the other shape. What
+        /// the 2009 document advises against.
+        SinglePoint = "single_point",
         /// Pairs from a tree of boxes a little larger than their bodies, each in a slot for as long as it is near; for
         /// points the incident face clipped to the reference face, each with its own depth; at most 4, chosen to keep
         /// the deepest one and the area.
@@ -83,6 +86,13 @@ choices! {
         F32 = "f32",
         /// Double precision.
         F64 = "f64",
+    }
+}
+
+impl ContactModel {
+    /// Whether contacts are found in the 2009 engine's way, however many points are kept.
+    pub(crate) fn is_of_2009(self) -> bool {
+        self != Self::Clipping
     }
 }
 

@@ -16,7 +16,11 @@ const IMPULSE: Readers = Readers { methods: Method::keeps_contacts, with: None }
 const SOFT_STEP: Readers = Readers { methods: |method| method == Method::SoftStep, with: None };
 const EXACT: Readers = Readers { methods: |method| method == Method::Exact, with: None };
 const AT_EXTREMES: Readers = Readers {
-    with: Some(("contacts: extreme_vertices", |settings| settings.sweeps.contacts == ContactModel::ExtremeVertices)),
+    with: Some(("contacts: extreme_vertices or single_point", |settings| settings.sweeps.contacts.is_of_2009())),
+    ..SWEEPS
+};
+const CLIPPED: Readers = Readers {
+    with: Some(("contacts: clipping", |settings| settings.sweeps.contacts == ContactModel::Clipping)),
     ..SWEEPS
 };
 
@@ -60,10 +64,16 @@ settings! {
             /// instead of from zero.
             warm_starting: bool => SWEEPS;
             /// Share of a position error that one (sub)step aims to remove, 0 to 1 (Baumgarte's β·h, or ODE's error
-            /// reduction parameter).
+            /// reduction parameter); with `nonlinear_projection` the share that one sweep over the poses removes.
             baumgarte: f64 => SWEEPS;
+            /// Whether poses are moved out of their errors on their own at the end of each (sub)step, in as many sweeps
+            /// as over the forces, instead of by velocities. Drives with a largest force keep to velocities.
+            nonlinear_projection: bool => SWEEPS;
             /// How contacts are found.
             contacts: ContactModel => SWEEPS;
+            /// Whether what is above a half-space gets contacts across the gap that it may close in the step, instead of
+            /// when it overlaps.
+            contacts_ahead: bool => CLIPPED;
             /// L1 distance within which two candidate axes of the separating axis test count as one, 0 to 0.5.
             axis_epsilon: f64 => AT_EXTREMES;
             /// Whether n and −n count as one candidate axis.
@@ -187,7 +197,9 @@ impl SolverSettings {
                 integrator: Integrator::Euler,
                 warm_starting: false,
                 baumgarte: 0.35,
+                nonlinear_projection: false,
                 contacts: ContactModel::ExtremeVertices,
+                contacts_ahead: false,
                 axis_epsilon: 1e-3,
                 merge_opposite_axes: false,
                 prune_y: false,
@@ -214,6 +226,7 @@ impl SolverSettings {
                 warm_starting: true,
                 baumgarte: 0.2,
                 contacts: ContactModel::Clipping,
+                contacts_ahead: true,
                 merge_opposite_axes: true,
                 prune_y: true,
                 ..classic.sweeps
@@ -318,7 +331,7 @@ pub(crate) fn contacts_last(settings: Res<SolverSettings>) -> bool {
 
 /// Run condition of what is for contacts of the 2009 way alone.
 pub(crate) fn contacts_are_of_2009(settings: Res<SolverSettings>) -> bool {
-    settings.contact_model() == ContactModel::ExtremeVertices
+    settings.contact_model().is_of_2009()
 }
 
 /// Why settings make no sense.

@@ -1,5 +1,7 @@
 //! Friction: `incline`, `slide_roll`, `rolling`, `painleve`.
 
+use std::f64::consts::TAU;
+
 use bevy::math::{DQuat, DVec3};
 
 use super::gravity::{EARTH, EARTH_G};
@@ -10,28 +12,16 @@ use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
 pub(super) const INCLINE: SceneInfo = SceneInfo {
     name: "incline",
-    about: "a box 2 x 0.5 x 1 m at rest, its long side down a slope (level ground, gravity turned toward +x)",
+    about: "a box 2 x 0.5 x 1 m at rest, its long side down a slope (level ground, gravity turned toward +x), or a prism",
     truth: "closed form: sticks if tan theta < mu, else s = 1/2 g (sin theta - mu cos theta) t^2",
     parameters: &[
         Parameter::real("theta", "angle of the slope, degrees", 30.0, 0.0, 85.0),
         Parameter::real("mu", "friction of the pair", 0.4, 0.0, 10.0),
+        Parameter::whole("points", "corners that it stands on: 4 of the box, else of a prism", 4.0, 1.0, 64.0),
     ],
     seconds: 2.0,
     bodies: |_| 2.0,
-    build: |values| {
-        let (sin, cos) = values[0].to_radians().sin_cos();
-        let friction = values[1];
-        let mut scene = SceneSpec::new("incline", EARTH_G * DVec3::new(sin, -cos, 0.0));
-        let shape = ShapeSpec::Cuboid { size: DVec3::new(2.0, 0.5, 1.0) };
-        scene.bodies.push(BodySpec::ground().with_material(friction, 0.0).with_color(palette::GROUND));
-        scene.bodies.push(
-            BodySpec::new("box", shape, DVec3::new(0.0, 0.25, 0.0))
-                .with_material(friction, 0.0)
-                .with_color(palette::ORANGE),
-        );
-        scene.view = Some(ViewSpec::framing(DVec3::new(2.0, 0.25, 0.0), 3.5, DVec3::new(0.2, 0.35, 1.0)));
-        scene
-    },
+    build: |values| build_incline(values[0], values[1], values[2] as usize),
 };
 
 pub(super) const SLIDE_ROLL: SceneInfo = SceneInfo {
@@ -78,6 +68,47 @@ pub(super) const PAINLEVE: SceneInfo = SceneInfo {
     bodies: |_| 2.0,
     build: |values| build_painleve(values[0], values[1]),
 };
+
+fn build_incline(theta_degrees: f64, friction: f64, points: usize) -> SceneSpec {
+    let (sin, cos) = theta_degrees.to_radians().sin_cos();
+    let mut scene = SceneSpec::new("incline", EARTH_G * DVec3::new(sin, -cos, 0.0));
+    let (shape, height) = slider(points);
+    // What stands on one or two points would fall over.
+    let rotation = [points < 3; 3];
+    scene.bodies.push(BodySpec::ground().with_material(friction, 0.0).with_color(palette::GROUND));
+    scene.bodies.push(BodySpec {
+        locked: LockedAxes { rotation, ..LockedAxes::default() },
+        ..BodySpec::new("box", shape, DVec3::new(0.0, height, 0.0))
+            .with_material(friction, 0.0)
+            .with_color(palette::ORANGE)
+    });
+    scene.view = Some(ViewSpec::framing(DVec3::new(2.0, 0.25, 0.0), 3.5, DVec3::new(0.2, 0.35, 1.0)));
+    scene
+}
+
+/// What stands on so many corners, and how high its centre is then, m: a ball, a wedge on its edge, the box, or a prism
+/// so flat that it does not fall over on any slope.
+fn slider(points: usize) -> (ShapeSpec, f64) {
+    const RADIUS: f64 = 0.8;
+    const HALF_HEIGHT: f64 = 0.1;
+    match points {
+        1 => (ShapeSpec::Sphere { radius: 0.5 }, 0.5),
+        2 => {
+            let ends = [-0.5, 0.5].into_iter();
+            let wedge = ends.flat_map(|z| [(0.0, -0.2), (-0.4, 0.1), (0.4, 0.1)].map(|(x, y)| DVec3::new(x, y, z)));
+            (ShapeSpec::hull(wedge.collect::<Vec<_>>()), 0.2)
+        }
+        4 => (ShapeSpec::Cuboid { size: DVec3::new(2.0, 0.5, 1.0) }, 0.25),
+        _ => {
+            let corner = |index: usize, y: f64| {
+                let (sin, cos) = (TAU * index as f64 / points as f64).sin_cos();
+                DVec3::new(RADIUS * cos, y, RADIUS * sin)
+            };
+            let corners = (0..points).flat_map(|index| [-HALF_HEIGHT, HALF_HEIGHT].map(|y| corner(index, y)));
+            (ShapeSpec::hull(corners.collect::<Vec<_>>()), HALF_HEIGHT)
+        }
+    }
+}
 
 fn build_rolling(angle: f64) -> SceneSpec {
     const PUSH: f64 = 150.0;

@@ -9,9 +9,9 @@ use nalgebra::Vector3;
 
 use super::placed::Placed;
 use super::sat::{self, AxisBuffers};
-use crate::physics::collision::constants::EXTREME_SHARE;
+use crate::physics::collision::constants::{CONTACT_TOLERANCE, EXTREME_SHARE};
 use crate::physics::collision::manifold::Overlap;
-use crate::physics::{Body, ContactPoint, FeatureId, Geometry, SolverSettings};
+use crate::physics::{Body, ContactModel, ContactPoint, FeatureId, Geometry, SolverSettings};
 
 /// Adds the contact points of two bodies in world axes, if they overlap.
 pub(crate) fn touch(
@@ -25,7 +25,11 @@ pub(crate) fn touch(
     let (shape_a, shape_b) = (Placed::new(a, &origin)?, Placed::new(b, &origin)?);
     let overlap = sat::overlap(&shape_a, &shape_b, &settings.sweeps, buffers)?;
     let first = points.len();
-    contact_points(&shape_a, &shape_b, &overlap, points);
+    if settings.contact_model() == ContactModel::SinglePoint {
+        points.extend(single_point(&shape_a, &shape_b, &overlap));
+    } else {
+        contact_points(&shape_a, &shape_b, &overlap, points);
+    }
     for point in &mut points[first..] {
         point.point += origin;
     }
@@ -46,4 +50,23 @@ fn contact_points(a: &Placed, b: &Placed, overlap: &Overlap, points: &mut Vec<Co
     b.for_each_extreme(&-normal, EXTREME_SHARE * b.radius, |index, vertex| {
         add(vertex + normal * depth, FeatureId::of_vertex(true, index));
     });
+}
+
+/// The one point of an overlap, relative to body A: the foremost vertex that lies in the other shape, or if none does,
+/// where edges cross, the foremost of all. Of vertices as far the first, A's before B's.
+fn single_point(a: &Placed, b: &Placed, overlap: &Overlap) -> Option<ContactPoint> {
+    let Overlap { normal, depth } = *overlap;
+    let mut best: Option<(bool, f64, ContactPoint)> = None;
+    for (of_b, shape, other, direction) in [(false, a, b, normal), (true, b, a, -normal)] {
+        let reach = shape.project(&direction)[1];
+        shape.for_each_extreme(&direction, EXTREME_SHARE * shape.radius, |index, vertex| {
+            let is_outside = !other.holds(&vertex, CONTACT_TOLERANCE * shape.radius);
+            let behind = reach - vertex.dot(&direction);
+            if best.as_ref().is_none_or(|&(outside, least, _)| (is_outside, behind) < (outside, least)) {
+                let (point, feature) = (vertex - direction * depth, FeatureId::of_vertex(of_b, index));
+                best = Some((is_outside, behind, ContactPoint { point, depth, feature }));
+            }
+        });
+    }
+    best.map(|(.., point)| point)
 }

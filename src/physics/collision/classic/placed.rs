@@ -101,6 +101,17 @@ impl<'a> Placed<'a> {
         }
     }
 
+    /// Whether a point lies in the shape, or no farther outside than the tolerance.
+    pub fn holds(&self, point: &Vector3<f64>, tolerance: f64) -> bool {
+        match self.geometry {
+            Geometry::HalfSpace => (point - self.center).dot(&self.plane_normal()) <= tolerance,
+            Geometry::Sphere { radius } => (point - self.center).norm() <= radius + tolerance,
+            Geometry::Cuboid { .. } | Geometry::Hull(_) | Geometry::Cone { .. } => {
+                (point - self.nearest(point)).norm() <= tolerance
+            }
+        }
+    }
+
     /// Calls `visit` with the index and place of every vertex that lies within `tolerance` of the
     /// farthest along a unit direction. A ball's one extreme point counts as a vertex; a
     /// half-space has none.

@@ -5,8 +5,11 @@
 //! separating axis test, where vectors near zero (cross products of parallel edges) are dropped
 //! too and the others normalised, and the vertices of a shape when it is made.
 //!
-//! The first few are compared in one sweep of wide instructions; those after them are chained by
-//! their x, so that the thousand axes of two fine hulls cost no million comparisons.
+//! The first few are compared in one sweep of wide instructions; those after them are listed in
+//! the cells of x and y that are within ε of them, so that the thousand axes of two fine hulls cost no million
+//! comparisons: a search looks into one cell. Cells are at least ε wide, and nothing is listed in more than nine.
+
+use std::ops::Range;
 
 use nalgebra::Vector3;
 
@@ -18,10 +21,10 @@ const SWEPT: usize = 24;
 /// Vectors in one run of the sweep, which ends after a run that has one near.
 const RUN: usize = 8;
 
-/// Chains by x.
-const CHAINS: usize = 1024;
+/// Most cells along x, and along y.
+const MOST_CELLS: usize = 32;
 
-/// End of a chain.
+/// End of a list.
 const END: u32 = u32::MAX;
 
 /// A set of vectors in which no two are within ε of each other.
@@ -29,14 +32,16 @@ const END: u32 = u32::MAX;
 pub(crate) struct VectorSet {
     epsilon: f64,
     merge_opposites: bool,
-    /// Chains in a unit of x.
+    /// Cells along x, and along y.
+    cells: usize,
+    /// Cells in a unit of x.
     scale: f64,
     vectors: Vec<Vector3<f64>>,
     /// The first of them by components, the rest of the row beyond reach of any.
     swept: [[f64; SWEPT]; 3],
-    /// Next in the chain of each vector after those.
-    next: Vec<u32>,
-    /// First in each chain; made when first needed.
+    /// The others, once for each cell in reach of them: which it is, and the next entry of the cell.
+    entries: Vec<[u32; 2]>,
+    /// First entry of each cell; made when first needed.
     first: Vec<u32>,
 }
 
@@ -46,10 +51,11 @@ impl Default for VectorSet {
         Self {
             epsilon: 0.0,
             merge_opposites: false,
-            scale: CHAINS as f64 / 2.0,
+            cells: MOST_CELLS,
+            scale: MOST_CELLS as f64 / 2.0,
             vectors: Vec::new(),
             swept: [[f64::INFINITY; SWEPT]; 3],
-            next: Vec::new(),
+            entries: Vec::new(),
             first: Vec::new(),
         }
     }
@@ -61,11 +67,12 @@ impl VectorSet {
     pub fn reset(&mut self, epsilon: f64, merge_opposites: bool, reach: f64) {
         self.epsilon = epsilon;
         self.merge_opposites = merge_opposites;
-        self.scale = CHAINS as f64 / (2.0 * reach);
+        self.cells = ((2.0 * reach / epsilon) as usize).clamp(1, MOST_CELLS);
+        self.scale = self.cells as f64 / (2.0 * reach);
         self.vectors.clear();
         self.swept = [[f64::INFINITY; SWEPT]; 3];
-        if !self.next.is_empty() {
-            self.next.clear();
+        if !self.entries.is_empty() {
+            self.entries.clear();
             self.first.clear();
         }
     }
@@ -87,10 +94,15 @@ impl VectorSet {
                 self.swept[axis][index] = vector[axis];
             }
         } else {
-            self.first.resize(CHAINS, END);
-            let chain = self.chain(vector.x);
-            self.next.push(self.first[chain]);
-            self.first[chain] = index as u32;
+            self.first.resize(self.cells * self.cells, END);
+            let [columns, rows] = self.cells_near(&vector);
+            for column in columns {
+                for row in rows.clone() {
+                    let first = &mut self.first[column * self.cells + row];
+                    self.entries.push([index as u32, *first]);
+                    *first = self.entries.len() as u32 - 1;
+                }
+            }
         }
         self.vectors.push(vector);
         true
@@ -112,7 +124,7 @@ impl VectorSet {
     #[inline]
     pub fn has_near(&self, vector: &Vector3<f64>) -> bool {
         self.is_near_swept(vector)
-            || (!self.next.is_empty()
+            || (!self.entries.is_empty()
                 && (self.is_near_chained(vector) || (self.merge_opposites && self.is_near_chained(&-vector))))
     }
 
@@ -137,23 +149,28 @@ impl VectorSet {
     }
 
     fn is_near_chained(&self, vector: &Vector3<f64>) -> bool {
-        (self.chain(vector.x - self.epsilon)..=self.chain(vector.x + self.epsilon)).any(|chain| {
-            let mut index = self.first[chain];
-            while index != END {
-                let apart = self.vectors[index as usize] - vector;
-                if apart.x.abs() + apart.y.abs() + apart.z.abs() <= self.epsilon {
-                    return true;
-                }
-                index = self.next[index as usize - SWEPT];
+        let mut entry = self.first[self.column(vector.x) * self.cells + self.column(vector.y)];
+        while entry != END {
+            let [index, next] = self.entries[entry as usize];
+            let apart = self.vectors[index as usize] - vector;
+            if apart.x.abs() + apart.y.abs() + apart.z.abs() <= self.epsilon {
+                return true;
             }
-            false
-        })
+            entry = next;
+        }
+        false
     }
 
-    /// Chain of an x; those beyond the reach fall in the outermost.
+    /// The columns and rows of the cells that vectors within ε may be in.
     #[inline]
-    fn chain(&self, x: f64) -> usize {
-        let chain = x * self.scale + CHAINS as f64 / 2.0;
-        (chain.max(0.0) as usize).min(CHAINS - 1)
+    pub fn cells_near(&self, vector: &Vector3<f64>) -> [Range<usize>; 2] {
+        [vector.x, vector.y].map(|at| self.column(at - self.epsilon)..self.column(at + self.epsilon) + 1)
+    }
+
+    /// The column of cells of an x, or the row of a y; those beyond the reach fall in the outermost.
+    #[inline]
+    fn column(&self, at: f64) -> usize {
+        let column = at * self.scale + 0.5 * self.cells as f64;
+        (column.max(0.0) as usize).min(self.cells - 1)
     }
 }

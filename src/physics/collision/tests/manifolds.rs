@@ -282,6 +282,33 @@ fn extreme_vertices_on_the_ground_end_up_on_it() {
     assert_eq!(cone.len(), 24, "the whole base");
 }
 
+/// The single point is the foremost vertex in the other body: of the cube, not a corner of the slab far away; among
+/// those as far the first; and the lowest corner once it tilts.
+#[test]
+fn a_single_point_is_the_foremost_vertex_in_the_other_body() {
+    let single = |a: &Body, b: &Body| {
+        let (overlap, points) = touch(a, b, &exact(ContactModel::SinglePoint)).expect("touch");
+        assert_eq!((points.len(), points[0].depth), (1, overlap.depth));
+        points.into_iter().next().expect("a point")
+    };
+    let ground = upright(&Collider::half_space(), [0.0; 3]);
+    let slab = upright(&Collider::cuboid(20.0, 1.0, 20.0), [0.0, -0.5, 0.0]);
+    for base in [&ground, &slab] {
+        let level = upright(&unit_cube(), [3.0, 0.48, 1.0]);
+        let first =
+            extreme(base, &level).into_iter().find(|point| point.point.x.abs() < 4.0).expect("a corner of the cube");
+        let point = single(base, &level);
+        assert_eq!((point.point, point.feature), (first.point, first.feature));
+        let tilt = UnitQuaternion::from_scaled_axis(Vector3::new(-2e-4, 0.0, 1e-4));
+        let point = single(base, &body(&unit_cube(), Vector3::new(3.0, 0.48, 1.0), tilt));
+        assert_close(point.point, Vector3::new(2.5, 0.0, 0.5), 1e-3);
+    }
+    // Edges that cross hold no vertex of each other: an end of one of them.
+    let quarter = |axis: Vector3<f64>| UnitQuaternion::from_scaled_axis(axis * FRAC_PI_4);
+    let lower = body(&unit_cube(), Vector3::zeros(), quarter(Vector3::z()));
+    single(&lower, &body(&unit_cube(), Vector3::new(0.1, SQRT_2 - 0.02, -0.1), quarter(Vector3::x())));
+}
+
 /// Its documented weakness: the corners of a wide slab count, however far from where the ball is.
 #[test]
 fn extreme_vertices_of_a_slab_under_a_ball_are_its_far_corners() {
@@ -297,7 +324,7 @@ fn extreme_vertices_of_a_slab_under_a_ball_are_its_far_corners() {
 fn points_are_in_world_axes_anywhere() {
     let mut random = Random::new(6);
     let far = Vector3::new(2f64.powi(20), 2f64.powi(21), -2f64.powi(20));
-    for model in [ContactModel::Clipping, ContactModel::ExtremeVertices] {
+    for model in [ContactModel::Clipping, ContactModel::ExtremeVertices, ContactModel::SinglePoint] {
         for _ in 0..200 {
             let [mut a, mut b] = random_pair(&mut random, [1, 2]);
             let turn = random.rotation();

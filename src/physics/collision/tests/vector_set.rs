@@ -35,6 +35,27 @@ fn keeps_what_a_plain_search_keeps() {
     }
 }
 
+/// Among a thousand directions, as two fine hulls give: a search looks into one cell, and whatever ε is, nothing is in
+/// more than nine. Looking into every chain within ε, nearly all empty, cost more than all else once.
+#[test]
+fn no_vector_is_listed_in_more_than_nine_cells() {
+    let mut random = Random::new(2);
+    let directions: Vec<_> = (0..1300).map(|_| random.direction()).collect();
+    let mut set = VectorSet::default();
+    for epsilon in [0.0, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5] {
+        set.reset(epsilon, false, 1.0);
+        let listed = directions.iter().map(|direction| {
+            let [columns, rows] = set.cells_near(direction);
+            columns.len() * rows.len()
+        });
+        let listed: Vec<_> = listed.collect();
+        assert!(listed.iter().all(|cells| (1..=9).contains(cells)), "ε {epsilon}: {listed:?}");
+        // Where cells are much larger than ε, most are within reach of no other.
+        let all: usize = listed.iter().sum();
+        assert!(epsilon > 0.001 || all < 14 * directions.len() / 10, "ε {epsilon}: {all} cells");
+    }
+}
+
 #[test]
 fn epsilon_is_in_the_l1_norm_and_inclusive() {
     let mut set = VectorSet::default();

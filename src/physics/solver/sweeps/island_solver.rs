@@ -7,7 +7,7 @@ use super::integrator;
 use super::local::{LocalBody, LocalJoint, LocalManifold, LocalPoint};
 use super::rows::{body_terms, contact_rows, joint_rows};
 use super::step_terms::StepTerms;
-use super::{cg_pgs, joint_space, nncg, pgs};
+use super::{cg_pgs, joint_space, nncg, pgs, projection};
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::{ContactGraph, Contacts, FeatureId, Pair};
 use crate::physics::constraint::row::{BodyTerms, Row, RowPair, Twist, Wrench};
@@ -180,11 +180,9 @@ impl IslandSolver {
     /// there would drive the body on (a ball at 0.3 m/s had twice its speed after 5 s).
     fn move_points(&mut self) {
         for manifold in &self.manifolds {
-            let [a, b] = [manifold.a, manifold.b].map(|body| &self.bodies[body as usize].body);
+            let ends = [manifold.a, manifold.b].map(|body| &self.bodies[body as usize].body);
             for point in &mut self.points[manifold.points.clone()] {
-                let turned = b.rotation * point.body_arm_b - a.rotation * point.body_arm_a;
-                let offset = b.position - a.position + turned;
-                point.depth = point.found_depth - manifold.found.normal.dot(&(offset - point.found_offset));
+                point.depth = point.depth_between(ends, &manifold.found.normal);
             }
         }
     }
@@ -284,6 +282,12 @@ impl IslandSolver {
         }
     }
 
+    /// Moves the poses, at a time, s, out of their errors.
+    fn project(&mut self, terms: &StepTerms, time: f64) {
+        let Self { bodies, manifolds, points, joints, joint_rows, .. } = self;
+        self.row_updates += projection::project(bodies, (manifolds, points), joints, terms, time, joint_rows);
+    }
+
     /// Writes the group's own bodies and joint forces back.
     pub fn scatter(&self, bodies: &mut [Body], joints: &mut [Joint]) {
         for local in &self.bodies[..self.own] {
@@ -328,6 +332,9 @@ impl<N: Scalar> integrator::System for IslandInStep<'_, N> {
     fn drift(&mut self, h: f64) {
         self.solver.drift(h);
         self.time += h;
+        if self.terms.settings.sweeps.nonlinear_projection {
+            self.solver.project(self.terms, self.time);
+        }
     }
 
     fn move_contacts(&mut self) {

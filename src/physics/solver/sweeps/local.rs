@@ -69,6 +69,15 @@ pub(crate) struct LocalPoint {
     pub impulse: Vector3<f64>,
 }
 
+impl LocalPoint {
+    /// Overlap at the poses that A and B have by now, along the normal with which it was found.
+    pub fn depth_between(&self, [a, b]: [&Body; 2], normal: &Vector3<f64>) -> f64 {
+        let turned = b.rotation * self.body_arm_b - a.rotation * self.body_arm_a;
+        let offset = b.position - a.position + turned;
+        self.found_depth - normal.dot(&(offset - self.found_offset))
+    }
+}
+
 /// A joint between two local bodies.
 #[derive(Clone, Debug)]
 pub(crate) struct LocalJoint {

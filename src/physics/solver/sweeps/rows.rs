@@ -5,6 +5,7 @@ use crate::physics::scalar::Scalar;
 use nalgebra::Vector3;
 
 use super::local::{LocalBody, LocalJoint, LocalManifold, LocalPoint};
+use super::projection;
 use super::step_terms::StepTerms;
 use crate::physics::body::Body;
 use crate::physics::collision::Manifold;
@@ -65,7 +66,7 @@ pub(super) fn contact_rows<N: Scalar>(
         };
         let velocity = b.body.point_velocity(arm_b) - a.body.point_velocity(arm_a);
         let greatest = step.greatest_push(point.depth);
-        let mut bias = penetration_bias(point.depth, step.settings.slop, step.error_rate, greatest, step.h);
+        let mut bias = penetration_bias(point.depth, step.settings.slop, step.bias_rate, greatest, step.h);
         let approach = -normal.dot(&velocity);
         let parting = rebound(*restitution, approach, restitution_threshold(step.settings));
         if parting > 0.0 {
@@ -159,7 +160,8 @@ pub(super) fn joint_rows<N: Scalar>(
         rows.push(match row.spring {
             None => {
                 let allowed = row.allowed_rate(h, restitution_threshold(step.settings));
-                let error = step.error_rate * (row.error - row.bound.open(row.error));
+                let rate = if projection::is_projected(row) { step.bias_rate } else { step.error_rate };
+                let error = rate * (row.error - row.bound.open(row.error));
                 let bias = allowed - error.clamp(-step.correction_speed, step.correction_speed) - row.time_rate;
                 Row::rigid(a, b, jacobian, N::of(bias), N::of(h), bounds)
             }

@@ -9,6 +9,8 @@ pub(crate) struct StepTerms<'a> {
     pub h: f64,
     /// β: share of an error mended per second of a substep, 1/s.
     pub error_rate: f64,
+    /// The same of what is not mended apart from the velocities; zero where that is.
+    pub bias_rate: f64,
     /// m/s; infinite where there is no limit.
     pub correction_speed: f64,
     /// |g|, m/s².
@@ -23,8 +25,9 @@ impl<'a> StepTerms<'a> {
     pub fn new(settings: &'a SolverSettings, gravity: f64, record_forces: bool, start: f64) -> Self {
         let h = settings.step() / f64::from(settings.substeps);
         let error_rate = settings.sweeps.baumgarte / h;
+        let bias_rate = if settings.sweeps.nonlinear_projection { 0.0 } else { error_rate };
         let correction_speed = settings.correction_speed.unwrap_or(f64::INFINITY);
-        Self { settings, h, error_rate, correction_speed, gravity, record_forces, start }
+        Self { settings, h, error_rate, bias_rate, correction_speed, gravity, record_forces, start }
     }
 
     /// The greatest speed at which a contact of that depth is pushed out, m/s. Where there is a

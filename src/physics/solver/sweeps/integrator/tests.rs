@@ -114,3 +114,17 @@ fn rotation_is_of_second_order_and_stays_unit() {
     let order = (error(100) / error(200)).log2();
     assert!((order - 2.0).abs() < 0.05, "order {order}");
 }
+
+/// Renormalised, a step turns by 2 atan(ω h/2) instead of ω h: by (ω h)³/12 too little.
+#[test]
+fn a_step_turns_too_little_by_a_twelfth_of_the_cube_of_its_angle() {
+    for angle in [0.01_f64, 0.03, 0.1, 0.3] {
+        let mut system = Oscillator::new(0.0);
+        let axis = Vector3::new(0.6, 0.0, 0.8);
+        system.body.body.angular = axis * 60.0 * angle;
+        system.run(EULER, 1, 1.0 / 60.0);
+        let short = angle - system.body.body.rotation.scaled_axis().dot(&axis);
+        let expected = angle.powi(3) / 12.0;
+        assert!((short / expected - 1.0).abs() < 0.2 * angle * angle + 1e-5, "{angle} rad: {short}, not {expected}");
+    }
+}
