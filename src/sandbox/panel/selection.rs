@@ -67,11 +67,11 @@ pub(super) fn show(
     read.set_if_neq(now);
 }
 
-/// A body's joints, the oldest first: what is changed about one moves none in the list.
+/// A body's joints, in an order that no change to one of them moves.
 fn joints_of<'a>(body: Entity, joints: &'a Joints) -> Vec<(Entity, WholeJointItem<'a, 'a>)> {
     let is_own = |joint: &WholeJointItem| joint.joint.component().is_some_and(|joint| joint.bodies().contains(&body));
     let mut own: Vec<_> = joints.iter().filter(|(_, joint)| is_own(joint)).collect();
-    own.sort_by_key(|(entity, _)| *entity);
+    own.sort_by_key(|(entity, _)| entity.index_u32());
     own
 }
 
