@@ -22,12 +22,13 @@ pub(super) type Placed<'v, N> = (usize, &'v [N]);
 
 /// Sizes and places of blocks.
 pub(super) trait Layout: Copy {
-    /// Room for a block.
-    type Block<N: Number>;
+    /// Room for a block of a known size: kernels on local arrays stay in registers.
+    type Block<N: Number>: Default;
 
-    /// A copy: kernels on local arrays of a known size stay in registers.
-    fn copy<N: Number>(values: &[N]) -> Self::Block<N>;
-    fn values<N: Number>(block: &mut Self::Block<N>) -> &mut [N];
+    /// A copy of a block: in `local` where blocks have a known size, else in `buffer`.
+    fn copy<'a, N: Number>(values: &[N], local: &'a mut Self::Block<N>, buffer: &'a mut Vec<N>) -> &'a mut [N];
+    /// Has a kernel change a block: a local copy where blocks have a known size, else where it stands.
+    fn change<N: Number>(block: &mut [N], kernel: impl FnOnce(&mut [N]));
     /// Rows of a block row, by its place in the order of elimination.
     fn rows(self, place: usize) -> usize;
     /// Values of a block on the diagonal.
@@ -45,16 +46,18 @@ pub(super) trait Layout: Copy {
 pub(super) struct Uniform<const R: usize>;
 
 impl<const R: usize> Layout for Uniform<R> {
-    type Block<N: Number> = [[N; R]; R];
+    type Block<N: Number> = Option<[[N; R]; R]>;
 
     #[inline(always)]
-    fn copy<N: Number>(values: &[N]) -> [[N; R]; R] {
-        *<&[[N; R]; R]>::try_from(values.as_chunks::<R>().0).expect("a whole block")
+    fn copy<'a, N: Number>(values: &[N], local: &'a mut Option<[[N; R]; R]>, _: &'a mut Vec<N>) -> &'a mut [N] {
+        local.insert(block_of(values)).as_flattened_mut()
     }
 
     #[inline(always)]
-    fn values<N: Number>(block: &mut [[N; R]; R]) -> &mut [N] {
-        block.as_flattened_mut()
+    fn change<N: Number>(block: &mut [N], kernel: impl FnOnce(&mut [N])) {
+        let mut local: [[N; R]; R] = block_of(block);
+        kernel(local.as_flattened_mut());
+        block.copy_from_slice(local.as_flattened());
     }
 
     #[inline]
@@ -84,6 +87,11 @@ impl<const R: usize> Layout for Uniform<R> {
     }
 }
 
+#[inline(always)]
+fn block_of<N: Number, const R: usize>(values: &[N]) -> [[N; R]; R] {
+    *<&[[N; R]; R]>::try_from(values.as_chunks::<R>().0).expect("a whole block")
+}
+
 /// Blocks of unlike sizes: rows of each, and where its values begin, with an end.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Mixed {
@@ -94,16 +102,18 @@ pub(super) struct Mixed {
 }
 
 impl Layout for &Mixed {
-    type Block<N: Number> = ([N; MOST_ROWS * MOST_ROWS], usize);
+    type Block<N: Number> = ();
 
-    fn copy<N: Number>(values: &[N]) -> ([N; MOST_ROWS * MOST_ROWS], usize) {
-        let mut block = [N::zero(); MOST_ROWS * MOST_ROWS];
-        block[..values.len()].copy_from_slice(values);
-        (block, values.len())
+    #[inline]
+    fn copy<'a, N: Number>(values: &[N], (): &'a mut (), buffer: &'a mut Vec<N>) -> &'a mut [N] {
+        buffer.clear();
+        buffer.extend_from_slice(values);
+        buffer
     }
 
-    fn values<N: Number>((block, count): &mut ([N; MOST_ROWS * MOST_ROWS], usize)) -> &mut [N] {
-        &mut block[..*count]
+    #[inline]
+    fn change<N: Number>(block: &mut [N], kernel: impl FnOnce(&mut [N])) {
+        kernel(block);
     }
 
     fn rows(self, place: usize) -> usize {

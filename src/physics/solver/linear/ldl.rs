@@ -21,6 +21,9 @@ pub(crate) struct BlockLdl<N, P> {
     pub(super) below: Vec<N>,
     /// A_ij of the column at hand.
     column: Vec<N>,
+    /// D_j and L_ij at hand, where blocks are of unlike sizes.
+    pivot: Vec<N>,
+    scaled: Vec<N>,
     pivots: PhantomData<P>,
 }
 
@@ -101,43 +104,43 @@ impl<N: Number, P: Pivot<N>> BlockLdl<N, P> {
 
     #[inline]
     fn factor_as<L: Layout>(&mut self, elimination: &Elimination, layout: L) -> bool {
+        let Self { diagonal, below, column: originals, pivot: pivot_buffer, scaled: scaled_buffer, .. } = self;
         let mut targets = elimination.targets().iter();
         for column in 0..elimination.count() {
             let n = layout.rows(column);
             let place = layout.diagonal(column);
-            let mut pivot = L::copy(&self.diagonal[place.clone()]);
-            let pivot = L::values(&mut pivot);
+            let mut local = L::Block::default();
+            let pivot = L::copy(&diagonal[place.clone()], &mut local, pivot_buffer);
             if !P::factor(pivot, n) {
                 return false;
             }
-            self.diagonal[place].copy_from_slice(pivot);
+            diagonal[place].copy_from_slice(pivot);
             let blocks = elimination.blocks(column);
-            self.column.clear();
-            self.column.extend_from_slice(&self.below[layout.below(blocks.start)..layout.below(blocks.end)]);
+            originals.clear();
+            originals.extend_from_slice(&below[layout.below(blocks.start)..layout.below(blocks.end)]);
             for block in blocks.clone() {
                 let rows = layout.rows(elimination.row(block));
                 let values = layout.below(block)..layout.below(block + 1);
-                let mut original = L::copy(&self.below[values.clone()]);
-                let original = L::values(&mut original);
-                let mut scaled = L::copy(original);
-                let scaled = L::values(&mut scaled);
+                let first = layout.below(blocks.start);
+                let original = &originals[values.start - first..values.end - first];
+                let mut local = L::Block::default();
+                let scaled = L::copy(original, &mut local, scaled_buffer);
                 P::divide(scaled, original, pivot, rows, n);
-                self.below[values].copy_from_slice(scaled);
-                let mut rest = &self.column[..];
+                below[values].copy_from_slice(scaled);
+                let mut rest = &originals[..];
                 for (&other, target) in elimination.rows(column)[..=block - blocks.start].iter().zip(&mut targets) {
                     let columns = layout.rows(other as usize);
                     let original;
                     (original, rest) = rest.split_at(columns * n);
                     let target = match *target {
-                        Target::Diagonal(place) => &mut self.diagonal[layout.diagonal(place as usize)],
+                        Target::Diagonal(place) => &mut diagonal[layout.diagonal(place as usize)],
                         Target::Below(block) => {
-                            &mut self.below[layout.below(block as usize)..layout.below(block as usize + 1)]
+                            &mut below[layout.below(block as usize)..layout.below(block as usize + 1)]
                         }
                     };
-                    let mut sum = L::copy(target);
-                    let sum = L::values(&mut sum);
-                    subtract_product(sum, scaled, original, [rows, n, columns], P::IS_FUSED);
-                    target.copy_from_slice(sum);
+                    L::change(target, |sum| {
+                        subtract_product(sum, scaled, original, [rows, n, columns], P::IS_FUSED);
+                    });
                 }
             }
         }
@@ -209,9 +212,20 @@ fn subtract_product<N: Number>(target: &mut [N], a: &[N], b: &[N], sizes: [usize
                 }
             }
         } else {
-            for (row, target) in target.iter_mut().enumerate() {
-                let first = a[row] * b[column];
-                *target -= (1..inner).fold(first, |sum, k| sum + a[k * rows + row] * b[k * columns + column]);
+            // Along the rows, which lie side by side.
+            let mut sums = [N::zero(); MOST_ROWS];
+            let sums = &mut sums[..rows];
+            for (sum, &value) in sums.iter_mut().zip(&a[..rows]) {
+                *sum = value * b[column];
+            }
+            for k in 1..inner {
+                let factor = b[k * columns + column];
+                for (sum, &value) in sums.iter_mut().zip(&a[k * rows..(k + 1) * rows]) {
+                    *sum += value * factor;
+                }
+            }
+            for (target, &sum) in target.iter_mut().zip(&*sums) {
+                *target -= sum;
             }
         }
     }

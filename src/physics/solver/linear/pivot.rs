@@ -104,32 +104,32 @@ impl<N: Number> Pivot<N> for Triangular {
 
     #[inline(always)]
     fn divide(quotient: &mut [N], _: &[N], pivot: &[N], rows: usize, n: usize) {
-        for row in 0..rows {
-            solve_along(pivot, n, |column| row + column * rows, quotient);
+        // All rows at once: they lie side by side.
+        for column in 1..n {
+            let (done, left) = quotient.split_at_mut(column * rows);
+            for (before, done) in done.chunks_exact(rows).enumerate() {
+                subtract_share(&mut left[..rows], pivot[before * n + column], done);
+            }
+        }
+        for column in (0..n).rev() {
+            let (own, done) = quotient[column * rows..].split_at_mut(rows);
+            own.iter_mut().for_each(|value| *value *= pivot[column * n + column]);
+            for (after, done) in (column + 1..n).zip(done.chunks_exact(rows)) {
+                subtract_share(own, pivot[column * n + after], done);
+            }
         }
     }
 
     #[inline(always)]
     fn solve(pivot: &[N], x: &mut [N], n: usize) {
-        solve_along(pivot, n, |row| row, x);
+        Self::divide(x, &[], pivot, 1, n);
     }
 }
 
-/// x ← (L D Lᵀ)⁻¹ x for an x whose numbers stand at those places.
+/// y −= share x.
 #[inline(always)]
-fn solve_along<N: Number>(pivot: &[N], n: usize, place: impl Fn(usize) -> usize, x: &mut [N]) {
-    for row in 1..n {
-        let mut sum = x[place(row)];
-        for column in 0..row {
-            sum -= pivot[column * n + row] * x[place(column)];
-        }
-        x[place(row)] = sum;
-    }
-    for row in (0..n).rev() {
-        let mut sum = x[place(row)] * pivot[row * n + row];
-        for below in row + 1..n {
-            sum -= pivot[row * n + below] * x[place(below)];
-        }
-        x[place(row)] = sum;
+fn subtract_share<N: Number>(y: &mut [N], share: N, x: &[N]) {
+    for (y, &x) in y.iter_mut().zip(x) {
+        *y -= share * x;
     }
 }
