@@ -19,6 +19,9 @@ pub(super) fn chart(arguments: &ChartArguments) -> Result<Outcome, CommandError>
     if arguments.vary.is_given()? {
         return curves(arguments, extent);
     }
+    if !arguments.vary.measure.is_empty() {
+        return Err(CommandError::Usage("--measure goes with --vary here: other charts are of error and cost".into()));
+    }
     let subjects = subjects(arguments)?;
     let peers = arguments.peers.as_deref().map(read_peers).transpose()?.unwrap_or_default();
     let plans: Vec<(Subject, Vec<Point>)> = subjects

@@ -14,6 +14,9 @@ use super::outcome::{CommandError, Outcome, print};
 const BUDGET: Budget = Budget { most: Duration::from_secs(20), least: Duration::ZERO };
 
 pub(super) fn map(arguments: &MapArguments) -> Result<Outcome, CommandError> {
+    if arguments.vary.measure.len() > 1 {
+        return Err(CommandError::Usage("a map has room for one --measure".into()));
+    }
     let plans = if arguments.vary.is_given()? { vec![varied(arguments)?] } else { chosen(arguments)? };
     make_folder(&arguments.sweep.out)?;
     let mut store = Store::open(&arguments.sweep.out.join(POINTS)).map_err(ChartError::from)?;
@@ -33,9 +36,6 @@ pub(super) fn map(arguments: &MapArguments) -> Result<Outcome, CommandError> {
 
 /// The map of what is varied.
 fn varied(arguments: &MapArguments) -> Result<MapPlan, CommandError> {
-    if arguments.vary.measure.len() > 1 {
-        return Err(CommandError::Usage("a map has room for one --measure".into()));
-    }
     let (study, [x, y]) = arguments.vary.study(&arguments.scenes, &arguments.parameters.list)?;
     Ok(MapPlan::new(study, x, y))
 }

@@ -2,7 +2,6 @@
 
 use clap::Args;
 
-use crate::lab::Plan;
 use crate::lab::vary::{Assignment, Candidate, MEASURES, Measure, Study, Variation, VaryError};
 use crate::scene;
 
@@ -21,7 +20,7 @@ pub(super) struct VaryArguments {
     pub compare: Vec<String>,
     /// What to draw, a column of points.csv: error, cost, drift, sink, joint_error … A chart draws a panel for each, a
     /// map writes it into its cells [default: error,cost of a chart]
-    #[arg(long, value_name = "NAME", requires = "vary", value_delimiter = ',', value_parser = Measure::find)]
+    #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = Measure::find)]
     pub measure: Vec<&'static Measure>,
     /// Time to simulate, s [default: the scene's own]
     #[arg(long, value_name = "T", requires = "vary", allow_negative_numbers = true)]
@@ -62,20 +61,14 @@ impl VaryArguments {
                 )));
             }
         };
-        let mut study = Study {
-            scene: scene.clone(),
-            parameters: parameters.to_vec(),
-            seconds: 0.0,
-            candidates: self.candidates(scene, further.as_ref())?,
-        };
+        let candidates = self.candidates(scene, further.as_ref())?;
+        let mut study = Study::new(scene, parameters, candidates, self.seconds)?;
         self.refuse_what_is_fixed(&study, &varied)?;
         let all: Vec<&Variation> = varied.iter().collect();
         study.check(&all)?;
         if self.are_methods(further.as_ref()) {
             study.keep_those_that_read(&all);
         }
-        let plan = Plan::new(scene, parameters, study.candidates[0].settings, self.seconds)?;
-        study.seconds = plan.steps as f64 / plan.settings.hz;
         Ok((study, varied.try_into().expect("as many as there are axes")))
     }
 

@@ -29,7 +29,7 @@ impl MapPlan {
         let subject = Subject { scene: study.scene.clone(), parameters: study.parameters.clone() };
         let stem = subject.stem().replace('.', "_");
         Self {
-            name: format!("{stem}-by-{}-{}", x.name(), y.name()),
+            name: format!("{stem}-by-{}-{}{}", x.name(), y.name(), study.compared()),
             x_label: x.label().to_owned(),
             y_label: y.label().to_owned(),
             study,

@@ -97,7 +97,11 @@ impl Assignment {
         let settings: Vec<&'static Setting> = SETTINGS.iter().filter(|setting| setting.name == name).collect();
         if settings.is_empty() {
             let known = parameters.iter().map(|parameter| parameter.name);
-            let known: Vec<&str> = known.chain(SETTINGS.iter().map(|setting| setting.name)).collect();
+            let mut known: Vec<&str> = known.chain(SETTINGS.iter().map(|setting| setting.name)).collect();
+            let last = known.len();
+            // Integrators of two engines share a name.
+            known =
+                (0..last).filter(|&index| !known[..index].contains(&known[index])).map(|index| known[index]).collect();
             return Err(VaryError(format!("nothing is named '{name}'; there are {}", known.join(", "))));
         }
         // Integrators of two engines share a name: the value tells whose is meant.
@@ -143,11 +147,15 @@ impl Assignment {
         }
     }
 
-    /// What it sets, for an axis: of a parameter with its unit.
+    /// What it sets, for an axis: of a parameter with its unit, where that is short.
     pub fn label(&self) -> &'static str {
+        const MOST_LETTERS: usize = 40;
         match self.quantity {
             Quantity::Setting(setting) => setting.name,
-            Quantity::Parameter(parameter) => parameter.about,
+            Quantity::Parameter(parameter) => {
+                let about = parameter.about.split(':').next().unwrap_or(parameter.about);
+                if about.len() <= MOST_LETTERS { about } else { parameter.name }
+            }
         }
     }
 

@@ -71,7 +71,8 @@ impl Curves {
         let Study { scene, parameters, .. } = &self.study;
         let subject = Subject { scene: scene.clone(), parameters: parameters.clone() };
         // A dot in a parameter's value is no extension.
-        let path = folder.join(format!("{}-by-{}.svg", subject.stem().replace('.', "_"), self.x.name()));
+        let stem = subject.stem().replace('.', "_");
+        let path = folder.join(format!("{stem}-by-{}{}.svg", self.x.name(), self.study.compared()));
         let sheet = Sheet { title: subject.title(), x: &self.x, curves: &self.curves(records), measures };
         write(&sheet, &path)?;
         Ok(path)
@@ -135,6 +136,8 @@ impl Sheet<'_> {
     fn range(&self, measure: &Measure) -> Range<f64> {
         /// A run that failed may be off by so many times as much as the worst that did not.
         const FAILED: f64 = 1e3;
+        /// In decades; zeros lie on the border.
+        const MARGIN: f64 = 0.2;
         let values = |failed: bool| {
             let runs = self.curves.iter().flat_map(|curve| curve.runs.iter().flatten());
             let of_kind = runs.filter(move |record| (record.verdict > Verdict::Degrades) == failed);
@@ -142,7 +145,7 @@ impl Sheet<'_> {
         };
         let worst = values(false).fold(0.0, f64::max);
         let limit = if worst > 0.0 { FAILED * worst } else { f64::INFINITY };
-        decades(values(false).chain(values(true).filter(move |value| *value <= limit)), 0.15)
+        decades(values(false).chain(values(true).filter(move |value| *value <= limit)), MARGIN)
     }
 
     fn bottom(&self) -> i32 {
@@ -188,6 +191,11 @@ struct Panel<'a> {
 }
 
 impl Panel<'_> {
+    fn values(&self) -> impl Iterator<Item = f64> {
+        let runs = self.sheet.curves.iter().flat_map(|curve| curve.runs.iter().flatten());
+        runs.filter_map(self.measure.of)
+    }
+
     /// What is not positive lies on the lower border, what is too large on the upper.
     fn y(&self, value: f64) -> i32 {
         let bottom = self.top + PANEL;
@@ -210,6 +218,9 @@ impl Panel<'_> {
             let y = self.y(value);
             area.draw(&PathElement::new(vec![(LEFT, y), (WIDTH, y)], line))?;
             area.draw_text(&number(value), &beside, (LEFT - 8, y))?;
+        }
+        if self.values().any(|value| value <= 0.0) {
+            area.draw_text("0", &beside, (LEFT - 8, bottom))?;
         }
         area.draw(&Rectangle::new([(LEFT, self.top), (WIDTH, bottom)], TEXT.stroke_width(1)))?;
         let turned = text(14.0, &TEXT, HPos::Center, VPos::Top).transform(FontTransform::Rotate270);

@@ -3,6 +3,7 @@
 use super::assignment::{Assignment, VaryError};
 use super::variation::Variation;
 use crate::lab::chart::{SERIES, Series};
+use crate::lab::plan::{Plan, PlanError};
 use crate::lab::sweep::Point;
 use crate::physics::{SolverSettings, WrittenSettings};
 
@@ -70,6 +71,21 @@ pub struct Study {
 }
 
 impl Study {
+    /// Candidates, of which there is at least one, on a scene, for `seconds` or as long as it suggests.
+    ///
+    /// # Errors
+    /// A scene or parameter that does not exist, or a length that makes no run.
+    pub fn new(
+        scene: &str,
+        parameters: &[(String, f64)],
+        candidates: Vec<Candidate>,
+        seconds: Option<f64>,
+    ) -> Result<Self, PlanError> {
+        let plan = Plan::new(scene, parameters, candidates[0].settings, seconds)?;
+        let seconds = plan.steps as f64 / plan.settings.hz;
+        Ok(Self { scene: scene.to_owned(), parameters: parameters.to_vec(), seconds, candidates })
+    }
+
     /// The run of a candidate with some values.
     pub fn point(&self, candidate: &Candidate, values: &[Assignment]) -> Point {
         let mut point = Point {
@@ -81,6 +97,17 @@ impl Study {
         };
         candidate.with.iter().chain(values).for_each(|assignment| assignment.put(&mut point));
         point
+    }
+
+    /// What candidates differ in, for the name of a picture: `-and-contacts`; empty where nothing was put on top.
+    pub fn compared(&self) -> String {
+        let mut names: Vec<&str> = Vec::new();
+        for assignment in self.candidates.iter().flat_map(|candidate| &candidate.with) {
+            if !names.contains(&assignment.name()) {
+                names.push(assignment.name());
+            }
+        }
+        names.iter().map(|name| format!("-and-{name}")).collect()
     }
 
     /// Leaves out the candidates on which nothing varies, since their methods read none of it.

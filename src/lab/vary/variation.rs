@@ -1,5 +1,7 @@
 //! One quantity and the values that it takes.
 
+use std::fmt;
+
 use super::assignment::{Assignment, Value, VaryError, split};
 use crate::scene::SceneInfo;
 
@@ -26,6 +28,14 @@ pub struct Variation {
     values: Vec<Assignment>,
     /// How they lie on an axis.
     pub scale: Scale,
+}
+
+/// As [`Variation::parse`] reads it, value by value.
+impl fmt::Display for Variation {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        let values: Vec<String> = self.values.iter().map(|value| value.value.to_string()).collect();
+        write!(formatter, "{}={}", self.name(), values.join(","))
+    }
 }
 
 impl Variation {
