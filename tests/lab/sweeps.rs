@@ -10,7 +10,6 @@ use plumb::lab::map::ATLAS;
 use plumb::lab::read_settings;
 use plumb::lab::sweep::{Record, Store};
 use plumb::lab::verdict::Verdict;
-use plumb::physics::SolverSettings;
 use plumb::scene;
 
 /// The quickest scene there is.
@@ -21,7 +20,7 @@ fn plumb(arguments: &[&str], folder: &Path) -> Output {
     command.expect("the binary runs")
 }
 
-fn succeeds(arguments: &[&str], folder: &Path) -> String {
+pub(super) fn succeeds(arguments: &[&str], folder: &Path) -> String {
     let output = plumb(arguments, folder);
     let complaint = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(0), "{arguments:?}: {complaint}");
@@ -29,12 +28,12 @@ fn succeeds(arguments: &[&str], folder: &Path) -> String {
 }
 
 /// The rows of a folder's file, as they are written.
-fn rows(folder: &Path) -> Vec<Record> {
+pub(super) fn rows(folder: &Path) -> Vec<Record> {
     let mut reader = csv::ReaderBuilder::new().flexible(true).from_path(folder.join("points.csv")).unwrap();
     reader.deserialize().filter_map(Result::ok).collect()
 }
 
-fn keys(folder: &Path) -> BTreeSet<String> {
+pub(super) fn keys(folder: &Path) -> BTreeSet<String> {
     rows(folder).into_iter().map(|record| record.key).collect()
 }
 

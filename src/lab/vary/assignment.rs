@@ -27,6 +27,13 @@ pub enum Value {
     None,
 }
 
+impl Value {
+    /// The number, if it is one.
+    pub fn number(self) -> Option<f64> {
+        if let Self::Number(value) = self { Some(value) } else { None }
+    }
+}
+
 impl fmt::Display for Value {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         match self {

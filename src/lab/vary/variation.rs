@@ -93,10 +93,7 @@ fn list(name: &str, values: &str, scene: Option<&SceneInfo>) -> Result<Variation
     if let Some(again) = again.map(|index| values[index]) {
         return Err(VaryError(format!("{again} is given twice")));
     }
-    let numbers: Vec<f64> = values
-        .iter()
-        .filter_map(|value| if let Value::Number(number) = value.value { Some(number) } else { None })
-        .collect();
+    let numbers: Vec<f64> = values.iter().filter_map(|value| value.value.number()).collect();
     let scale = match (numbers.first(), numbers.last()) {
         (Some(&first), Some(&last)) if numbers.len() == values.len() => {
             if first > 0.0 && last / first >= WIDE {
