@@ -16,6 +16,7 @@ mod simulation;
 pub mod sweep;
 mod trajectory;
 pub mod truth;
+pub mod vary;
 pub mod verdict;
 mod whole_file;
 

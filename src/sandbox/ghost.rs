@@ -11,10 +11,12 @@ use bevy::picking::Pickable;
 use bevy::prelude::*;
 use bevy_egui::egui;
 
+use super::panel::vary;
 use super::{CurrentScene, SandboxAction};
 use crate::lab::Simulation;
 use crate::lab::chart::SERIES;
 use crate::lab::truth;
+use crate::lab::vary::Assignment;
 use crate::physics::{PhysicsSchedule, PhysicsSystems};
 use crate::physics::{Position, RenderOrigin, RigidBody, SolverSettings, StepStats};
 use crate::scene::SceneSpec;
@@ -26,13 +28,15 @@ use crate::scene::SceneSpec;
 const DEPTH_BIAS: f32 = 4096.0;
 
 /// What is drawn as a ghost.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
 pub enum GhostChoice {
     /// Nothing.
     #[default]
     Off,
     /// The method of that index in [`SERIES`].
     Method(usize),
+    /// The settings that the scene starts with, but for one thing.
+    Changed(Assignment),
     /// The reference answer, for scenes whose answer gives the whole motion.
     Reference,
 }
@@ -71,12 +75,17 @@ enum Source {
 }
 
 impl Source {
-    fn of(choice: GhostChoice, scene: &SceneSpec, threads: u32) -> Option<Self> {
+    fn of(choice: GhostChoice, scene: &SceneSpec, present: &SolverSettings) -> Option<Self> {
+        let method = |settings| Self::Method(Box::new(Simulation::new(scene.clone(), settings)));
         match choice {
             GhostChoice::Off => None,
             GhostChoice::Method(index) => {
-                let settings = SolverSettings { threads, ..(SERIES.get(index)?.base)() };
-                Some(Self::Method(Box::new(Simulation::new(scene.clone(), settings))))
+                Some(method(SolverSettings { threads: present.threads, ..(SERIES.get(index)?.base)() }))
+            }
+            GhostChoice::Changed(assignment) => {
+                let mut settings = *present;
+                assignment.put_in(&mut settings);
+                Some(method(settings))
             }
             GhostChoice::Reference => truth::poses(scene).map(Self::Reference),
         }
@@ -132,7 +141,7 @@ fn restart(
     }
     distance.0 = None;
     ghost.start = stats.time;
-    ghost.source = Source::of(*choice, &scene.spec, settings.threads);
+    ghost.source = Source::of(*choice, &scene.spec, &settings);
     let Some(source) = &mut ghost.source else { return };
     let moving = |&(index, ..): &(usize, DVec3, DQuat)| {
         let body = &scene.spec.bodies[index];
@@ -217,11 +226,21 @@ fn place(
     }
 }
 
+/// What the list calls the present settings with something changed.
+const CHANGED: &str = "these settings, but for";
+
 /// The section of the panel.
-pub(super) fn show(InMut(ui): InMut<egui::Ui>, scene: Option<Res<CurrentScene>>, mut choice: ResMut<GhostChoice>) {
+pub(super) fn show(
+    InMut(ui): InMut<egui::Ui>,
+    scene: Option<Res<CurrentScene>>,
+    settings: Res<SolverSettings>,
+    mut choice: ResMut<GhostChoice>,
+    mut typed: Local<Option<vary::Typed>>,
+) {
     let name = |choice: GhostChoice| match choice {
         GhostChoice::Off => "none",
         GhostChoice::Method(index) => SERIES[index].name,
+        GhostChoice::Changed(_) => CHANGED,
         GhostChoice::Reference => "reference answer",
     };
     let known = scene.is_some_and(|scene| truth::poses(&scene.spec).is_some());
@@ -229,17 +248,47 @@ pub(super) fn show(InMut(ui): InMut<egui::Ui>, scene: Option<Res<CurrentScene>>,
     ui.horizontal(|ui| {
         let about = "the scene once more, translucent, from the start; your hand does not reach it";
         ui.label("ghost").on_hover_text(about);
-        egui::ComboBox::from_id_salt("ghost").selected_text(name(picked)).show_ui(ui, |ui| {
-            ui.selectable_value(&mut picked, GhostChoice::Off, name(GhostChoice::Off));
+        let shown = if typed.is_some() { CHANGED } else { name(picked) };
+        egui::ComboBox::from_id_salt("ghost").selected_text(shown).show_ui(ui, |ui| {
+            let mut pick = |ui: &mut egui::Ui, choice: GhostChoice| {
+                let response = ui.selectable_label(typed.is_none() && picked == choice, name(choice));
+                if response.clicked() {
+                    *typed = None;
+                    picked = choice;
+                }
+                response
+            };
+            pick(ui, GhostChoice::Off);
             for index in 0..SERIES.len() {
-                let method = GhostChoice::Method(index);
-                ui.selectable_value(&mut picked, method, name(method));
+                pick(ui, GhostChoice::Method(index));
             }
             ui.add_enabled_ui(known, |ui| {
-                ui.selectable_value(&mut picked, GhostChoice::Reference, name(GhostChoice::Reference))
+                pick(ui, GhostChoice::Reference)
                     .on_disabled_hover_text("the answer of this scene does not give the whole motion");
             });
+            let about = "the present settings with one thing changed, from the start of the scene";
+            if ui.selectable_label(typed.is_some(), CHANGED).on_hover_text(about).clicked() {
+                typed.get_or_insert_default();
+            }
         });
     });
+    if let Some(typed) = typed.as_mut()
+        && let Some(changed) = choose_change(ui, &settings, typed)
+    {
+        picked = GhostChoice::Changed(changed);
+    }
     choice.set_if_neq(picked);
+}
+
+/// A setting and its value in the ghost, once they make sense.
+fn choose_change(ui: &mut egui::Ui, settings: &SolverSettings, typed: &mut vary::Typed) -> Option<Assignment> {
+    let names = vary::settings_names(settings);
+    let suggest = |name: &str| vary::suggested_value(name, settings);
+    let about = "the ghost's value; Enter starts the scene again";
+    if !vary::show(ui, "changed setting", &names, typed, suggest, about) {
+        return None;
+    }
+    let changed = Assignment::parse(&typed.text(), None);
+    typed.problem = changed.as_ref().err().map(ToString::to_string);
+    changed.ok()
 }

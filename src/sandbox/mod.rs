@@ -45,7 +45,7 @@ mod window;
 pub use action::SandboxAction;
 pub use build::{Blueprint, JoinKind, JointChange, Weight};
 pub use ghost::{GhostChoice, GhostDistance};
-pub use panel::ChartSource;
+pub use panel::{ChartOf, ChartSource};
 pub use plugin::SandboxPlugin;
 pub use state::{CurrentScene, Notice, Picked, Playback, Selection};
 pub use window::{Launch, LaunchError, launch};

@@ -21,3 +21,4 @@ mod standing;
 mod sweeps;
 mod the_2009_engine;
 mod truth;
+mod varying;

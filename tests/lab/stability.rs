@@ -6,7 +6,8 @@
 
 use std::convert::Infallible;
 
-use plumb::lab::map::{ATLAS, MapInfo};
+use plumb::lab::map::{ATLAS, MapPlan};
+use plumb::lab::vary::{Assignment, Candidate};
 use plumb::lab::verdict::{Judgement, Verdict, judge};
 use plumb::lab::{Plan, measure};
 use plumb::physics::SolverSettings;
@@ -60,11 +61,12 @@ fn judged(plan: &Plan) -> Judgement {
 fn fitted_effort_does_no_worse_than_full_effort() {
     let mut better = 0;
     for map in ATLAS.iter().filter(|map| map.name != "servo") {
-        for (x, y) in places(map) {
+        let map = map.plan();
+        for (x, y) in places(&map) {
             let [fitted, full] = [true, false].map(|fitted_effort| {
                 let mut base = SolverSettings::game();
                 base.impulse.fitted_effort = fitted_effort;
-                judged(&map.point("game", base, x, y).plan().unwrap())
+                judged(&map.point(&Candidate::new("game", base), x, y).plan().unwrap())
             });
             let cell = format!("{} at {x}, {y}", map.name);
             assert!(fitted.verdict <= full.verdict, "{cell}: {}; at full effort: {}", fitted.reason, full.reason);
@@ -84,11 +86,12 @@ fn accurate_has_no_border() {
         _ => f64::INFINITY,
     };
     let mut cells = 0;
+    let accurate = Candidate::new("accurate", SolverSettings::accurate());
     for map in &ATLAS {
-        let x = map.x.values[0];
-        for &y in map.y.values.iter().filter(|&&y| y <= most(map.name)) {
-            let Judgement { verdict, reason } =
-                judged(&map.point("accurate", SolverSettings::accurate(), x, y).plan().unwrap());
+        let map = map.plan();
+        let x = map.x.values()[0];
+        for &y in map.y.values().iter().filter(|y| y.value.number().is_none_or(|y| y <= most(&map.name))) {
+            let Judgement { verdict, reason } = judged(&map.point(&accurate, x, y).plan().unwrap());
             assert_eq!(verdict, Verdict::Holds, "{} at {x}, {y}: {reason}", map.name);
             cells += 1;
         }
@@ -97,9 +100,9 @@ fn accurate_has_no_border() {
 }
 
 /// First, middle and last values of either side.
-fn places(map: &MapInfo) -> impl Iterator<Item = (f64, f64)> {
-    let of = |values: &'static [f64]| [values[0], values[values.len() / 2], values[values.len() - 1]];
-    let (across, upwards) = (of(map.x.values), of(map.y.values));
+fn places(map: &MapPlan) -> impl Iterator<Item = (Assignment, Assignment)> {
+    let of = |values: &[Assignment]| [values[0], values[values.len() / 2], values[values.len() - 1]];
+    let (across, upwards) = (of(map.x.values()), of(map.y.values()));
     upwards.into_iter().flat_map(move |y| across.into_iter().map(move |x| (x, y)))
 }
 
@@ -197,12 +200,13 @@ fn the_default_stops_balls_of_any_speed() {
 /// but where it is thrown up at 70 degrees and comes down on its tip: there by up to a sixth of its 20 mm.
 #[test]
 fn the_default_holds_the_sliding_rod() {
-    let atlas = ATLAS.iter().find(|map| map.name == "painleve").unwrap();
-    for &tilt in atlas.y.values {
-        for &mu in atlas.x.values.iter().filter(|&&mu| tilt != 70.0 || mu < 1.5) {
-            let point = atlas.point("game", SolverSettings::default(), mu, tilt);
-            let Judgement { verdict, reason } = judged(&point.plan().unwrap());
-            assert_ne!(verdict, Verdict::Fails, "friction {mu}, {tilt} degrees: {reason}");
+    let atlas = ATLAS.iter().find(|map| map.name == "painleve").unwrap().plan();
+    let game = Candidate::new("game", SolverSettings::default());
+    for &tilt in atlas.y.values() {
+        let is_thrown_up = tilt.value.number() == Some(70.0);
+        for &mu in atlas.x.values().iter().filter(|mu| !is_thrown_up || mu.value.number() < Some(1.5)) {
+            let Judgement { verdict, reason } = judged(&atlas.point(&game, mu, tilt).plan().unwrap());
+            assert_ne!(verdict, Verdict::Fails, "{mu}, {tilt}: {reason}");
         }
     }
 }

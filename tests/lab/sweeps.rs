@@ -10,7 +10,6 @@ use plumb::lab::map::ATLAS;
 use plumb::lab::read_settings;
 use plumb::lab::sweep::{Record, Store};
 use plumb::lab::verdict::Verdict;
-use plumb::physics::SolverSettings;
 use plumb::scene;
 
 /// The quickest scene there is.
@@ -21,7 +20,7 @@ fn plumb(arguments: &[&str], folder: &Path) -> Output {
     command.expect("the binary runs")
 }
 
-fn succeeds(arguments: &[&str], folder: &Path) -> String {
+pub(super) fn succeeds(arguments: &[&str], folder: &Path) -> String {
     let output = plumb(arguments, folder);
     let complaint = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(0), "{arguments:?}: {complaint}");
@@ -29,12 +28,12 @@ fn succeeds(arguments: &[&str], folder: &Path) -> String {
 }
 
 /// The rows of a folder's file, as they are written.
-fn rows(folder: &Path) -> Vec<Record> {
+pub(super) fn rows(folder: &Path) -> Vec<Record> {
     let mut reader = csv::ReaderBuilder::new().flexible(true).from_path(folder.join("points.csv")).unwrap();
     reader.deserialize().filter_map(Result::ok).collect()
 }
 
-fn keys(folder: &Path) -> BTreeSet<String> {
+pub(super) fn keys(folder: &Path) -> BTreeSet<String> {
     rows(folder).into_iter().map(|record| record.key).collect()
 }
 
@@ -136,16 +135,18 @@ fn chart_refuses_what_makes_no_sense() {
 #[test]
 fn maps_name_scenes_and_parameters_that_exist() {
     for map in &ATLAS {
+        let map = map.plan();
         for point in map.points() {
             assert!(point.settings.validate().is_ok());
         }
-        let corners = [0, map.x.values.len() - 1].map(|x| [0, map.y.values.len() - 1].map(|y| (x, y)));
+        let (x, y) = (map.x.values(), map.y.values());
+        let corners = [0, x.len() - 1].map(|column| [0, y.len() - 1].map(|row| (x[column], y[row])));
         for (x, y) in corners.into_iter().flatten() {
-            let point = map.point("any", SolverSettings::default(), map.x.values[x], map.y.values[y]);
+            let point = map.point(&map.study.candidates[0], x, y);
             let loaded = scene::load(&point.scene, &point.parameters);
             assert!(loaded.is_ok(), "{}: {}", map.name, loaded.unwrap_err());
         }
-        assert!(map.x.values.is_sorted() && map.y.values.is_sorted());
+        assert_eq!(map.study.check(&[&map.x, &map.y]), Ok(()), "{}", map.name);
     }
 }
 
@@ -153,36 +154,37 @@ fn maps_name_scenes_and_parameters_that_exist() {
 #[test]
 fn maps_put_each_verdict_in_its_cell() {
     // Over substeps: sweeps are all the same to a method that has none.
-    let map = ATLAS.iter().find(|map| map.name == "stack").unwrap();
+    let map = ATLAS.iter().find(|map| map.name == "stack").unwrap().plan();
     let points = map.points();
     let folder = tempfile::tempdir().unwrap();
     succeeds(&["chart", SCENE, "--quick"], folder.path());
     let sample = rows(folder.path()).remove(0);
     // Fails to the left of column 3, from row 2 up; the last point of all was not measured.
-    let verdict = |x: f64, y: f64| {
-        if x < map.x.values[3] && y >= map.y.values[2] { Verdict::Fails } else { Verdict::Holds }
-    };
-    let columns = map.x.values.len();
+    let verdict = |column: usize, row: usize| if column < 3 && row >= 2 { Verdict::Fails } else { Verdict::Holds };
+    let (columns, rows) = (map.x.values().len(), map.y.values().len());
     let records: Vec<Record> = points[..points.len() - 1]
         .iter()
         .enumerate()
         .map(|(index, point)| {
-            let x = map.x.values[index % columns];
-            let y = map.y.values[index / columns % map.y.values.len()];
-            Record { key: point.key(), verdict: verdict(x, y), ..sample.clone() }
+            let verdict = verdict(index % columns, index / columns % rows);
+            Record { key: point.key(), verdict, ..sample.clone() }
         })
         .collect();
     let maps = map.maps(&records);
     for (index, drawn) in maps.iter().enumerate() {
         for (row, cells) in drawn.cells.iter().enumerate() {
-            for (column, &cell) in cells.iter().enumerate() {
-                let last = (index, row, column) == (maps.len() - 1, map.y.values.len() - 1, columns - 1);
-                let expected = (!last).then(|| verdict(map.x.values[column], map.y.values[row]));
-                assert_eq!(cell, expected, "map {index}, row {row}, column {column}");
+            for (column, cell) in cells.iter().enumerate() {
+                let last = (index, row, column) == (maps.len() - 1, rows - 1, columns - 1);
+                let expected = (!last).then(|| verdict(column, row));
+                assert_eq!(
+                    cell.as_ref().map(|record| record.verdict),
+                    expected,
+                    "map {index}, row {row}, column {column}"
+                );
             }
         }
     }
-    map.draw(&maps, folder.path()).unwrap();
+    map.draw(&maps, None, folder.path()).unwrap();
     let svg = fs::read_to_string(folder.path().join("map-stack.svg")).unwrap();
     assert_eq!(svg.matches("×</text>").count() + svg.matches("×\n</text>").count(), {
         records.iter().filter(|record| record.verdict == Verdict::Fails).count()

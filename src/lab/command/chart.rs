@@ -6,33 +6,30 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::lab::chart::{ChartError, Extent, POINTS, Subject, draw_all, read_peers};
-use crate::lab::sweep::{Budget, Point, Progress, Store, run};
+use crate::lab::sweep::{Budget, Point, Progress, Record, Store, run};
+use crate::lab::vary::Curves;
 use crate::scene;
 
 use super::arguments::ChartArguments;
 use super::outcome::{CommandError, Outcome, print};
+use super::vary::usual_measures;
 
 pub(super) fn chart(arguments: &ChartArguments) -> Result<Outcome, CommandError> {
     let extent = if arguments.quick { Extent::Quick } else { Extent::Full };
+    if arguments.vary.is_given()? {
+        return curves(arguments, extent);
+    }
+    if !arguments.vary.measure.is_empty() {
+        return Err(CommandError::Usage("--measure goes with --vary here: other charts are of error and cost".into()));
+    }
     let subjects = subjects(arguments)?;
     let peers = arguments.peers.as_deref().map(read_peers).transpose()?.unwrap_or_default();
     let plans: Vec<(Subject, Vec<Point>)> = subjects
         .into_iter()
         .map(|subject| subject.points(extent).map(|points| (subject, points)))
         .collect::<Result<_, _>>()?;
-    make_folder(&arguments.sweep.out)?;
-    let mut store = Store::open(&arguments.sweep.out.join(POINTS)).map_err(ChartError::from)?;
-    tell_ignored(&store);
-    let bar = SweepBar::new();
     let points: Vec<Point> = plans.iter().flat_map(|(_, points)| points).cloned().collect();
-    if arguments.again {
-        let is_mine = |key: &String| arguments.sweep.shard.has(key);
-        let keys: Vec<String> = points.iter().map(Point::key).filter(is_mine).collect();
-        store.set_aside(&keys);
-    }
-    let records =
-        run::<ChartError>(&points, arguments.sweep.shard, budget(extent), &mut store, |p, point| bar.show(&p, point))?;
-    bar.finish();
+    let records = measure(arguments, &points, extent)?;
     let charts: Vec<_> = plans
         .into_iter()
         .map(|(subject, points)| {
@@ -44,6 +41,38 @@ pub(super) fn chart(arguments: &ChartArguments) -> Result<Outcome, CommandError>
     draw_all(&arguments.sweep.out, &charts, &peers)?;
     print(&format!("{}\n", arguments.sweep.out.join("index.html").display()))?;
     Ok(Outcome::Done)
+}
+
+/// The picture of what is varied.
+fn curves(arguments: &ChartArguments, extent: Extent) -> Result<Outcome, CommandError> {
+    let (mut study, [x]) = arguments.vary.study(&arguments.scenes, &arguments.parameters.list)?;
+    study.seconds = extent.seconds(study.seconds);
+    let curves = Curves { study, x };
+    let records = measure(arguments, &curves.points(), extent)?;
+    let measures = match arguments.vary.measure.as_slice() {
+        [] => usual_measures(),
+        measures => measures.to_vec(),
+    };
+    let path = curves.draw(&records, &measures, &arguments.sweep.out).map_err(ChartError::from)?;
+    print(&format!("{}\n", path.display()))?;
+    Ok(Outcome::Done)
+}
+
+/// Measures the points that the folder does not have, or all that are to be measured again.
+fn measure(arguments: &ChartArguments, points: &[Point], extent: Extent) -> Result<Vec<Record>, CommandError> {
+    make_folder(&arguments.sweep.out)?;
+    let mut store = Store::open(&arguments.sweep.out.join(POINTS)).map_err(ChartError::from)?;
+    tell_ignored(&store);
+    if arguments.again {
+        let is_mine = |key: &String| arguments.sweep.shard.has(key);
+        let keys: Vec<String> = points.iter().map(Point::key).filter(is_mine).collect();
+        store.set_aside(&keys);
+    }
+    let bar = SweepBar::new();
+    let records =
+        run::<ChartError>(points, arguments.sweep.shard, budget(extent), &mut store, |p, point| bar.show(&p, point))?;
+    bar.finish();
+    Ok(records)
 }
 
 /// The scenes asked for, or all.

@@ -14,6 +14,7 @@ mod outcome;
 mod run;
 mod scenes;
 mod summary;
+mod vary;
 
 use std::ffi::OsString;
 use std::io::{self, Write};

@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use crate::lab::chart::{ChartError, PeersError};
+use crate::lab::vary::VaryError;
 use crate::lab::{PlanError, SettingsFileError};
 use crate::physics::SettingsError;
 use crate::scene::SceneError;
@@ -29,6 +30,9 @@ pub enum CommandError {
     /// Charts that cannot be made.
     #[error(transparent)]
     Chart(#[from] ChartError),
+    /// What cannot be varied.
+    #[error(transparent)]
+    Vary(#[from] VaryError),
     /// Rows of other engines that cannot be had.
     #[error(transparent)]
     Peers(#[from] PeersError),

@@ -1,4 +1,10 @@
-//! The maps: which scene, over which two quantities.
+//! The maps that are known by name: which scene, over which two quantities.
+
+use super::plan::MapPlan;
+use crate::lab::chart::SERIES;
+use crate::lab::vary::{Candidate, Study, Variation};
+use crate::physics::SolverSettings;
+use crate::scene;
 
 /// A map.
 pub struct MapInfo {
@@ -16,59 +22,80 @@ pub struct MapInfo {
     pub y: Axis,
     /// What the border is expected to show, in a sentence.
     pub about: &'static str,
-    /// How many of the charts' methods it compares, from the first; the last comes beside.
-    pub series: usize,
+    /// What it compares, a panel each.
+    pub compared: Compared,
 }
 
 /// What varies along a side of a map.
 pub struct Axis {
     /// In words, with its unit.
     pub label: &'static str,
-    /// What it sets.
-    pub quantity: Quantity,
-    /// Its values.
-    pub values: &'static [f64],
+    /// What varies and how, as on the command line.
+    pub varies: &'static str,
 }
 
-/// A number that a map varies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    /// A parameter of the scene.
-    Parameter(&'static str),
-    /// Steps per second.
-    Hz,
-    /// Substeps of a step.
-    Substeps,
-    /// Sweeps of a substep.
-    Iterations,
+/// What a map compares. The last of the charts' methods, the true one, comes beside.
+pub enum Compared {
+    /// So many of the charts' methods, from the first.
+    Methods(usize),
+    /// The same settings with each of several values of one of them.
+    Each {
+        /// The settings.
+        of: fn() -> SolverSettings,
+        /// The values, as on the command line.
+        with: &'static str,
+    },
 }
 
-const ITERATIONS: Axis = Axis {
-    label: "iterations",
-    quantity: Quantity::Iterations,
-    values: &[1.0, 2.0, 4.0, 10.0, 20.0, 50.0, 100.0, 200.0],
-};
+impl MapInfo {
+    /// The map.
+    ///
+    /// # Panics
+    /// An entry makes no sense; a test draws on all of them.
+    pub fn plan(&self) -> MapPlan {
+        let info = scene::find(self.scene);
+        let read = |text: &str| Variation::parse(text, info).unwrap_or_else(|error| panic!("{}: {error}", self.name));
+        let candidates = match &self.compared {
+            Compared::Methods(count) => SERIES[..*count].iter().map(Candidate::of).collect::<Vec<_>>(),
+            Compared::Each { of, with } => {
+                let base = Candidate::new("", of());
+                read(with).values().iter().map(|value| base.changed(&[*value])).collect()
+            }
+        };
+        let truth = SERIES.last().map(Candidate::of);
+        let study = Study {
+            scene: self.scene.to_owned(),
+            parameters: self.parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect(),
+            seconds: self.seconds,
+            candidates: candidates.into_iter().chain(truth).collect(),
+        };
+        MapPlan {
+            name: self.name.to_owned(),
+            x_label: self.x.label.to_owned(),
+            y_label: self.y.label.to_owned(),
+            about: self.about.to_owned(),
+            ..MapPlan::new(study, read(self.x.varies), read(self.y.varies))
+        }
+    }
+}
 
-const SUBSTEPS: Axis = Axis { label: "substeps", quantity: Quantity::Substeps, values: &[1.0, 2.0, 4.0, 8.0, 16.0] };
+const ITERATIONS: Axis = Axis { label: "iterations", varies: "iterations=1,2,4,10,20,50,100,200" };
 
-const HZ: Axis =
-    Axis { label: "steps per second", quantity: Quantity::Hz, values: &[30.0, 60.0, 120.0, 240.0, 480.0, 960.0] };
+const SUBSTEPS: Axis = Axis { label: "substeps", varies: "substeps=1,2,4,8,16" };
+
+const HZ: Axis = Axis { label: "steps per second", varies: "hz=30,60,120,240,480,960" };
 
 /// Every map.
-pub const ATLAS: [MapInfo; 12] = [
+pub const ATLAS: [MapInfo; 13] = [
     MapInfo {
         name: "chain",
         scene: "chain",
         parameters: &[],
         seconds: 4.0,
         x: ITERATIONS,
-        y: Axis {
-            label: "mass of the ball over a rod's",
-            quantity: Quantity::Parameter("r"),
-            values: &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5, 1e6],
-        },
+        y: Axis { label: "mass of the ball over a rod's", varies: "r=1,3,10,30,100,300,1e3,1e4,1e5,1e6" },
         about: "sweeps carry a heavy ball's weight up a light chain link by link: the heavier, the more it takes",
-        series: 6,
+        compared: Compared::Methods(6),
     },
     MapInfo {
         name: "sandwich",
@@ -76,13 +103,9 @@ pub const ATLAS: [MapInfo; 12] = [
         parameters: &[],
         seconds: 4.0,
         x: ITERATIONS,
-        y: Axis {
-            label: "mass of the slab over a cube's",
-            quantity: Quantity::Parameter("r"),
-            values: &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4, 1e5, 1e6],
-        },
+        y: Axis { label: "mass of the slab over a cube's", varies: "r=1,3,10,30,100,300,1e3,1e4,1e5,1e6" },
         about: "a heavy slab on light cubes: what the sweeps leave undone pushes the cubes into the ground",
-        series: 6,
+        compared: Compared::Methods(6),
     },
     MapInfo {
         name: "stack",
@@ -90,13 +113,9 @@ pub const ATLAS: [MapInfo; 12] = [
         parameters: &[],
         seconds: 5.0,
         x: SUBSTEPS,
-        y: Axis {
-            label: "cubes in the column",
-            quantity: Quantity::Parameter("n"),
-            values: &[2.0, 4.0, 6.0, 10.0, 15.0, 20.0, 30.0],
-        },
+        y: Axis { label: "cubes in the column", varies: "n=2,4,6,10,15,20,30" },
         about: "a column settles by what the sweeps leave undone; the higher, the more",
-        series: 6,
+        compared: Compared::Methods(6),
     },
     MapInfo {
         name: "pyramid",
@@ -104,13 +123,9 @@ pub const ATLAS: [MapInfo; 12] = [
         parameters: &[],
         seconds: 5.0,
         x: SUBSTEPS,
-        y: Axis {
-            label: "cubes in the lowest row",
-            quantity: Quantity::Parameter("n"),
-            values: &[2.0, 4.0, 6.0, 10.0, 15.0, 20.0],
-        },
+        y: Axis { label: "cubes in the lowest row", varies: "n=2,4,6,10,15,20" },
         about: "a wall spreads its weight, and stands where a column of its height does not",
-        series: 5,
+        compared: Compared::Methods(5),
     },
     MapInfo {
         name: "top",
@@ -118,13 +133,9 @@ pub const ATLAS: [MapInfo; 12] = [
         parameters: &[],
         seconds: 3.0,
         x: HZ,
-        y: Axis {
-            label: "spin, rad/s",
-            quantity: Quantity::Parameter("spin"),
-            values: &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0],
-        },
+        y: Axis { label: "spin, rad/s", varies: "spin=1,3,10,30,100,300" },
         about: "a box spinning about its middle axis flips over and over: the faster, the sooner a step turns too far",
-        series: 6,
+        compared: Compared::Methods(6),
     },
     MapInfo {
         name: "bounce",
@@ -132,13 +143,9 @@ pub const ATLAS: [MapInfo; 12] = [
         parameters: &[("e", 1.0)],
         seconds: 5.0,
         x: HZ,
-        y: Axis {
-            label: "height of the drop, m",
-            quantity: Quantity::Parameter("height"),
-            values: &[0.5, 1.0, 3.0, 10.0, 30.0, 100.0],
-        },
+        y: Axis { label: "height of the drop, m", varies: "height=0.5,1,3,10,30,100" },
         about: "balls that bounce for ever: the faster they land, the deeper a step takes them into the ground",
-        series: 6,
+        compared: Compared::Methods(6),
     },
     MapInfo {
         name: "wall",
@@ -146,13 +153,9 @@ pub const ATLAS: [MapInfo; 12] = [
         parameters: &[],
         seconds: 1.0,
         x: HZ,
-        y: Axis {
-            label: "speed of the ball, m/s",
-            quantity: Quantity::Parameter("v"),
-            values: &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3],
-        },
+        y: Axis { label: "speed of the ball, m/s", varies: "v=1,3,10,30,100,300,1e3" },
         about: "a ball thrown at a wall as thick as its radius: where a step is longer than both, it may pass unseen",
-        series: 6,
+        compared: Compared::Methods(6),
     },
     MapInfo {
         name: "far",
@@ -160,31 +163,19 @@ pub const ATLAS: [MapInfo; 12] = [
         parameters: &[],
         seconds: 2.0,
         x: SUBSTEPS,
-        y: Axis {
-            label: "distance from the origin, m",
-            quantity: Quantity::Parameter("d"),
-            values: &[1e2, 1e4, 1e5, 1e6, 1e7, 1e8],
-        },
+        y: Axis { label: "distance from the origin, m", varies: "d=1e2,1e4,1e5,1e6,1e7,1e8" },
         about: "a stack and a chain must do far from the origin what they do at it, to 1e-5 m",
-        series: 6,
+        compared: Compared::Methods(6),
     },
     MapInfo {
         name: "painleve",
         scene: "painleve",
         parameters: &[],
         seconds: 0.5,
-        x: Axis {
-            label: "friction",
-            quantity: Quantity::Parameter("mu"),
-            values: &[0.0, 0.3, 0.6, 0.9, 1.2, 1.5, 2.0, 3.0],
-        },
-        y: Axis {
-            label: "angle of the rod to the ground, degrees",
-            quantity: Quantity::Parameter("tilt"),
-            values: &[20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0],
-        },
+        x: Axis { label: "friction", varies: "mu=0,0.3,0.6,0.9,1.2,1.5,2,3" },
+        y: Axis { label: "angle of the rod to the ground, degrees", varies: "tilt=20,30,40,50,60,70,80" },
         about: "a rod that slides ahead of its centre: with much friction no rigid motion exists, and none may gain energy",
-        series: 6,
+        compared: Compared::Methods(6),
     },
     MapInfo {
         name: "card_house",
@@ -194,7 +185,7 @@ pub const ATLAS: [MapInfo; 12] = [
         x: ITERATIONS,
         y: SUBSTEPS,
         about: "a house of cards stands by friction alone: what the sweeps leave undone lets it slide apart",
-        series: 6,
+        compared: Compared::Methods(6),
     },
     MapInfo {
         name: "servo",
@@ -202,26 +193,28 @@ pub const ATLAS: [MapInfo; 12] = [
         parameters: &[],
         seconds: 2.0,
         x: HZ,
-        y: Axis {
-            label: "undamped frequency of the servo, Hz",
-            quantity: Quantity::Parameter("f"),
-            values: &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4],
-        },
+        y: Axis { label: "undamped frequency of the servo, Hz", varies: "f=1,3,10,30,100,300,1e3,1e4" },
         about: "a servo that is faster than the steps jerks its rod: sweeps let the hinge part",
-        series: 6,
+        compared: Compared::Methods(6),
     },
     MapInfo {
         name: "hinge_chain",
         scene: "hinge_chain",
         parameters: &[("limit", 30.0)],
         seconds: 2.0,
-        x: Axis { label: "links", quantity: Quantity::Parameter("n"), values: &[2.0, 5.0, 10.0, 20.0, 50.0, 100.0] },
-        y: Axis {
-            label: "mass of the ball over a link's",
-            quantity: Quantity::Parameter("r"),
-            values: &[1.0, 10.0, 100.0, 1e3, 1e4, 1e6],
-        },
+        x: Axis { label: "links", varies: "n=2,5,10,20,50,100" },
+        y: Axis { label: "mass of the ball over a link's", varies: "r=1,10,100,1e3,1e4,1e6" },
         about: "hinges with limits bear a ball that pulls across their axes too, and tilt where a sweep leaves that undone",
-        series: 6,
+        compared: Compared::Methods(6),
+    },
+    MapInfo {
+        name: "incline",
+        scene: "incline",
+        parameters: &[],
+        seconds: 2.0,
+        x: Axis { label: "corners that it stands on", varies: "points=1,2,3,4,6,8,12,24" },
+        y: Axis { label: "angle of the slope, degrees", varies: "theta=10,20,25,30,45,60,75,85" },
+        about: "Coulomb's friction knows no number of contact points; a bound of the weight at each of them grows with it",
+        compared: Compared::Each { of: SolverSettings::classic, with: "friction=one_tangent,two_tangents" },
     },
 ];

@@ -4,30 +4,36 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::atlas::MapInfo;
+use super::plan::MapPlan;
 use crate::lab::picture::{PaintResult, Picture, TEXT, text};
+use crate::lab::sweep::Record;
+use crate::lab::vary::{Assignment, Measure, Scale};
 use crate::lab::verdict::Verdict;
 
 /// One map of one method.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
     /// The method.
-    pub series: &'static str,
-    /// Verdicts by row (y) and column (x), the first row lowest; none where nothing was measured.
-    pub cells: Vec<Vec<Option<Verdict>>>,
+    pub series: String,
+    /// Runs by row (y) and column (x), the first row lowest; none where nothing was measured.
+    pub cells: Vec<Vec<Option<Record>>>,
 }
 
 /// All methods' maps of one kind.
 pub(super) struct Sheet<'a> {
-    pub info: &'a MapInfo,
+    pub plan: &'a MapPlan,
     pub maps: &'a [Map],
+    /// What is written in the cells; none: a cross where the run fails.
+    pub measure: Option<&'a Measure>,
 }
 
 const CELL: (i32, i32) = (40, 30);
-const LEFT: i32 = 96;
 const GAP: i32 = 34;
 const TOP: i32 = 74;
+/// Room for the label and the legend.
 const BOTTOM: i32 = 110;
+/// Of a letter beside an axis and of one over a map, on average.
+const LETTERS: (i32, i32) = (7, 8);
 
 /// Told apart by their lightness too.
 fn color(verdict: Option<Verdict>) -> RGBColor {
@@ -42,15 +48,39 @@ fn color(verdict: Option<Verdict>) -> RGBColor {
 
 impl Sheet<'_> {
     fn columns(&self) -> i32 {
-        self.info.x.values.len() as i32
+        self.plan.x.values().len() as i32
     }
 
     fn rows(&self) -> i32 {
-        self.info.y.values.len() as i32
+        self.plan.y.values().len() as i32
+    }
+
+    /// Where the first map begins: names take more room than numbers.
+    fn left(&self) -> i32 {
+        (LETTERS.0 * longest(self.plan.y.values()) + 44).max(96)
+    }
+
+    /// Height of what is written under the columns: names do not fit side by side.
+    fn values_height(&self) -> i32 {
+        if self.names_stand() { LETTERS.0 * longest(self.plan.x.values()) } else { 14 }
+    }
+
+    fn names_stand(&self) -> bool {
+        self.plan.x.scale == Scale::InOrder && LETTERS.0 * longest(self.plan.x.values()) > CELL.0
+    }
+
+    /// Width of a map, or of what is written over it.
+    fn map_width(&self, map: &Map) -> i32 {
+        (self.columns() * CELL.0).max(LETTERS.1 * map.series.chars().count() as i32)
     }
 
     fn map_left(&self, index: usize) -> i32 {
-        LEFT + index as i32 * (self.columns() * CELL.0 + GAP)
+        self.left() + self.maps[..index].iter().map(|map| self.map_width(map) + GAP).sum::<i32>()
+    }
+
+    /// Under the maps and what is written at their columns.
+    fn bottom(&self) -> i32 {
+        TOP + self.rows() * CELL.1 + self.values_height()
     }
 
     /// The upper left corner of a cell.
@@ -59,15 +89,23 @@ impl Sheet<'_> {
     }
 }
 
+/// Letters of the longest value.
+fn longest(values: &[Assignment]) -> i32 {
+    values.iter().map(|value| value.value.to_string().chars().count()).max().unwrap_or(0) as i32
+}
+
 impl Picture for Sheet<'_> {
     fn size(&self) -> (u32, u32) {
         let width = self.map_left(self.maps.len()) - GAP + 24;
-        ((width as u32).max(640), (TOP + self.rows() * CELL.1 + BOTTOM) as u32)
+        ((width as u32).max(640), (self.bottom() + BOTTOM - 14) as u32)
     }
 
     fn paint<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> PaintResult<DB> {
-        let title = format!("{}: where it holds and where it fails", self.info.title());
-        area.draw_text(&title, &text(19.0, &TEXT, HPos::Left, VPos::Center), (LEFT, 22))?;
+        let title = match self.measure {
+            Some(measure) => format!("{}: {}", self.plan.title(), self.measured(measure)),
+            None => format!("{}: where it holds and where it fails", self.plan.title()),
+        };
+        area.draw_text(&title, &text(19.0, &TEXT, HPos::Left, VPos::Center), (self.left(), 22))?;
         self.paint_rows(area)?;
         for (index, map) in self.maps.iter().enumerate() {
             self.paint_map(area, index, map)?;
@@ -77,38 +115,70 @@ impl Picture for Sheet<'_> {
 }
 
 impl Sheet<'_> {
+    /// What is measured; the error with its unit.
+    fn measured(&self, measure: &Measure) -> String {
+        let mut runs = self.maps.iter().flat_map(|map| map.cells.iter().flatten().flatten());
+        match runs.find(|record| !record.unit.is_empty()) {
+            Some(record) if measure.name == "error" => format!("{}, {}", measure.about, record.unit),
+            _ => measure.about.to_owned(),
+        }
+    }
+
     fn paint_rows<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> PaintResult<DB> {
         let style = text(13.0, &TEXT, HPos::Right, VPos::Center);
-        for (row, &value) in (0..).zip(self.info.y.values) {
+        for (row, value) in (0..).zip(self.plan.y.values()) {
             let (x, y) = self.corner(0, 0, row);
-            area.draw_text(&number(value), &style, (x - 8, y + CELL.1 / 2))?;
+            area.draw_text(&value.value.to_string(), &style, (x - 8, y + CELL.1 / 2))?;
         }
         let turned = text(14.0, &TEXT, HPos::Center, VPos::Top).transform(FontTransform::Rotate270);
-        area.draw_text(self.info.y.label, &turned, (14, TOP + self.rows() * CELL.1 / 2))
+        area.draw_text(&self.plan.y_label, &turned, (14, TOP + self.rows() * CELL.1 / 2))
     }
 
     fn paint_map<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, index: usize, map: &Map) -> PaintResult<DB> {
         let left = self.map_left(index);
-        area.draw_text(map.series, &text(15.0, &TEXT, HPos::Left, VPos::Center), (left, TOP - 16))?;
+        area.draw_text(&map.series, &text(15.0, &TEXT, HPos::Left, VPos::Center), (left, TOP - 16))?;
         for (row, cells) in (0..).zip(&map.cells) {
-            for (column, &verdict) in (0..).zip(cells) {
-                let (x, y) = self.corner(index, column, row);
-                let cell = [(x, y), (x + CELL.0 - 1, y + CELL.1 - 1)];
-                area.draw(&Rectangle::new(cell, color(verdict).filled()))?;
-                if verdict == Some(Verdict::Fails) {
-                    let style = text(13.0, &WHITE, HPos::Center, VPos::Center);
-                    area.draw_text("×", &style, (x + CELL.0 / 2, y + CELL.1 / 2))?;
-                }
+            for (column, run) in (0..).zip(cells) {
+                self.paint_cell(area, self.corner(index, column, row), run.as_ref())?;
             }
         }
         self.paint_border(area, index, map)?;
-        let bottom = TOP + self.rows() * CELL.1;
-        let style = text(12.0, &TEXT, HPos::Center, VPos::Top);
-        for (column, &value) in (0..).zip(self.info.x.values) {
-            area.draw_text(&number(value), &style, (left + column * CELL.0 + CELL.0 / 2, bottom + 6))?;
-        }
+        self.paint_columns(area, left)?;
         let middle = left + self.columns() * CELL.0 / 2;
-        area.draw_text(self.info.x.label, &text(14.0, &TEXT, HPos::Center, VPos::Top), (middle, bottom + 26))
+        let style = text(14.0, &TEXT, HPos::Center, VPos::Top);
+        area.draw_text(&self.plan.x_label, &style, (middle, self.bottom() + 12))
+    }
+
+    fn paint_cell<DB: DrawingBackend>(
+        &self,
+        area: &DrawingArea<DB, Shift>,
+        (x, y): (i32, i32),
+        run: Option<&Record>,
+    ) -> PaintResult<DB> {
+        let verdict = run.map(|record| record.verdict);
+        area.draw(&Rectangle::new([(x, y), (x + CELL.0 - 1, y + CELL.1 - 1)], color(verdict).filled()))?;
+        let fails = verdict == Some(Verdict::Fails);
+        let written = match self.measure {
+            Some(measure) => run.and_then(measure.of).map(two_digits),
+            None => fails.then(|| "×".to_owned()),
+        };
+        let style = text(13.0, if fails { &WHITE } else { &TEXT }, HPos::Center, VPos::Center);
+        written.map_or(Ok(()), |written| area.draw_text(&written, &style, (x + CELL.0 / 2, y + CELL.1 / 2)))
+    }
+
+    fn paint_columns<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, left: i32) -> PaintResult<DB> {
+        let under = TOP + self.rows() * CELL.1 + 6;
+        for (column, value) in (0..).zip(self.plan.x.values()) {
+            let middle = left + column * CELL.0 + CELL.0 / 2;
+            let value = value.value.to_string();
+            if self.names_stand() {
+                let turned = text(12.0, &TEXT, HPos::Right, VPos::Center).transform(FontTransform::Rotate270);
+                area.draw_text(&value, &turned, (middle, under))?;
+            } else {
+                area.draw_text(&value, &text(12.0, &TEXT, HPos::Center, VPos::Top), (middle, under))?;
+            }
+        }
+        Ok(())
     }
 
     /// Between cells that fail and cells that do not.
@@ -119,8 +189,8 @@ impl Sheet<'_> {
         map: &Map,
     ) -> PaintResult<DB> {
         let fails = |row: i32, column: i32| -> Option<bool> {
-            let verdict = (*map.cells.get(usize::try_from(row).ok()?)?.get(usize::try_from(column).ok()?)?)?;
-            Some(verdict == Verdict::Fails)
+            let run = map.cells.get(usize::try_from(row).ok()?)?.get(usize::try_from(column).ok()?)?.as_ref()?;
+            Some(run.verdict == Verdict::Fails)
         };
         let line = |from: (i32, i32), to: (i32, i32)| PathElement::new(vec![from, to], BLACK.stroke_width(3));
         for row in 0..self.rows() {
@@ -139,19 +209,40 @@ impl Sheet<'_> {
     }
 
     fn paint_legend<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> PaintResult<DB> {
-        let y = TOP + self.rows() * CELL.1 + 62;
+        let left = self.left();
+        let y = self.bottom() + 48;
         let style = text(14.0, &TEXT, HPos::Left, VPos::Center);
         let kinds = [Verdict::Holds, Verdict::Degrades, Verdict::Fails, Verdict::Unknown];
         for (index, verdict) in (0..).zip(kinds) {
-            let x = LEFT + index * 120;
+            let x = left + index * 120;
             area.draw(&Rectangle::new([(x, y), (x + 20, y + 16)], color(Some(verdict)).filled()))?;
             area.draw_text(&verdict.to_string(), &style, (x + 28, y + 8))?;
         }
-        area.draw_text(self.info.about, &text(13.0, &TEXT, HPos::Left, VPos::Center), (LEFT, y + 34))
+        area.draw_text(&self.plan.about, &text(13.0, &TEXT, HPos::Left, VPos::Center), (left, y + 34))
     }
 }
 
-/// `30`, `1e5`, `0.5`.
-fn number(value: f64) -> String {
-    if value != 0.0 && !(1e-2..1e4).contains(&value.abs()) { format!("{value:e}") } else { format!("{value}") }
+/// As short as a cell needs: `17`, `0.42`, `3e-5`, `0`.
+fn two_digits(value: f64) -> String {
+    let short = match value.abs() {
+        0.0 => return "0".to_owned(),
+        size if !(0.01..1000.0).contains(&size) => return format!("{value:.0e}"),
+        size if size < 10.0 => format!("{value:.2}"),
+        _ => format!("{value:.0}"),
+    };
+    match short.trim_end_matches('0').trim_end_matches('.') {
+        trimmed if short.contains('.') => trimmed.to_owned(),
+        _ => short,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::two_digits;
+
+    #[test]
+    fn numbers_fit_a_cell() {
+        let written = [0.0, 17.3, 120.0, 0.4219, 0.5, 1.0, 3.2e-5, 12345.0, f64::NAN].map(two_digits);
+        assert_eq!(written, ["0", "17", "120", "0.42", "0.5", "1", "3e-5", "1e4", "NaN"]);
+    }
 }

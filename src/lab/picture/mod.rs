@@ -1,5 +1,6 @@
 //! Pictures as files: each is drawn twice, as SVG and as PNG, by one piece of code.
 
+mod axis;
 mod paint;
 mod style;
 
@@ -8,6 +9,7 @@ use std::path::Path;
 
 use plotters::prelude::*;
 
+pub(super) use axis::{decades, number, ticks};
 pub(super) use paint::{PaintResult, Picture};
 pub(super) use style::{FAINT, TEXT, draw_mark, mark, text};
 

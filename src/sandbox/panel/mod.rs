@@ -17,9 +17,10 @@ mod selection;
 mod solver;
 mod theme;
 mod toast;
+pub(super) mod vary;
 mod world;
 
-pub use chart::{ChartSource, measure_chart};
+pub use chart::{ChartOf, ChartSource, measure_chart};
 pub(super) use theme::{Quantity, name_of, palette};
 
 use bevy::prelude::*;

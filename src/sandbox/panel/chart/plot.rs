@@ -1,225 +1,40 @@
-//! The present scene's chart of error against cost: measured by a process of its own, so that
-//! game and measurement do not spoil each other, with marks where the present settings stand.
+//! The plot: dots, axes, and what the pointer means.
 
-use std::path::PathBuf;
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
-
-use bevy::prelude::*;
 use bevy_egui::egui;
 use egui_plot::{GridInput, GridMark, Line, MarkerShape, Plot, PlotPoint, PlotResponse, PlotTransform, Points};
 
-use super::theme::palette;
-use crate::lab::chart::{Extent, POINTS, SERIES, Subject, front};
-use crate::lab::sweep::{Point, Record, read_records};
+use crate::lab::chart::{SERIES, front};
+use crate::lab::sweep::Record;
+use crate::lab::vary::{Assignment, Curves, Scale, Variation};
 use crate::lab::verdict::Verdict;
-use crate::physics::{ImpulseSettings, SolverSettings, StepStats};
-use crate::sandbox::{CurrentScene, Notice, SandboxAction};
-
-/// How often the file of a measurement at work is read.
-const READ_EVERY: Duration = Duration::from_millis(500);
+use crate::physics::{SolverSettings, StepStats};
+use crate::sandbox::panel::palette;
 
 /// A pointer this near to a point, in egui's points, means it.
 const REACH: f32 = 12.0;
 
-/// Who measures charts, and where they are kept.
-#[derive(Resource, Clone, Debug)]
-pub struct ChartSource {
-    /// The program, called as `plumb chart SCENE --quick --out FOLDER`.
-    pub program: PathBuf,
-    /// The folder.
-    pub folder: PathBuf,
-}
-
-/// The chart on view.
-#[derive(Resource, Default)]
-pub(super) struct SceneChart {
-    points: Vec<Point>,
-    records: Vec<Record>,
-    measuring: Option<Measuring>,
-}
-
-/// A measurement at work; ends with the sandbox.
-struct Measuring {
-    child: Child,
-    read: Instant,
-    /// The rows of the file before this one are of earlier measurements.
-    since: usize,
-    /// Points of the chart that it has, those among them that it found in the file.
-    measured: usize,
-}
-
-impl Drop for Measuring {
-    fn drop(&mut self) {
-        // It may have ended by itself; then there is nothing to do.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
-pub(super) fn plugin(app: &mut App) {
-    app.insert_resource(ChartSource {
-        program: std::env::current_exe().unwrap_or_default(),
-        folder: PathBuf::from("charts"),
-    })
-    .init_resource::<SceneChart>()
-    .add_systems(PreUpdate, (follow_scene, follow_measurement).chain());
-}
-
-fn subject(scene: &CurrentScene) -> Subject {
-    Subject { scene: scene.scene.clone(), parameters: scene.parameters.clone() }
-}
-
-impl SceneChart {
-    /// Reads what the file has of the scene's quick chart.
-    fn read(&mut self, source: &ChartSource) {
-        let rows = read_records(&source.folder.join(POINTS), &source.program);
-        let keys: Vec<String> = self.points.iter().map(Point::key).collect();
-        if let Some(measuring) = &mut self.measuring {
-            let new = rows.get(measuring.since..).unwrap_or_default();
-            measuring.measured = keys.iter().filter(|key| new.iter().any(|row| row.key == **key)).count();
-        }
-        let latest = |(key, point): (&String, &Point)| {
-            let record = rows.iter().rev().find(|row| row.key == *key)?;
-            Some(Record { series: point.series.clone(), ..record.clone() })
-        };
-        self.records = keys.iter().zip(&self.points).filter_map(latest).collect();
-    }
-
-    /// Whether every point is measured.
-    fn is_whole(&self) -> bool {
-        !self.points.is_empty() && self.records.len() == self.points.len()
-    }
-}
-
-fn follow_scene(scene: Option<Res<CurrentScene>>, source: Res<ChartSource>, mut chart: ResMut<SceneChart>) {
-    let Some(scene) = scene.filter(|scene| scene.is_changed()) else { return };
-    let points = subject(&scene).points(Extent::Quick).unwrap_or_default();
-    if points != chart.points {
-        *chart = SceneChart { points, ..default() };
-        chart.read(&source);
-    }
-}
-
-fn follow_measurement(source: Res<ChartSource>, mut chart: ResMut<SceneChart>, mut notice: ResMut<Notice>) {
-    let Some(measuring) = &mut chart.bypass_change_detection().measuring else { return };
-    let ended = measuring.child.try_wait().map(|status| status.map(|status| status.success()));
-    if !matches!(ended, Ok(None)) {
-        chart.measuring = None;
-        chart.read(&source);
-        if !matches!(ended, Ok(Some(true))) {
-            *notice = Notice::Error("the chart could not be measured; 'plumb chart' says why".into());
-        }
-    } else if measuring.read.elapsed() > READ_EVERY {
-        measuring.read = Instant::now();
-        chart.read(&source);
-    }
-}
-
-/// Starts a measurement of the present scene, unless one is at work; once more where every point is measured.
-pub fn measure_chart(world: &mut World) {
-    let chart = world.resource::<SceneChart>();
-    if chart.measuring.is_some() {
-        return;
-    }
-    let Some(scene) = world.get_resource::<CurrentScene>() else { return };
-    match measure(scene, chart, world.resource::<ChartSource>()) {
-        Ok(measuring) => world.resource_mut::<SceneChart>().measuring = Some(measuring),
-        Err(error) => {
-            *world.resource_mut::<Notice>() = Notice::Error(format!("the chart cannot be measured: {error}"));
-        }
-    }
-}
-
-/// Starts `plumb chart` on the scene.
-fn measure(scene: &CurrentScene, chart: &SceneChart, source: &ChartSource) -> std::io::Result<Measuring> {
-    let mut command = Command::new(&source.program);
-    command.arg("chart").arg(&scene.scene);
-    for (name, value) in &scene.parameters {
-        command.arg("-p").arg(format!("{name}={value}"));
-    }
-    command.arg("--quick").arg("--out").arg(&source.folder);
-    let (mut since, mut measured) = (0, chart.records.len());
-    if chart.is_whole() {
-        command.arg("--again");
-        since = read_records(&source.folder.join(POINTS), &source.program).len();
-        measured = 0;
-    }
-    let child = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn()?;
-    Ok(Measuring { child, read: Instant::now(), since, measured })
-}
-
-pub(super) fn show(
-    InMut(ui): InMut<egui::Ui>,
-    stats: Res<StepStats>,
-    mut chart: ResMut<SceneChart>,
-    mut settings: ResMut<SolverSettings>,
-    mut notice: ResMut<Notice>,
-    mut actions: MessageWriter<SandboxAction>,
-    mut cost: Local<PresentCost>,
-    mut pressed: Local<Option<String>>,
-) {
-    ui.horizontal(|ui| {
-        if let Some(measuring) = &chart.measuring {
-            ui.spinner();
-            ui.label(format!("measured {} of {}", measuring.measured, chart.points.len()));
-            if ui.button("Stop").clicked() {
-                chart.measuring = None;
-            }
-        } else if !chart.points.is_empty() {
-            let label = match chart.records.len() {
-                0 => "Measure",
-                _ if chart.is_whole() => "Measure again",
-                _ => "Measure the rest",
-            };
-            let about = "runs 'plumb chart --quick' on this scene in a process of its own";
-            if ui.button(label).on_hover_text(about).clicked() {
-                actions.write(SandboxAction::MeasureChart);
-            }
-        }
-    });
-    let mut dots: Vec<Dot> = chart.records.iter().filter_map(Dot::of).collect();
-    // In the order of drawing.
-    dots.sort_by_key(|dot| (dot.series, !dot.holds()));
-    if dots.is_empty() {
-        if chart.measuring.is_none() {
-            let text = if chart.records.is_empty() {
-                "not measured yet"
-            } else {
-                "nothing is known of this scene's answer to measure an error from"
-            };
-            ui.weak(text);
-        }
-        return;
-    }
-    legend(ui);
-    let cost = cost.follow(&settings, &stats);
-    if let Some(picked) = draw(ui, &dots, &settings, cost, &mut pressed) {
-        // The number of threads is the machine's, not the point's, and nothing sleeps where it is measured.
-        let impulse = ImpulseSettings { sleep_speed: settings.impulse.sleep_speed, ..picked.impulse };
-        *settings = SolverSettings { threads: settings.threads, impulse, ..picked };
-        *notice = Notice::Info("took over the settings of a point of the chart".into());
-    }
-}
-
-/// A point on logarithmic axes.
-struct Dot<'a> {
+/// A point on logarithmic axes, or over what varies.
+pub(super) struct Dot<'a> {
     record: &'a Record,
     settings: SolverSettings,
     place: [f64; 2],
-    series: usize,
+    pub series: usize,
 }
 
 impl<'a> Dot<'a> {
-    fn of(record: &'a Record) -> Option<Self> {
+    /// Of the point of that index.
+    pub fn of(index: usize, record: &'a Record, curves: Option<&Curves>) -> Option<Self> {
         let (cost, error) = (record.cost()?, record.error?.max(record.uncertainty.unwrap_or(0.0)).max(1e-16));
-        let series = SERIES.iter().position(|series| series.name == record.series)?;
-        let place = [cost.log10(), error.log10()];
+        let (across, series) = match curves {
+            Some(curves) => (curves.x.place(index), 0),
+            None => (cost.log10(), SERIES.iter().position(|series| series.name == record.series)?),
+        };
+        let place = [across, error.log10()];
         place.iter().all(|at| at.is_finite()).then_some(())?;
         Some(Self { record, settings: record.solver_settings()?, place, series })
     }
 
-    fn holds(&self) -> bool {
+    pub fn holds(&self) -> bool {
         self.record.verdict <= Verdict::Degrades
     }
 
@@ -241,7 +56,7 @@ pub(super) struct PresentCost {
 impl PresentCost {
     /// Looks at the last step. The cost, ms a simulated second: the geometric mean over about the last twenty steps
     /// that were looked at, so that it can be read; none before the first step with these settings.
-    fn follow(&mut self, settings: &SolverSettings, stats: &StepStats) -> Option<f64> {
+    pub fn follow(&mut self, settings: &SolverSettings, stats: &StepStats) -> Option<f64> {
         const SHARE: f64 = 0.05;
         if self.settings != *settings {
             *self = Self { settings: *settings, steps: stats.steps, exponent: None };
@@ -275,7 +90,7 @@ fn color([r, g, b]: [u8; 3]) -> egui::Color32 {
     egui::Color32::from_rgb(r, g, b)
 }
 
-fn legend(ui: &mut egui::Ui) {
+pub(super) fn legend(ui: &mut egui::Ui) {
     ui.horizontal_wrapped(|ui| {
         for (series, (_, shade)) in SERIES.iter().zip(MARKERS) {
             ui.colored_label(color(shade), egui::RichText::new(series.name).size(11.0));
@@ -285,18 +100,21 @@ fn legend(ui: &mut egui::Ui) {
 
 /// Draws the chart; the settings of a point that was clicked. `pressed` is the key of the point that the pointer is
 /// down on.
-fn draw(
+pub(super) fn draw(
     ui: &mut egui::Ui,
     dots: &[Dot],
+    curves: Option<&Curves>,
     settings: &SolverSettings,
     cost: Option<f64>,
     pressed: &mut Option<String>,
 ) -> Option<SolverSettings> {
     let alike = |dot: &&Dot| {
-        let own = ["threads", "impulse.sleep_speed"];
+        let own: &[&str] = if curves.is_some() { &["threads"] } else { &["threads", "impulse.sleep_speed"] };
         dot.settings.differences(settings).all(|setting| own.contains(&setting.path))
     };
     let present = dots.iter().find(alike);
+    let values = curves.map(|curves| Values::of(&curves.x));
+    let marks = values.clone();
     let plot = Plot::new("chart")
         .height(190.0)
         .allow_zoom(false)
@@ -307,18 +125,18 @@ fn draw(
         .allow_double_click_reset(false)
         .set_margin_fraction(egui::vec2(0.08, 0.1))
         .y_axis_min_width(36.0)
-        .x_grid_spacer(powers)
+        .x_grid_spacer(move |input| marks.as_ref().map_or_else(|| powers(input), Values::marks))
         .y_grid_spacer(powers)
-        .x_axis_formatter(|mark, _| power(mark.value))
+        .x_axis_formatter(move |mark, _| {
+            values.as_ref().map_or_else(|| power(mark.value), |values| values.text(mark.value))
+        })
         .y_axis_formatter(|mark, _| power(mark.value))
         // What a point is and what a click takes are found in one way, in `follow_pointer`.
         .show_x(false)
         .show_y(false);
     let shown = ui.push_id("chart", |ui| {
         plot.show(ui, |plot| {
-            let held: Vec<&Dot> = dots.iter().filter(|dot| dot.holds()).collect();
-            let places: Vec<(f64, f64)> = held.iter().map(|dot| (dot.place[0], dot.place[1])).collect();
-            let line: Vec<[f64; 2]> = front(&places).into_iter().map(|index| held[index].place).collect();
+            let line = if curves.is_some() { along(dots) } else { front_of(dots) };
             plot.line(Line::new("front", line).color(egui::Color32::from_gray(150)).width(1.0));
             for (series, (shape, shade)) in MARKERS.iter().enumerate() {
                 for (holds, strength) in [(true, 1.0), (false, 0.25)] {
@@ -337,14 +155,59 @@ fn draw(
         })
     });
     let shown = shown.inner;
-    if let Some(cost) = cost {
+    if let Some(cost) = cost.filter(|_| curves.is_none()) {
         mark_cost(ui, &shown.transform, cost);
     }
     let ring =
         if present.is_some() { "the ring has the present settings" } else { "no point has the present settings" };
-    ui.weak(format!("error over ms per simulated second; {ring}; click a point to take its settings"))
+    let over = curves.map_or("ms per simulated second", |curves| curves.x.name());
+    ui.weak(format!("error over {over}; {ring}; click a point to take its settings"))
         .on_hover_text("now: what the step costs in this window; points are measured alone, on one thread");
     follow_pointer(ui, dots, &shown, pressed)
+}
+
+/// What nothing beats on both axes.
+fn front_of(dots: &[Dot]) -> Vec<[f64; 2]> {
+    let held: Vec<&Dot> = dots.iter().filter(|dot| dot.holds()).collect();
+    let places: Vec<(f64, f64)> = held.iter().map(|dot| (dot.place[0], dot.place[1])).collect();
+    front(&places).into_iter().map(|index| held[index].place).collect()
+}
+
+/// All points in the order of what varies.
+fn along(dots: &[Dot]) -> Vec<[f64; 2]> {
+    let mut places: Vec<[f64; 2]> = dots.iter().map(|dot| dot.place).collect();
+    places.sort_by(|one, other| one[0].total_cmp(&other[0]));
+    places
+}
+
+/// What is written at the axis of what varies.
+#[derive(Clone)]
+struct Values {
+    /// Place and text of each.
+    marks: Vec<(f64, String)>,
+    /// Names are all written, of numbers only as many as there is room for.
+    are_names: bool,
+}
+
+impl Values {
+    fn of(variation: &Variation) -> Self {
+        let text = |(index, value): (usize, &Assignment)| (variation.place(index), value.value.to_string());
+        let marks = variation.values().iter().enumerate().map(text).collect();
+        Self { marks, are_names: variation.scale == Scale::InOrder }
+    }
+
+    /// egui writes at marks that are far enough from each other.
+    fn marks(&self) -> Vec<GridMark> {
+        let span = self.marks.last().map_or(0.0, |last| last.0 - self.marks[0].0);
+        let step_size = if self.are_names { 1.0 } else { (span / 4.0).max(f64::MIN_POSITIVE) };
+        self.marks.iter().map(|(value, _)| GridMark { value: *value, step_size }).collect()
+    }
+
+    fn text(&self, place: f64) -> String {
+        let distance = |mark: &&(f64, String)| (mark.0 - place).abs();
+        let nearest = self.marks.iter().min_by(|one, other| distance(one).total_cmp(&distance(other)));
+        nearest.map_or_else(String::new, |(_, text)| text.clone())
+    }
 }
 
 /// A line at what the step costs now, with the number. Painted over the plot and no item of it: the axes follow the
@@ -457,6 +320,7 @@ fn power(exponent: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use bevy::prelude::default;
 
     #[test]
     fn a_pointer_means_the_nearest_point_and_of_those_in_one_place_the_topmost() {
