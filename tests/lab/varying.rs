@@ -140,7 +140,7 @@ fn methods_that_do_not_read_what_varies_are_left_out() {
 fn scenes_from_files_are_varied_too() {
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("ball.ron");
-    fs::write(&scene, "(bodies: [(shape: Sphere(radius: 0.5), position: (0, 3, 0))])").unwrap();
+    fs::write(&scene, "(bodies: [(name: \"ball\", shape: Sphere(radius: 0.5), position: (0, 3, 0))])").unwrap();
     let scene = scene.to_str().unwrap();
     succeeds(&["chart", scene, "--vary", "drag=0,1", "--preset", "classic", "--seconds", "0.1"], folder.path());
     assert_eq!(values(folder.path(), "drag"), ["0.0", "1.0"]);

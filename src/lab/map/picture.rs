@@ -256,7 +256,7 @@ impl Sheet<'_> {
 fn two_digits(value: f64) -> String {
     let short = match value.abs() {
         0.0 => return "0".to_owned(),
-        size if !(0.01..1000.0).contains(&size) => return format!("{value:.0e}"),
+        size if !(0.0095..1000.0).contains(&size) => return format!("{value:.0e}"),
         size if size < 10.0 => format!("{value:.2}"),
         _ => format!("{value:.0}"),
     };
@@ -300,7 +300,7 @@ mod tests {
 
     #[test]
     fn numbers_fit_a_cell() {
-        let written = [0.0, 17.3, 120.0, 0.4219, 0.5, 1.0, 3.2e-5, 12345.0, f64::NAN].map(two_digits);
-        assert_eq!(written, ["0", "17", "120", "0.42", "0.5", "1", "3e-5", "1e4", "NaN"]);
+        let written = [0.0, 0.0098, 9.4e-3, 17.3, 120.0, 0.4219, 0.5, 1.0, 3.2e-5, 12345.0, f64::NAN].map(two_digits);
+        assert_eq!(written, ["0", "0.01", "9e-3", "17", "120", "0.42", "0.5", "1", "3e-5", "1e4", "NaN"]);
     }
 }
