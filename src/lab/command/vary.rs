@@ -5,8 +5,8 @@ use clap::Args;
 use crate::lab::vary::{Assignment, Candidate, MEASURES, Measure, Study, Variation, VaryError};
 use crate::scene;
 
-use super::arguments::SettingsArguments;
 use super::outcome::CommandError;
+use super::settings::SettingsArguments;
 
 /// What varies, on which settings, and what is drawn of it.
 #[derive(Args)]
