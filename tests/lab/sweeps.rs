@@ -184,11 +184,28 @@ fn maps_put_each_verdict_in_its_cell() {
             }
         }
     }
-    map.draw(&maps, None, folder.path()).unwrap();
+    map.draw(&maps, folder.path()).unwrap();
     let svg = fs::read_to_string(folder.path().join("map-stack.svg")).unwrap();
     assert_eq!(svg.matches("×</text>").count() + svg.matches("×\n</text>").count(), {
         records.iter().filter(|record| record.verdict == Verdict::Fails).count()
     });
+}
+
+/// So that the map of friction over contact points shows how much there is, where every other says whether it holds.
+#[test]
+fn a_map_that_writes_a_measure_has_it_in_its_cells() {
+    let map = ATLAS.iter().find(|map| map.name == "incline").unwrap().plan();
+    let folder = tempfile::tempdir().unwrap();
+    succeeds(&["chart", SCENE, "--quick"], folder.path());
+    let sample = rows(folder.path()).remove(0);
+    let points = map.points();
+    let records = points.iter().map(|point| Record { key: point.key(), drift: Some(3.125), ..sample.clone() });
+    map.draw(&map.maps(&records.collect::<Vec<_>>()), folder.path()).unwrap();
+    let svg = fs::read_to_string(folder.path().join("map-incline.svg")).unwrap();
+    assert_eq!(svg.matches("3.12").count(), points.len(), "{svg}");
+    for text in ["incline mu=0.1: bodies move by, m", "friction=one_tangent", "friction=two_tangents", "accurate"] {
+        assert!(svg.contains(text), "no {text}");
+    }
 }
 
 #[test]

@@ -4,8 +4,9 @@ use std::convert::Infallible;
 
 use bevy::math::{DQuat, DVec3};
 use plumb::lab::truth::{self, Truth};
+use plumb::lab::verdict::{Verdict, judge};
 use plumb::lab::{BodyState, Plan, Sample, Simulation, measure};
-use plumb::physics::{Precision, SolverSettings};
+use plumb::physics::{FrictionModel, Precision, SolverSettings};
 use plumb::scene::{SceneSpec, load};
 
 fn scene(name: &str, parameters: &[(&str, f64)]) -> SceneSpec {
@@ -126,6 +127,31 @@ fn what_slides_on_any_number_of_points_follows_the_same_answer() {
             assert_eq!(metrics.drift_max_m > 0.5, slides, "{points} points, {theta} degrees");
         }
     }
+}
+
+/// Another law of friction is told, the last step of 60 a second is not; rounding at rest is no gain of energy.
+#[test]
+fn a_slope_is_judged_by_whether_it_holds_and_by_how_far_things_slide() {
+    let judged = |theta: f64, points: f64, preset: fn() -> SolverSettings| {
+        let parameters = [("theta".to_owned(), theta), ("points".to_owned(), points), ("mu".to_owned(), 0.1)];
+        let plan = Plan::new("incline", &parameters, SolverSettings { iterations: 20, ..preset() }, None).unwrap();
+        let metrics = measure(&plan, |_| Ok::<(), Infallible>(())).unwrap();
+        let share = metrics.further_truths.first().map(|truth| truth.error);
+        (judge(&metrics).verdict, judge(&metrics).reason, share)
+    };
+    let (verdict, reason, share) = judged(45.0, 6.0, SolverSettings::classic);
+    assert!(verdict == Verdict::Fails && reason.contains("as a share"), "six times the friction: {reason}");
+    assert!((0.4..1.0).contains(&share.unwrap()), "{share:?}");
+    let two_tangents = || SolverSettings { friction: FrictionModel::TwoTangents, ..SolverSettings::classic() };
+    let (_, reason, share) = judged(45.0, 6.0, two_tangents);
+    assert!(share.unwrap() < 0.02, "off by {share:?}: {reason}");
+    for points in [1.0, 2.0, 4.0, 12.0] {
+        let (verdict, reason, share) = judged(5.0, points, SolverSettings::accurate);
+        assert_eq!((verdict, share), (Verdict::Holds, None), "{points} points at rest: {reason}");
+    }
+    let (verdict, reason, _) =
+        judged(5.0, 4.0, || SolverSettings { friction: FrictionModel::Off, ..SolverSettings::classic() });
+    assert!(verdict == Verdict::Fails && reason.contains("a body that should stay moves"), "{reason}");
 }
 
 #[test]

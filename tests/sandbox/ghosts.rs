@@ -2,9 +2,11 @@
 
 use bevy::prelude::*;
 use plumb::lab::truth;
+use plumb::lab::vary::Assignment;
 use plumb::physics::{Position, SolverSettings};
 use plumb::sandbox::{CurrentScene, GhostChoice, GhostDistance, SandboxAction};
 
+use crate::eyes::{click_on, open_eyes, point_at, reads, rewrite, seen};
 use crate::stage::Stage;
 
 fn open(scene: &str) -> Stage {
@@ -60,6 +62,57 @@ fn a_ghost_at_another_rate_keeps_the_time() {
     // At most a step of 1/60 s behind or before, at no more than 5.4 m/s of the tip's half-way point.
     let apart = distance(&mut stage).unwrap();
     assert!(apart > 0.0 && apart < 0.1, "{apart} m apart");
+}
+
+/// It has the settings on view when the scene starts, none of the presets.
+#[test]
+fn a_ghost_with_one_thing_changed_has_all_else_of_the_present_settings() {
+    let mut stage = open("chain");
+    let mut settings = SolverSettings { hz: 90.0, ..SolverSettings::classic() };
+    settings.sweeps.baumgarte = 0.2;
+    let changed = |text: &str| GhostChoice::Changed(Assignment::parse(text, None).unwrap());
+    *stage.world().resource_mut::<SolverSettings>() = settings;
+    stage.world().insert_resource(changed("iterations=4"));
+    stage.frames(60);
+    assert_eq!(distance(&mut stage), Some(0.0), "four sweeps are what the settings have");
+    stage.world().insert_resource(changed("iterations=40"));
+    stage.frames(60);
+    let apart = distance(&mut stage).unwrap();
+    assert!(apart > 1e-3 && apart < 5.0, "{apart} m apart");
+    // A start later the ghost has the settings of then.
+    stage.world().resource_mut::<SolverSettings>().iterations = 40;
+    stage.act(SandboxAction::Reset);
+    stage.frames(60);
+    assert_eq!(distance(&mut stage), Some(0.0));
+}
+
+#[test]
+fn the_panel_changes_one_thing_in_the_ghost_and_says_what_it_cannot() {
+    let mut stage = open("chain");
+    *stage.world().resource_mut::<SolverSettings>() = SolverSettings::classic();
+    open_eyes(&mut stage);
+    click_on(&mut stage, "Ghost", "");
+    click_on(&mut stage, "none", "Ghost");
+    // The last of the list, which is longer than its window.
+    let list = seen(&mut stage, "game f32", "Ghost");
+    point_at(&mut stage, list);
+    (0..5).for_each(|_| stage.wheel(-10.0));
+    stage.frames(30);
+    click_on(&mut stage, "these settings, but for", "Ghost");
+    click_on(&mut stage, "…", "Ghost");
+    click_on(&mut stage, "iterations", "Ghost");
+    let changed = |text: &str| GhostChoice::Changed(Assignment::parse(text, None).unwrap());
+    assert_eq!(*stage.world().resource::<GhostChoice>(), changed("iterations=16"), "another value is suggested");
+    stage.frames(60);
+    assert!(distance(&mut stage).unwrap() > 1e-3);
+
+    rewrite(&mut stage, "16", "Ghost", "0");
+    assert!(reads(&mut stage, "iterations: 0 is out of range, must be at least 1"));
+    assert_eq!(*stage.world().resource::<GhostChoice>(), changed("iterations=16"));
+    rewrite(&mut stage, "0", "Ghost", "4");
+    assert_eq!(*stage.world().resource::<GhostChoice>(), changed("iterations=4"));
+    stage.frames(60);
+    assert_eq!(distance(&mut stage), Some(0.0), "four sweeps are what the settings have");
 }
 
 #[test]

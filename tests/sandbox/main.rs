@@ -4,6 +4,7 @@ mod actions;
 mod building;
 mod chart;
 mod dragging;
+mod eyes;
 mod files;
 mod following;
 mod ghosts;

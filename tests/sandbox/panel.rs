@@ -1,13 +1,11 @@
 //! The panel, drawn and clicked without a display.
 
-use bevy::input::ButtonState;
-use bevy::input::mouse::MouseButtonInput;
 use bevy::prelude::*;
-use bevy::window::CursorMoved;
 use bevy_egui::input::EguiWantsInput;
 use plumb::physics::{ContactForces, Diagnostics, JointLoad};
 use plumb::sandbox::Playback;
 
+use crate::eyes::{click, point_at};
 use crate::stage::{SIZE, Stage};
 
 const SCENE: &str = r#"(
@@ -19,22 +17,6 @@ const SCENE: &str = r#"(
 
 /// On the button at the panel's top left.
 const PAUSE: Vec2 = Vec2::new(SIZE.x - 290.0, 18.0);
-
-fn point_at(stage: &mut Stage, position: Vec2) {
-    let window = stage.window();
-    stage.world().write_message(CursorMoved { window, position, delta: None });
-    stage.frames(2);
-}
-
-fn click(stage: &mut Stage, position: Vec2) {
-    point_at(stage, position);
-    let window = stage.window();
-    for state in [ButtonState::Pressed, ButtonState::Released] {
-        stage.world().write_message(MouseButtonInput { button: MouseButton::Left, state, window });
-        stage.frames(1);
-    }
-    stage.frames(1);
-}
 
 #[test]
 fn a_click_on_a_button_is_carried_out() {

@@ -26,9 +26,9 @@ pub(super) fn map(arguments: &MapArguments) -> Result<Outcome, CommandError> {
     let records =
         run::<ChartError>(&points, arguments.sweep.shard, BUDGET, &mut store, |p, point| bar.show(&p, point))?;
     bar.finish();
-    for plan in plans {
-        let measure = arguments.vary.measure.first().copied();
-        let path = plan.draw(&plan.maps(&records), measure, &arguments.sweep.out).map_err(ChartError::from)?;
+    for mut plan in plans {
+        plan.measure = arguments.vary.measure.first().copied().or(plan.measure);
+        let path = plan.draw(&plan.maps(&records), &arguments.sweep.out).map_err(ChartError::from)?;
         print(&format!("{}\n", path.display()))?;
     }
     Ok(Outcome::Done)

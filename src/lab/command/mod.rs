@@ -13,6 +13,7 @@ mod map;
 mod outcome;
 mod run;
 mod scenes;
+mod settings;
 mod summary;
 mod vary;
 

@@ -5,8 +5,8 @@ use clap::Args;
 use crate::lab::vary::{Assignment, Candidate, MEASURES, Measure, Study, Variation, VaryError};
 use crate::scene;
 
-use super::arguments::SettingsArguments;
 use super::outcome::CommandError;
+use super::settings::SettingsArguments;
 
 /// What varies, on which settings, and what is drawn of it.
 #[derive(Args)]
@@ -75,7 +75,11 @@ impl VaryArguments {
     fn variations(&self, scene: &str) -> Result<Vec<Variation>, CommandError> {
         let info = scene::find(scene);
         let read = |text: &String| Variation::parse(text, info).map_err(|error| told("--vary", text, &error));
-        self.vary.iter().map(read).collect()
+        let varied = self.vary.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+        match twice(varied.iter().map(Variation::name)) {
+            Some(name) => Err(CommandError::Usage(format!("{name} is varied twice: vary something else"))),
+            None => Ok(varied),
+        }
     }
 
     /// Whether the charts' methods are compared: nobody said what is.
@@ -112,18 +116,27 @@ impl VaryArguments {
         let compared = study.candidates.iter().flat_map(|candidate| &candidate.with);
         let mut fixed: Vec<&str> = self.settings.set.iter().chain(compared).map(Assignment::name).collect();
         fixed.extend(study.parameters.iter().map(|(name, _)| name.as_str()));
-        let earlier = |index: usize, name: &str| varied[..index].iter().any(|other| other.name() == name);
-        let twice = |(index, variation): (usize, &Variation)| {
-            let name = variation.name();
-            (earlier(index, name) || fixed.contains(&name)).then_some(name)
-        };
-        match varied.iter().enumerate().find_map(twice) {
+        let changed = |candidate: &Candidate| twice(candidate.with.iter().map(Assignment::name));
+        if let Some(name) = study.candidates.iter().find_map(changed) {
+            return Err(CommandError::Usage(format!("{name} is changed to two values at once: leave one out")));
+        }
+        match varied.iter().map(Variation::name).find(|name| fixed.contains(name)) {
             Some(name) => {
                 Err(CommandError::Usage(format!("{name} is varied and given a value besides: leave one out")))
             }
             None => Ok(()),
         }
     }
+}
+
+/// The first that came before.
+fn twice(mut names: impl Iterator<Item = &'static str>) -> Option<&'static str> {
+    let mut known = Vec::new();
+    names.find(|name| {
+        let is_known = known.contains(name);
+        known.push(*name);
+        is_known
+    })
 }
 
 fn told(option: &str, text: &str, error: &VaryError) -> CommandError {

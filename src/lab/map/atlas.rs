@@ -2,7 +2,7 @@
 
 use super::plan::MapPlan;
 use crate::lab::chart::SERIES;
-use crate::lab::vary::{Candidate, Study, Variation};
+use crate::lab::vary::{Candidate, Measure, Study, Variation};
 use crate::physics::SolverSettings;
 use crate::scene;
 
@@ -24,6 +24,8 @@ pub struct MapInfo {
     pub about: &'static str,
     /// What it compares, a panel each.
     pub compared: Compared,
+    /// The measure that is written into the cells; none: a cross where a run fails.
+    pub written: Option<&'static str>,
 }
 
 /// What varies along a side of a map.
@@ -74,6 +76,9 @@ impl MapInfo {
             x_label: self.x.label.to_owned(),
             y_label: self.y.label.to_owned(),
             about: self.about.to_owned(),
+            measure: self
+                .written
+                .map(|name| Measure::find(name).unwrap_or_else(|error| panic!("{}: {error}", self.name))),
             ..MapPlan::new(study, read(self.x.varies), read(self.y.varies))
         }
     }
@@ -96,6 +101,7 @@ pub const ATLAS: [MapInfo; 13] = [
         y: Axis { label: "mass of the ball over a rod's", varies: "r=1,3,10,30,100,300,1e3,1e4,1e5,1e6" },
         about: "sweeps carry a heavy ball's weight up a light chain link by link: the heavier, the more it takes",
         compared: Compared::Methods(6),
+        written: None,
     },
     MapInfo {
         name: "sandwich",
@@ -106,6 +112,7 @@ pub const ATLAS: [MapInfo; 13] = [
         y: Axis { label: "mass of the slab over a cube's", varies: "r=1,3,10,30,100,300,1e3,1e4,1e5,1e6" },
         about: "a heavy slab on light cubes: what the sweeps leave undone pushes the cubes into the ground",
         compared: Compared::Methods(6),
+        written: None,
     },
     MapInfo {
         name: "stack",
@@ -116,6 +123,7 @@ pub const ATLAS: [MapInfo; 13] = [
         y: Axis { label: "cubes in the column", varies: "n=2,4,6,10,15,20,30" },
         about: "a column settles by what the sweeps leave undone; the higher, the more",
         compared: Compared::Methods(6),
+        written: None,
     },
     MapInfo {
         name: "pyramid",
@@ -126,6 +134,7 @@ pub const ATLAS: [MapInfo; 13] = [
         y: Axis { label: "cubes in the lowest row", varies: "n=2,4,6,10,15,20" },
         about: "a wall spreads its weight, and stands where a column of its height does not",
         compared: Compared::Methods(5),
+        written: None,
     },
     MapInfo {
         name: "top",
@@ -136,6 +145,7 @@ pub const ATLAS: [MapInfo; 13] = [
         y: Axis { label: "spin, rad/s", varies: "spin=1,3,10,30,100,300" },
         about: "a box spinning about its middle axis flips over and over: the faster, the sooner a step turns too far",
         compared: Compared::Methods(6),
+        written: None,
     },
     MapInfo {
         name: "bounce",
@@ -146,6 +156,7 @@ pub const ATLAS: [MapInfo; 13] = [
         y: Axis { label: "height of the drop, m", varies: "height=0.5,1,3,10,30,100" },
         about: "balls that bounce for ever: the faster they land, the deeper a step takes them into the ground",
         compared: Compared::Methods(6),
+        written: None,
     },
     MapInfo {
         name: "wall",
@@ -156,6 +167,7 @@ pub const ATLAS: [MapInfo; 13] = [
         y: Axis { label: "speed of the ball, m/s", varies: "v=1,3,10,30,100,300,1e3" },
         about: "a ball thrown at a wall as thick as its radius: where a step is longer than both, it may pass unseen",
         compared: Compared::Methods(6),
+        written: None,
     },
     MapInfo {
         name: "far",
@@ -166,6 +178,7 @@ pub const ATLAS: [MapInfo; 13] = [
         y: Axis { label: "distance from the origin, m", varies: "d=1e2,1e4,1e5,1e6,1e7,1e8" },
         about: "a stack and a chain must do far from the origin what they do at it, to 1e-5 m",
         compared: Compared::Methods(6),
+        written: None,
     },
     MapInfo {
         name: "painleve",
@@ -176,6 +189,7 @@ pub const ATLAS: [MapInfo; 13] = [
         y: Axis { label: "angle of the rod to the ground, degrees", varies: "tilt=20,30,40,50,60,70,80" },
         about: "a rod that slides ahead of its centre: with much friction no rigid motion exists, and none may gain energy",
         compared: Compared::Methods(6),
+        written: None,
     },
     MapInfo {
         name: "card_house",
@@ -186,6 +200,7 @@ pub const ATLAS: [MapInfo; 13] = [
         y: SUBSTEPS,
         about: "a house of cards stands by friction alone: what the sweeps leave undone lets it slide apart",
         compared: Compared::Methods(6),
+        written: None,
     },
     MapInfo {
         name: "servo",
@@ -196,6 +211,7 @@ pub const ATLAS: [MapInfo; 13] = [
         y: Axis { label: "undamped frequency of the servo, Hz", varies: "f=1,3,10,30,100,300,1e3,1e4" },
         about: "a servo that is faster than the steps jerks its rod: sweeps let the hinge part",
         compared: Compared::Methods(6),
+        written: None,
     },
     MapInfo {
         name: "hinge_chain",
@@ -206,15 +222,17 @@ pub const ATLAS: [MapInfo; 13] = [
         y: Axis { label: "mass of the ball over a link's", varies: "r=1,10,100,1e3,1e4,1e6" },
         about: "hinges with limits bear a ball that pulls across their axes too, and tilt where a sweep leaves that undone",
         compared: Compared::Methods(6),
+        written: None,
     },
     MapInfo {
         name: "incline",
         scene: "incline",
-        parameters: &[],
+        parameters: &[("mu", 0.1)],
         seconds: 2.0,
-        x: Axis { label: "corners that it stands on", varies: "points=1,2,3,4,6,8,12,24" },
-        y: Axis { label: "angle of the slope, degrees", varies: "theta=10,20,25,30,45,60,75,85" },
+        x: Axis { label: "corners that it stands on", varies: "points=1,2,3,4,5,6,8,12,24" },
+        y: Axis { label: "angle of the slope, degrees", varies: "theta=4,8,15,20,30,45,60,75,85" },
         about: "Coulomb's friction knows no number of contact points; a bound of the weight at each of them grows with it",
         compared: Compared::Each { of: SolverSettings::classic, with: "friction=one_tangent,two_tangents" },
+        written: Some("drift"),
     },
 ];

@@ -16,7 +16,7 @@ pub use plan::MapPlan;
 
 use super::picture::{PictureError, write};
 use super::sweep::{Point, Record};
-use super::vary::{Assignment, Candidate, Measure};
+use super::vary::{Assignment, Candidate};
 
 impl MapPlan {
     /// The maps, one a candidate, from the records of [`points`](Self::points).
@@ -35,14 +35,13 @@ impl MapPlan {
         candidates.map(|candidate| Map { series: candidate.name.clone(), cells: cells(candidate) }).collect()
     }
 
-    /// Draws the maps of all candidates beside each other, `map-NAME.svg` and `.png`, with the numbers of a measure in the
-    /// cells if one is given, and tells the path of the first.
+    /// Draws the maps of all candidates beside each other, `map-NAME.svg` and `.png`, and tells the path of the first.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn draw(&self, maps: &[Map], measure: Option<&Measure>, folder: &Path) -> Result<PathBuf, PictureError> {
+    pub fn draw(&self, maps: &[Map], folder: &Path) -> Result<PathBuf, PictureError> {
         let path = folder.join(format!("map-{}.svg", self.name));
-        write(&picture::Sheet { plan: self, maps, measure }, &path)?;
+        write(&picture::Sheet { plan: self, maps }, &path)?;
         Ok(path)
     }
 }

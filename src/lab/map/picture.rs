@@ -23,13 +23,15 @@ pub struct Map {
 pub(super) struct Sheet<'a> {
     pub plan: &'a MapPlan,
     pub maps: &'a [Map],
-    /// What is written in the cells; none: a cross where the run fails.
-    pub measure: Option<&'a Measure>,
 }
 
 const CELL: (i32, i32) = (40, 30);
 const GAP: i32 = 34;
 const TOP: i32 = 74;
+/// What is wider goes on below.
+const MOST_WIDTH: i32 = 1400;
+/// Between what is written at the columns of a map and the cells of one below it: a label and a name.
+const BELOW: i32 = 74;
 /// Room for the label and the legend.
 const BOTTOM: i32 = 110;
 /// Of a letter beside an axis and of one over a map, on average.
@@ -74,18 +76,33 @@ impl Sheet<'_> {
         (self.columns() * CELL.0).max(LETTERS.1 * map.series.chars().count() as i32)
     }
 
-    fn map_left(&self, index: usize) -> i32 {
-        self.left() + self.maps[..index].iter().map(|map| self.map_width(map) + GAP).sum::<i32>()
+    /// The upper left corner of each map: side by side as far as there is room, then below.
+    fn places(&self) -> Vec<(i32, i32)> {
+        let (mut left, mut top) = (self.left(), TOP);
+        let place = |map: &Map| {
+            if left > self.left() && left + self.map_width(map) > MOST_WIDTH {
+                (left, top) = (self.left(), top + self.map_height() + BELOW);
+            }
+            let place = (left, top);
+            left += self.map_width(map) + GAP;
+            place
+        };
+        self.maps.iter().map(place).collect()
+    }
+
+    /// With what is written at the columns.
+    fn map_height(&self) -> i32 {
+        self.rows() * CELL.1 + self.values_height()
     }
 
     /// Under the maps and what is written at their columns.
     fn bottom(&self) -> i32 {
-        TOP + self.rows() * CELL.1 + self.values_height()
+        self.places().last().map_or(TOP, |place| place.1) + self.map_height()
     }
 
-    /// The upper left corner of a cell.
-    fn corner(&self, map: usize, column: i32, row: i32) -> (i32, i32) {
-        (self.map_left(map) + column * CELL.0, TOP + (self.rows() - 1 - row) * CELL.1)
+    /// The upper left corner of a cell of the map at that place.
+    fn corner(&self, (left, top): (i32, i32), column: i32, row: i32) -> (i32, i32) {
+        (left + column * CELL.0, top + (self.rows() - 1 - row) * CELL.1)
     }
 }
 
@@ -96,19 +113,22 @@ fn longest(values: &[Assignment]) -> i32 {
 
 impl Picture for Sheet<'_> {
     fn size(&self) -> (u32, u32) {
-        let width = self.map_left(self.maps.len()) - GAP + 24;
+        let right = |(place, map): ((i32, i32), &Map)| place.0 + self.map_width(map);
+        let width = self.places().into_iter().zip(self.maps).map(right).max().unwrap_or(0) + 24;
         ((width as u32).max(640), (self.bottom() + BOTTOM - 14) as u32)
     }
 
     fn paint<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> PaintResult<DB> {
-        let title = match self.measure {
+        let title = match self.plan.measure {
             Some(measure) => format!("{}: {}", self.plan.title(), self.measured(measure)),
             None => format!("{}: where it holds and where it fails", self.plan.title()),
         };
         area.draw_text(&title, &text(19.0, &TEXT, HPos::Left, VPos::Center), (self.left(), 22))?;
-        self.paint_rows(area)?;
-        for (index, map) in self.maps.iter().enumerate() {
-            self.paint_map(area, index, map)?;
+        for (place, map) in self.places().into_iter().zip(self.maps) {
+            if place.0 == self.left() {
+                self.paint_rows(area, place)?;
+            }
+            self.paint_map(area, place, map)?;
         }
         self.paint_legend(area)
     }
@@ -124,29 +144,35 @@ impl Sheet<'_> {
         }
     }
 
-    fn paint_rows<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> PaintResult<DB> {
+    /// The values and the label beside a map.
+    fn paint_rows<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, place: (i32, i32)) -> PaintResult<DB> {
         let style = text(13.0, &TEXT, HPos::Right, VPos::Center);
         for (row, value) in (0..).zip(self.plan.y.values()) {
-            let (x, y) = self.corner(0, 0, row);
+            let (x, y) = self.corner(place, 0, row);
             area.draw_text(&value.value.to_string(), &style, (x - 8, y + CELL.1 / 2))?;
         }
         let turned = text(14.0, &TEXT, HPos::Center, VPos::Top).transform(FontTransform::Rotate270);
-        area.draw_text(&self.plan.y_label, &turned, (14, TOP + self.rows() * CELL.1 / 2))
+        area.draw_text(&self.plan.y_label, &turned, (14, place.1 + self.rows() * CELL.1 / 2))
     }
 
-    fn paint_map<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, index: usize, map: &Map) -> PaintResult<DB> {
-        let left = self.map_left(index);
-        area.draw_text(&map.series, &text(15.0, &TEXT, HPos::Left, VPos::Center), (left, TOP - 16))?;
+    fn paint_map<DB: DrawingBackend>(
+        &self,
+        area: &DrawingArea<DB, Shift>,
+        place: (i32, i32),
+        map: &Map,
+    ) -> PaintResult<DB> {
+        let (left, top) = place;
+        area.draw_text(&map.series, &text(15.0, &TEXT, HPos::Left, VPos::Center), (left, top - 16))?;
         for (row, cells) in (0..).zip(&map.cells) {
             for (column, run) in (0..).zip(cells) {
-                self.paint_cell(area, self.corner(index, column, row), run.as_ref())?;
+                self.paint_cell(area, self.corner(place, column, row), run.as_ref())?;
             }
         }
-        self.paint_border(area, index, map)?;
-        self.paint_columns(area, left)?;
+        self.paint_border(area, place, map)?;
+        self.paint_columns(area, place)?;
         let middle = left + self.columns() * CELL.0 / 2;
         let style = text(14.0, &TEXT, HPos::Center, VPos::Top);
-        area.draw_text(&self.plan.x_label, &style, (middle, self.bottom() + 12))
+        area.draw_text(&self.plan.x_label, &style, (middle, top + self.map_height() + 12))
     }
 
     fn paint_cell<DB: DrawingBackend>(
@@ -158,7 +184,7 @@ impl Sheet<'_> {
         let verdict = run.map(|record| record.verdict);
         area.draw(&Rectangle::new([(x, y), (x + CELL.0 - 1, y + CELL.1 - 1)], color(verdict).filled()))?;
         let fails = verdict == Some(Verdict::Fails);
-        let written = match self.measure {
+        let written = match self.plan.measure {
             Some(measure) => run.and_then(measure.of).map(two_digits),
             None => fails.then(|| "×".to_owned()),
         };
@@ -166,8 +192,12 @@ impl Sheet<'_> {
         written.map_or(Ok(()), |written| area.draw_text(&written, &style, (x + CELL.0 / 2, y + CELL.1 / 2)))
     }
 
-    fn paint_columns<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>, left: i32) -> PaintResult<DB> {
-        let under = TOP + self.rows() * CELL.1 + 6;
+    fn paint_columns<DB: DrawingBackend>(
+        &self,
+        area: &DrawingArea<DB, Shift>,
+        (left, top): (i32, i32),
+    ) -> PaintResult<DB> {
+        let under = top + self.rows() * CELL.1 + 6;
         for (column, value) in (0..).zip(self.plan.x.values()) {
             let middle = left + column * CELL.0 + CELL.0 / 2;
             let value = value.value.to_string();
@@ -185,7 +215,7 @@ impl Sheet<'_> {
     fn paint_border<DB: DrawingBackend>(
         &self,
         area: &DrawingArea<DB, Shift>,
-        index: usize,
+        place: (i32, i32),
         map: &Map,
     ) -> PaintResult<DB> {
         let fails = |row: i32, column: i32| -> Option<bool> {
@@ -195,7 +225,7 @@ impl Sheet<'_> {
         let line = |from: (i32, i32), to: (i32, i32)| PathElement::new(vec![from, to], BLACK.stroke_width(3));
         for row in 0..self.rows() {
             for column in 0..self.columns() {
-                let (x, y) = self.corner(index, column, row);
+                let (x, y) = self.corner(place, column, row);
                 let Some(here) = fails(row, column) else { continue };
                 if fails(row, column + 1).is_some_and(|there| there != here) {
                     area.draw(&line((x + CELL.0, y), (x + CELL.0, y + CELL.1)))?;
@@ -226,7 +256,7 @@ impl Sheet<'_> {
 fn two_digits(value: f64) -> String {
     let short = match value.abs() {
         0.0 => return "0".to_owned(),
-        size if !(0.01..1000.0).contains(&size) => return format!("{value:.0e}"),
+        size if !(0.0095..1000.0).contains(&size) => return format!("{value:.0e}"),
         size if size < 10.0 => format!("{value:.2}"),
         _ => format!("{value:.0}"),
     };
@@ -238,11 +268,39 @@ fn two_digits(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::two_digits;
+    use super::*;
+    use crate::lab::map::ATLAS;
+
+    /// Of names that are longer than their maps are wide, too.
+    #[test]
+    fn maps_are_as_many_side_by_side_as_there_is_room_for_and_none_covers_another() {
+        let plan = ATLAS.iter().find(|map| map.name == "chain").unwrap().plan();
+        let names = ["game", "a name that is twice as long as any map can be wide, and then some more of it", "steady"];
+        let map = |index: usize| Map { series: names[index % names.len()].to_owned(), cells: Vec::new() };
+        for count in 1..8 {
+            let maps: Vec<Map> = (0..count).map(map).collect();
+            let sheet = Sheet { plan: &plan, maps: &maps };
+            let (width, height) = sheet.size();
+            let places = sheet.places();
+            for (index, (left, top)) in places.iter().enumerate() {
+                assert!(left + sheet.map_width(&maps[index]) <= width as i32, "{index} of {count}");
+                assert!(top + sheet.map_height() + BELOW <= height as i32, "{index} of {count}");
+                for (other, (right, below)) in places.iter().enumerate().skip(index + 1) {
+                    let beside = *top == *below && left + sheet.map_width(&maps[index]) < *right;
+                    assert!(beside || top + sheet.map_height() + BELOW <= *below, "{index} and {other} of {count}");
+                }
+            }
+            assert!(width as i32 <= MOST_WIDTH + 24);
+        }
+        let four: Vec<Map> = [0; 4].map(map).into();
+        let places = Sheet { plan: &plan, maps: &four }.places();
+        let lines: Vec<bool> = places.iter().map(|place| place.1 == TOP).collect();
+        assert_eq!(lines, [true, true, true, false]);
+    }
 
     #[test]
     fn numbers_fit_a_cell() {
-        let written = [0.0, 17.3, 120.0, 0.4219, 0.5, 1.0, 3.2e-5, 12345.0, f64::NAN].map(two_digits);
-        assert_eq!(written, ["0", "17", "120", "0.42", "0.5", "1", "3e-5", "1e4", "NaN"]);
+        let written = [0.0, 0.0098, 9.4e-3, 17.3, 120.0, 0.4219, 0.5, 1.0, 3.2e-5, 12345.0, f64::NAN].map(two_digits);
+        assert_eq!(written, ["0", "0.01", "9e-3", "17", "120", "0.42", "0.5", "1", "3e-5", "1e4", "NaN"]);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::lab::chart::Subject;
 use crate::lab::sweep::Point;
-use crate::lab::vary::{Assignment, Candidate, Study, Variation};
+use crate::lab::vary::{Assignment, Candidate, Measure, Study, Variation};
 
 /// What a map is of: a study over two variations.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +21,8 @@ pub struct MapPlan {
     pub y_label: String,
     /// What the border is expected to show, in a sentence; empty where nothing is.
     pub about: String,
+    /// What is written into the cells; none: a cross where a run fails.
+    pub measure: Option<&'static Measure>,
 }
 
 impl MapPlan {
@@ -36,6 +38,7 @@ impl MapPlan {
             x,
             y,
             about: String::new(),
+            measure: None,
         }
     }
 

@@ -48,6 +48,8 @@ pub struct Record {
     pub row_updates: u64,
     /// Pairs tested in the last step.
     pub pairs: u32,
+    /// Axes along which pairs were measured in the last step.
+    pub axes_tested: u64,
     /// Largest |E − E₀|/S.
     pub energy_drift: Option<f64>,
     /// Largest relative drift of linear momentum, where nothing outside takes part.
@@ -94,6 +96,7 @@ impl Record {
             ms_p95: Some(metrics.ms_per_step.p95),
             row_updates: metrics.counts.row_updates,
             pairs: metrics.counts.pairs,
+            axes_tested: metrics.counts.axes_tested,
             energy_drift: metrics.energy.max_relative_drift,
             linear_momentum_drift: metrics.momentum.linear_max_relative_drift,
             angular_momentum_drift: metrics.momentum.angular_max_relative_drift,
@@ -130,6 +133,7 @@ impl Record {
             ms_p95: None,
             row_updates: 0,
             pairs: 0,
+            axes_tested: 0,
             energy_drift: None,
             linear_momentum_drift: None,
             angular_momentum_drift: None,

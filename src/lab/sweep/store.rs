@@ -119,7 +119,7 @@ fn write_row(file: &mut File, record: Option<&Record>) -> io::Result<()> {
 }
 
 /// The columns, in the order of [`Record`]'s fields.
-const HEADER: [&str; 31] = [
+const HEADER: [&str; 32] = [
     "key",
     "program",
     "scene",
@@ -138,6 +138,7 @@ const HEADER: [&str; 31] = [
     "ms_p95",
     "row_updates",
     "pairs",
+    "axes_tested",
     "energy_drift",
     "linear_momentum_drift",
     "angular_momentum_drift",

@@ -1,5 +1,5 @@
 //! A box at rest on a slope (gravity turned by θ over level ground): it sticks where tan θ ≤ μ,
-//! else it slides s = ½ g (sin θ − μ cos θ) t².
+//! else it slides s = ½ g (sin θ − μ cos θ) t². A run fails that moves what sticks, or slides by a tenth more or less.
 
 use bevy::math::DVec3;
 
@@ -18,8 +18,22 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
         Some(level(sample.bodies[index].position - start).distance(expected))
     };
     // A way of up to 40 m after a handful of roundings.
-    Some(Truth::largest("way down the slope", "m", distance).with_uncertainty(1e-13))
+    let truth = Truth::largest("way down the slope", "m", distance).with_uncertainty(1e-13);
+    if acceleration == DVec3::ZERO {
+        return Some(truth.that_stays());
+    }
+    let share = move |sample: &Sample| {
+        let expected = 0.5 * sample.time * sample.time * acceleration;
+        let way = level(sample.bodies[index].position - start);
+        (sample.step > 0).then(|| way.distance(expected) / expected.length())
+    };
+    let share = Truth::last("way down the slope, as a share", "of the way", share);
+    Some(truth.and(share.failing_above(WAY_SHARE)))
 }
+
+/// A run fails whose way is off by over this share of it: below it lies what the last of 60 steps a second adds, above
+/// it another law of friction.
+const WAY_SHARE: f64 = 0.1;
 
 /// The box where the answer has it.
 pub(super) fn poses(scene: &SceneSpec) -> Option<Poses> {

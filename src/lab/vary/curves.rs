@@ -95,12 +95,16 @@ const GAP: i32 = 26;
 const BOTTOM: i32 = 62;
 /// Of a letter of the legend, on average.
 const LETTER: i32 = 8;
+/// Of a letter of a value along the axis.
+const VALUE_LETTER: i32 = 7;
 /// Least distance between two numbers along the axis.
 const NUMBERS_APART: i32 = 40;
+/// Least distance of two numbers beside an axis.
+const LINES_APART: i32 = 14;
 
 impl Picture for Sheet<'_> {
     fn size(&self) -> (u32, u32) {
-        let height = TOP + self.measures.len() as i32 * (PANEL + GAP) - GAP + BOTTOM;
+        let height = TOP + self.measures.len() as i32 * (PANEL + GAP) - GAP + BOTTOM + self.second_line();
         let legend = TOP + 22 * (self.curves.len() as i32 + 2);
         ((WIDTH + self.legend_width()) as u32, height.max(legend) as u32)
     }
@@ -152,19 +156,40 @@ impl Sheet<'_> {
         TOP + self.measures.len() as i32 * (PANEL + GAP) - GAP
     }
 
-    /// Numbers as many as there is room for, names all.
-    fn paint_values<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> PaintResult<DB> {
-        let style = text(13.0, &TEXT, HPos::Center, VPos::Top);
-        let mut free = i32::MIN;
-        for (index, value) in self.x.values().iter().enumerate() {
-            let x = self.x(index);
-            if x >= free || self.x.scale == Scale::InOrder {
-                area.draw_text(&value.value.to_string(), &style, (x, self.bottom() + 8))?;
-                free = x + NUMBERS_APART;
+    /// The values that are written: of numbers the first, the last, and as many as there is room for; names all.
+    fn written(&self) -> Vec<usize> {
+        let last = self.x.values().len() - 1;
+        if self.x.scale == Scale::InOrder {
+            return (0..=last).collect();
+        }
+        let mut written = vec![0];
+        for index in 1..=last {
+            let free = self.x(written[written.len() - 1]) + NUMBERS_APART;
+            let has_room = index == last || self.x(index) + NUMBERS_APART <= self.x(last);
+            if self.x(index) >= free && has_room {
+                written.push(index);
             }
         }
-        let middle = (LEFT + WIDTH) / 2;
-        area.draw_text(self.x.label(), &text(14.0, &TEXT, HPos::Center, VPos::Top), (middle, self.bottom() + 32))
+        written
+    }
+
+    /// Names that do not fit side by side take turns in two lines: how much lower the second is.
+    fn second_line(&self) -> i32 {
+        const LINE: i32 = 16;
+        let longest = self.x.values().iter().map(|value| value.value.to_string().chars().count()).max().unwrap_or(0);
+        let apart = (WIDTH - LEFT) / self.x.values().len() as i32;
+        if self.x.scale == Scale::InOrder && longest as i32 * VALUE_LETTER > apart { LINE } else { 0 }
+    }
+
+    fn paint_values<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> PaintResult<DB> {
+        let style = text(13.0, &TEXT, HPos::Center, VPos::Top);
+        for (turn, index) in self.written().into_iter().enumerate() {
+            let lower = if turn % 2 == 1 { self.second_line() } else { 0 };
+            let value = self.x.values()[index].value.to_string();
+            area.draw_text(&value, &style, (self.x(index), self.bottom() + 8 + lower))?;
+        }
+        let place = ((LEFT + WIDTH) / 2, self.bottom() + 32 + self.second_line());
+        area.draw_text(self.x.label(), &text(14.0, &TEXT, HPos::Center, VPos::Top), place)
     }
 
     fn paint_legend<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> PaintResult<DB> {
@@ -214,12 +239,15 @@ impl Panel<'_> {
             area.draw(&PathElement::new(vec![(x, self.top), (x, bottom)], line))?;
         }
         let beside = text(13.0, &TEXT, HPos::Right, VPos::Center);
+        let has_zero = self.values().any(|value| value <= 0.0);
         for value in ticks(&self.range) {
             let y = self.y(value);
             area.draw(&PathElement::new(vec![(LEFT, y), (WIDTH, y)], line))?;
-            area.draw_text(&number(value), &beside, (LEFT - 8, y))?;
+            if !has_zero || y + LINES_APART <= bottom {
+                area.draw_text(&number(value), &beside, (LEFT - 8, y))?;
+            }
         }
-        if self.values().any(|value| value <= 0.0) {
+        if has_zero {
             area.draw_text("0", &beside, (LEFT - 8, bottom))?;
         }
         area.draw(&Rectangle::new([(LEFT, self.top), (WIDTH, bottom)], TEXT.stroke_width(1)))?;
@@ -265,5 +293,37 @@ impl Panel<'_> {
             draw_mark(area, place, mark, failed)?;
         }
         Ok(places.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sheet(x: &Variation) -> Sheet<'_> {
+        Sheet { title: String::new(), x, curves: &[], measures: &[] }
+    }
+
+    #[test]
+    fn numbers_along_the_axis_do_not_touch_and_its_ends_are_written() {
+        for text in ["baumgarte=0.05:1:lin:20", "iterations=1:1000:log:40", "drag=0,0.1,1,2,3", "hz=60", "slop=0,1"] {
+            let x = Variation::parse(text, None).unwrap();
+            let sheet = sheet(&x);
+            let written = sheet.written();
+            let (first, last) = (written[0], written[written.len() - 1]);
+            assert_eq!((first, last), (0, x.values().len() - 1), "{text}");
+            for pair in written.windows(2) {
+                let apart = sheet.x(pair[1]) - sheet.x(pair[0]);
+                assert!(apart >= NUMBERS_APART, "{text}: {apart} between {} and {}", pair[0], pair[1]);
+            }
+        }
+    }
+
+    #[test]
+    fn long_names_take_turns_in_two_lines() {
+        let of = |text: &str| sheet(&Variation::parse(text, None).unwrap()).second_line();
+        assert_eq!(of("contacts=extreme_vertices,single_point,clipping"), 0);
+        assert_eq!(of("correction_speed=1,2,3,4,5,6,7,None"), 0);
+        assert!(of("method=pgs,cg_pgs,nncg,joint_space,soft_step,sequential_impulses,xpbd,exact") > 0);
     }
 }

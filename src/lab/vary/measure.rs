@@ -3,6 +3,7 @@
 use crate::lab::sweep::Record;
 
 /// One column of the records.
+#[derive(Debug)]
 pub struct Measure {
     /// Its name in the CSV.
     pub name: &'static str,
@@ -13,7 +14,7 @@ pub struct Measure {
 }
 
 /// All of them.
-pub static MEASURES: [Measure; 12] = [
+pub static MEASURES: [Measure; 13] = [
     Measure { name: "error", about: "error", of: |record| record.error },
     Measure { name: "cost", about: "cost, ms for a simulated second", of: Record::cost },
     Measure { name: "ms_per_step", about: "time of a step, ms", of: |record| record.ms_per_step },
@@ -23,6 +24,11 @@ pub static MEASURES: [Measure; 12] = [
         of: |record| Some(record.row_updates as f64),
     },
     Measure { name: "pairs", about: "pairs tested in the last step", of: |record| Some(f64::from(record.pairs)) },
+    Measure {
+        name: "axes_tested",
+        about: "axes tested in the last step",
+        of: |record| Some(record.axes_tested as f64),
+    },
     Measure { name: "joint_error", about: "joints part by, m", of: |record| record.joint_error },
     Measure { name: "penetration", about: "deepest overlap, m", of: |record| record.penetration },
     Measure { name: "sink", about: "bodies sink by, m", of: |record| record.sink },
@@ -31,6 +37,12 @@ pub static MEASURES: [Measure; 12] = [
     Measure { name: "energy_drift", about: "energy drifts by, of its scale", of: |record| record.energy_drift },
     Measure { name: "force_error", about: "error of the forces, of the weight", of: |record| record.force_error },
 ];
+
+impl PartialEq for Measure {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
 
 impl Measure {
     /// The one of that name.

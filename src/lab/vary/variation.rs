@@ -8,7 +8,7 @@ use crate::scene::SceneInfo;
 /// Most values of one variation: a picture has no room for more.
 pub const MOST_VALUES: usize = 100;
 
-/// A list of positive numbers that spans this factor has a logarithmic axis.
+/// A list of numbers whose positive ones span this factor has a logarithmic axis.
 const WIDE: f64 = 15.0;
 
 /// How the values lie on an axis.
@@ -16,7 +16,7 @@ const WIDE: f64 = 15.0;
 pub enum Scale {
     /// By themselves.
     Linear,
-    /// By their logarithm.
+    /// By their logarithm; a zero where the value before the least would be.
     Logarithmic,
     /// One after the other.
     InOrder,
@@ -74,6 +74,11 @@ impl Variation {
     pub fn place(&self, index: usize) -> f64 {
         match (self.scale, self.values[index].value) {
             (Scale::Linear, Value::Number(value)) => value,
+            (Scale::Logarithmic, Value::Number(0.0)) => {
+                let rest = self.values.len() - 1;
+                let (least, largest) = (self.place(1), self.place(rest));
+                least - (largest - least) / (rest - 1) as f64
+            }
             (Scale::Logarithmic, Value::Number(value)) => value.log10(),
             _ => index as f64,
         }
@@ -94,17 +99,17 @@ fn list(name: &str, values: &str, scene: Option<&SceneInfo>) -> Result<Variation
         return Err(VaryError(format!("{again} is given twice")));
     }
     let numbers: Vec<f64> = values.iter().filter_map(|value| value.value.number()).collect();
-    let scale = match (numbers.first(), numbers.last()) {
-        (Some(&first), Some(&last)) if numbers.len() == values.len() => {
-            if first > 0.0 && last / first >= WIDE {
-                Scale::Logarithmic
-            } else {
-                Scale::Linear
-            }
-        }
-        _ => Scale::InOrder,
-    };
+    let scale = if numbers.len() < values.len() { Scale::InOrder } else { scale_of(&numbers) };
     Ok(Variation { values, scale })
+}
+
+/// Of a list that goes up.
+fn scale_of(numbers: &[f64]) -> Scale {
+    let positive = if numbers[0] == 0.0 { &numbers[1..] } else { numbers };
+    match (positive.first(), positive.last()) {
+        (Some(&first), Some(&last)) if first > 0.0 && last / first >= WIDE => Scale::Logarithmic,
+        _ => Scale::Linear,
+    }
 }
 
 fn range(name: &str, text: &str, scene: Option<&SceneInfo>) -> Result<Variation, VaryError> {
@@ -190,9 +195,21 @@ mod tests {
         let scale = |text: &str| Variation::parse(text, None).unwrap().scale;
         assert_eq!(scale("iterations=1,10,100"), Scale::Logarithmic);
         assert_eq!(scale("iterations=1,2,3"), Scale::Linear);
-        assert_eq!(scale("slop=0,0.001,1"), Scale::Linear);
+        assert_eq!(scale("slop=0,0.001,1"), Scale::Logarithmic);
+        assert_eq!(scale("slop=0,1"), Scale::Linear);
+        assert_eq!(scale("slop=0,0.1,1"), Scale::Linear);
         assert_eq!(scale("correction_speed=1,100,None"), Scale::InOrder);
         assert_eq!(scale("hz=30:960:lin:5"), Scale::Linear);
+        assert_eq!(scale("correction_speed=None"), Scale::InOrder);
+    }
+
+    #[test]
+    fn a_zero_lies_one_value_below_the_least_where_the_axis_is_logarithmic() {
+        let variation = Variation::parse("slop=0,0.001,0.01,1", None).unwrap();
+        let places: Vec<f64> = (0..4).map(|index| variation.place(index)).collect();
+        assert_eq!(places, [-4.5, -3.0, -2.0, 0.0]);
+        let two = Variation::parse("slop=-0,0.01,0.2", None).unwrap();
+        assert!(two.place(0) < two.place(1) && two.place(0).is_finite(), "{}", two.place(0));
     }
 
     #[test]
