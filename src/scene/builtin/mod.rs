@@ -11,6 +11,7 @@ mod figure;
 mod gravity;
 mod grid;
 mod hanging;
+mod heap;
 mod hinged;
 mod limbs;
 mod linkages;
@@ -27,7 +28,7 @@ mod tower;
 use super::SceneInfo;
 
 /// Every built-in scene, the start scene first.
-pub(super) static ALL: [SceneInfo; 36] = [
+pub(super) static ALL: [SceneInfo; 37] = [
     limbs::LIMBS,
     hanging::PENDULUM,
     hanging::RODS,
@@ -52,6 +53,7 @@ pub(super) static ALL: [SceneInfo; 36] = [
     standing::CARD_HOUSE,
     dominoes::DOMINOES,
     pile::PILE,
+    heap::HEAP,
     far::FAR,
     linkages::FOUR_BAR,
     linkages::BRICARD,

@@ -1,14 +1,12 @@
 //! A heap of unlike things: `pile`.
 
-use std::f64::consts::TAU;
-
-use bevy::math::{DQuat, DVec3};
+use bevy::math::DVec3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
 use super::gravity::EARTH;
 use super::palette;
-use super::random::seeded;
+use super::random::{any_direction, any_rotation, seeded};
 use crate::scene::info::Parameter;
 use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
@@ -105,20 +103,4 @@ fn rock(random: &mut Pcg64Mcg) -> ShapeSpec {
     let radius = random.random_range(0.34..REACH);
     let corners = random.random_range(8..=16);
     ShapeSpec::hull((0..corners).map(|_| radius * any_direction(random)).collect::<Vec<_>>())
-}
-
-/// Evenly spread over the sphere (Archimedes: heights on it are).
-fn any_direction(random: &mut Pcg64Mcg) -> DVec3 {
-    let (height, around) = (random.random_range(-1.0_f64..1.0), random.random_range(0.0..TAU));
-    let (sin, cos) = around.sin_cos();
-    let across = (1.0 - height * height).sqrt();
-    DVec3::new(across * cos, height, across * sin)
-}
-
-/// Evenly spread over the rotations (Shoemake 1992).
-fn any_rotation(random: &mut Pcg64Mcg) -> DQuat {
-    let share = random.random_range(0.0_f64..1.0);
-    let [one, other] = std::array::from_fn(|_| random.random_range(0.0..TAU).sin_cos());
-    let (rest, share) = ((1.0 - share).sqrt(), share.sqrt());
-    DQuat::from_xyzw(rest * one.0, rest * one.1, share * other.0, share * other.1).normalize()
 }
