@@ -83,8 +83,8 @@ pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut shown: ResMut<ShownGizmos>) {
             &mut edited.joints,
             "joints",
             "each joint with lines to the centers of mass that it moves; color by what it carries: green nothing, red as \
-             much as it bears, or ten times an average body's weight where it bears anything; arcs and ticks are \
-             limits, yellow arrows motors, gray joints broken",
+             much as it bears, or ten times an average body's weight where it bears anything, white until a step has told; \
+             arcs and ticks are limits, yellow arrows motors, gray joints broken",
         ),
         (
             &mut edited.velocities,
@@ -144,14 +144,14 @@ impl Measure {
     }
 
     /// How loaded a joint is, 0 to 1: 1 where it breaks, or, of one that bears anything, as [`Self::load`] has it, its
-    /// torque over a length. None: it is broken.
-    fn share(&self, joint: &WholeJointItem, length: f64) -> Option<f32> {
-        let (force, torque) = joint.load.map_or((0.0, 0.0), |load| (load.force.length(), load.torque.length()));
-        match (joint.broken, joint.breakable) {
-            (Some(_), _) => None,
-            (None, Some(strength)) => Some((force / strength.force).max(torque / strength.torque).min(1.0) as f32),
-            (None, None) => Some(self.load(force.max(torque / length))),
-        }
+    /// torque over a length. None: no step has told yet.
+    fn share(&self, joint: &WholeJointItem, stats: &StepStats, length: f64) -> Option<f32> {
+        let load = joint.known_load(stats)?;
+        let (force, torque) = (load.force.length(), load.torque.length());
+        Some(match joint.breakable {
+            Some(strength) => (force / strength.force).max(torque / strength.torque).min(1.0) as f32,
+            None => self.load(force.max(torque / length)),
+        })
     }
 
     /// Of the glyph of a joint between bodies of those shapes: no larger than the smaller one.
@@ -207,8 +207,11 @@ fn draw_joints(
         let Some(component) = joint.joint.component() else { continue };
         let Ok(ends) = poses.get_many(component.bodies()) else { continue };
         let size = measure.glyph_size(ends.map(|(.., collider)| collider));
-        let load = measure.share(&joint, f64::from(size));
-        let tint = load.map_or(color([130; 3]), shade);
+        let load = measure.share(&joint, &stats, f64::from(size));
+        let tint = match joint.broken {
+            Some(_) => color(BROKEN),
+            None => load.map_or(color(UNKNOWN), shade),
+        };
         let placed = Placed { joint: &joint, poses: ends.map(|end| *end.1), size, tint, down, time: stats.time };
         let Some([at_a, at_b]) = placed.anchors() else { continue };
         for (points, color) in placed.strokes() {
@@ -231,6 +234,10 @@ fn draw_joints(
         }
     }
 }
+
+/// Of a joint that holds no longer, and of one whose load no step has told yet.
+const BROKEN: [u8; 3] = [130; 3];
+const UNKNOWN: [u8; 3] = [235; 3];
 
 /// Of the rim of a glyph.
 const RIM: Color = Color::srgba(0.05, 0.06, 0.08, 0.75);

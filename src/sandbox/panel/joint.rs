@@ -13,7 +13,7 @@ use super::super::motor_keys::short_name;
 use super::theme::Quantity;
 use crate::physics::{
     Breakable, DistanceLaw, JointAxes, JointAxis, JointFriction, JointLimits, JointMotor, LimitRange, MotorTarget,
-    Softness,
+    Softness, StepStats,
 };
 use crate::scene::{JointComponent, MotorKeys};
 
@@ -60,11 +60,17 @@ impl Unit {
     }
 }
 
-/// The numbers of a joint that stands at that coordinate, and what shall change.
-pub(super) fn show(ui: &mut egui::Ui, joint: &WholeJointItem, value: Option<f64>) -> Option<JointChange> {
+/// The numbers of a joint that stands at that coordinate after the last step, and what shall change.
+pub(super) fn show(
+    ui: &mut egui::Ui,
+    joint: &WholeJointItem,
+    value: Option<f64>,
+    stats: &StepStats,
+) -> Option<JointChange> {
     let component = joint.joint.component()?;
     let unit = Unit::of(joint.axis());
-    readings(ui, joint, value, unit);
+    coordinate(ui, joint, value, unit);
+    load(ui, joint, stats);
     let is_ball = matches!(component, JointComponent::Ball(_));
     let has_range = joint.axis().is_some() && !is_ball;
     let mut change = None;
@@ -92,14 +98,26 @@ pub(super) fn show(ui: &mut egui::Ui, joint: &WholeJointItem, value: Option<f64>
     change
 }
 
-/// Where it stands and what it carries.
-fn readings(ui: &mut egui::Ui, joint: &WholeJointItem, value: Option<f64>, unit: Unit) {
+/// Where it stands, and how fast that changes.
+fn coordinate(ui: &mut egui::Ui, joint: &WholeJointItem, value: Option<f64>, unit: Unit) {
     if let Some(value) = value {
         let rate = joint.coordinate.map(|coordinate| format!("  {:.3}{}", coordinate.rate, unit.rate));
         let what = if matches!(joint.axis(), Some(JointAxis::Swing)) { "swing" } else { "stands at" };
         ui.monospace(format!("{what} {:.3}{}{}", value * unit.factor, unit.value, rate.unwrap_or_default()));
     }
-    let Some(load) = joint.load else { return };
+}
+
+/// What it carries.
+fn load(ui: &mut egui::Ui, joint: &WholeJointItem, stats: &StepStats) {
+    ui.monospace(load_text(joint, stats))
+        .on_hover_text("force and torque about its point in the last step, and the share of its strength");
+}
+
+fn load_text(joint: &WholeJointItem, stats: &StepStats) -> String {
+    if joint.broken.is_some() {
+        return "broken".to_owned();
+    }
+    let Some(load) = joint.known_load(stats) else { return "carries: the next step tells".to_owned() };
     let (force, torque) = (load.force.length(), load.torque.length());
     let mut text = format!("carries {}", Quantity::text(force, "N"));
     if torque > 0.0 {
@@ -108,11 +126,7 @@ fn readings(ui: &mut egui::Ui, joint: &WholeJointItem, value: Option<f64>, unit:
     if let Some(strength) = joint.breakable {
         text += &format!("  {:.0} %", 100.0 * (force / strength.force).max(torque / strength.torque));
     }
-    if joint.broken.is_some() {
-        text = "broken".to_owned();
-    }
-    ui.monospace(text)
-        .on_hover_text("force and torque about its point in the last step, and the share of its strength");
+    text
 }
 
 /// A number, how it is shown and what it may be.
@@ -428,7 +442,7 @@ mod tests {
         for events in frames {
             let input = egui::RawInput { events, ..Default::default() };
             let _ = context.run_ui(input, |ui| {
-                let change = show(ui, &item, Some(0.3));
+                let change = show(ui, &item, Some(0.3), &StepStats::default());
                 asked = asked.take().or(change);
             });
         }

@@ -10,7 +10,7 @@ use super::super::{JointChange, SandboxAction, Selection};
 use super::buttons::tooltip;
 use super::joint;
 use super::theme::{Quantity, name_of};
-use crate::physics::{Mass, Position, RigidBody, Rotation, Velocity};
+use crate::physics::{Mass, Position, RigidBody, Rotation, StepStats, Velocity};
 use crate::scene::{JointComponent, SceneEntity};
 
 /// How many joints are listed.
@@ -37,6 +37,7 @@ pub(super) fn show(
     selection: Res<Selection>,
     bodies: Bodies,
     joints: Joints,
+    stats: Res<StepStats>,
     mut read: ResMut<ReadJoints>,
     mut changing: Local<bool>,
     mut actions: MessageWriter<SandboxAction>,
@@ -49,7 +50,7 @@ pub(super) fn show(
             show_body(ui, &selection, body, &bodies, &mut actions);
             let own = joints_of(body, &joints);
             for (entity, joint) in own.iter().take(LISTED) {
-                let (change, cut) = show_joint(ui, body, *entity, joint, &bodies, &mut now);
+                let (change, cut) = show_joint(ui, body, *entity, joint, (&bodies, &stats), &mut now);
                 if cut {
                     actions.write(SandboxAction::Cut(*entity));
                 }
@@ -124,7 +125,7 @@ fn show_joint(
     body: Entity,
     entity: Entity,
     joint: &WholeJointItem,
-    bodies: &Bodies,
+    (bodies, stats): (&Bodies, &StepStats),
     read: &mut ReadJoints,
 ) -> (Option<JointChange>, bool) {
     let Some(component) = joint.joint.component() else { return (None, false) };
@@ -148,7 +149,7 @@ fn show_joint(
         if ui.checkbox(&mut plotted, "plot").on_hover_text("plot its load and where it stands").changed() {
             read.plotted = plotted.then_some(entity);
         }
-        joint::show(ui, joint, value)
+        joint::show(ui, joint, value, stats)
     });
     if opened.is_some() {
         read.open.push(entity);
