@@ -223,8 +223,8 @@ impl SettingsArguments {
     /// The method that takes the place of a file's.
     fn chosen_method(&self) -> Option<Method> {
         let mut settings = SolverSettings::default();
-        let set = self.set.iter().filter(|assignment| assignment.name() == "method");
-        let last = set.last().map(|assignment| {
+        let mut set = self.set.iter().filter(|assignment| assignment.name() == "method");
+        let last = set.next_back().map(|assignment| {
             assignment.put_in(&mut settings);
             settings.method
         });
