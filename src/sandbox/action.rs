@@ -45,7 +45,8 @@ pub enum SandboxAction {
     /// Holds the picked body to the world where it was clicked.
     PinPicked,
     /// Cuts the joint nearest the pointer: of those between two picked bodies, of the picked body,
-    /// or of all where none is picked. With the pointer off the picture, nearest the last click.
+    /// or of all where none is picked; but where two are picked and the pointer is on a joint, that one. With the
+    /// pointer off the picture, nearest the last click.
     CutPicked,
     /// Cuts that joint.
     Cut(Entity),

@@ -44,8 +44,10 @@ mod window;
 
 pub use action::SandboxAction;
 pub use build::{Blueprint, JoinKind, JointChange, Weight};
-pub use ghost::{GhostChoice, GhostDistance};
+pub use ghost::{Apart, GhostChoice, GhostDistance};
+pub use gizmos::ShownGizmos;
 pub use panel::{ChartOf, ChartSource};
+pub use playback::StepBudget;
 pub use plugin::SandboxPlugin;
 pub use state::{CurrentScene, Notice, Picked, Playback, Selection};
 pub use window::{Launch, LaunchError, launch};
