@@ -10,7 +10,7 @@ use bevy_egui::egui;
 
 use super::any_joint::{IsJoint, WholeJoint, WholeJointItem};
 use super::glyphs::Placed;
-use super::panel::palette;
+use super::panel::{Quantity, palette};
 use crate::physics::{Collider, ContactForces, Gravity, Mass, RenderOrigin, RigidBody, StepStats, Velocity};
 use crate::scene::JointComponent;
 
@@ -70,14 +70,19 @@ fn switch_contact_forces(mut commands: Commands, shown: Res<ShownGizmos>, forces
 }
 
 /// The section of the panel.
-pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut shown: ResMut<ShownGizmos>) {
+pub(super) fn show(
+    InMut(ui): InMut<egui::Ui>,
+    gravity: Res<Gravity>,
+    bodies: Query<(&RigidBody, &Collider, &Mass)>,
+    mut shown: ResMut<ShownGizmos>,
+) {
     let mut edited = *shown;
     let toggles = [
         (
             &mut edited.contacts,
             "contacts",
-            "each contact point with its normal (blue) and the force through it (red), the impulse of the step over \
-             its length",
+            "each contact point with its normal (blue) and the force (red) on the upper body, on the second where neither \
+             is above: the impulse of the step over its length",
         ),
         (
             &mut edited.joints,
@@ -102,6 +107,11 @@ pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut shown: ResMut<ShownGizmos>) {
         }
     });
     shown.set_if_neq(edited);
+    if shown.contacts {
+        let Measure { size, weight } = Measure::of(&bodies, &gravity);
+        let (length, force) = (Quantity::text(f64::from(size), "m"), Quantity::text(weight, "N"));
+        ui.weak(format!("a red arrow of {length} is {force}")).on_hover_text("as much as a body weighs in the mean");
+    }
 }
 
 /// What lengths and forces are measured against, so that arrows fit the scene.
@@ -183,15 +193,26 @@ fn draw_contacts(
 ) {
     let Some(forces) = forces else { return };
     let measure = Measure::of(&bodies, &gravity);
+    let up = (-gravity.0).normalize_or(DVec3::Y);
     for contact in &forces.0 {
         let point = (contact.point - origin.0).as_vec3();
-        let normal = contact.normal.as_vec3();
+        let kept = if upholds_b(contact.normal, up) { 1.0 } else { -1.0 };
+        let normal = (kept * contact.normal).as_vec3();
         let facing = Isometry3d::new(point, Quat::from_rotation_arc(Vec3::Z, normal));
         gizmos.circle(facing, 0.06 * measure.size, color(palette::SKY)).resolution(10);
         gizmos.line(point, point + normal * 0.3 * measure.size, color(palette::SKY));
-        arrow(&mut gizmos, point, measure.arrow(contact.force), color(palette::VERMILION), 0.12 * measure.size);
+        arrow(&mut gizmos, point, measure.arrow(kept * contact.force), color(palette::VERMILION), 0.12 * measure.size);
     }
 }
+
+/// Whether of a contact that normal, from A to B, is drawn with the force on B; else both are turned round. So that all
+/// arrows of a pile point one way, whichever of two bodies is A: at the one that is carried.
+fn upholds_b(normal: DVec3, up: DVec3) -> bool {
+    normal.dot(up) > -LEVEL
+}
+
+/// Sine of the angle to the horizontal from which on one of two bodies carries the other.
+const LEVEL: f64 = 1e-3;
 
 fn draw_joints(
     (mut gizmos, mut rims, mut glyphs): (Gizmos<Overlay>, Gizmos<Rims>, Gizmos<Glyphs>),
@@ -224,7 +245,7 @@ fn draw_joints(
         if matches!(component, JointComponent::Ball(_) | JointComponent::Generic(_)) {
             gizmos.sphere(at_b, size * (0.08 + 0.16 * load.unwrap_or_default()), tint).resolution(12);
         }
-        if held_at_a_point {
+        if held_at_a_point && joint.broken.is_none() {
             gizmos.line(at_a, at_b, color(palette::PURPLE)); // as long as the joint is torn apart
         }
         for ((kind, pose, _), at) in ends.into_iter().zip([at_a, at_b]) {
@@ -288,6 +309,15 @@ mod tests {
             app.update();
             assert_eq!(app.world().contains_resource::<ContactForces>(), shown);
         }
+    }
+
+    #[test]
+    fn the_arrow_of_a_contact_is_at_the_body_that_is_carried() {
+        let tilted = DVec3::new(0.3, 0.9, 0.0);
+        assert!(upholds_b(tilted, DVec3::Y) && !upholds_b(-tilted, DVec3::Y));
+        // Level ones keep their own way, but for rounding.
+        assert!(upholds_b(DVec3::X, DVec3::Y) && upholds_b(-DVec3::X, DVec3::Y));
+        assert!(upholds_b(DVec3::new(1.0, -1e-9, 0.0), DVec3::Y));
     }
 
     #[test]
