@@ -6,6 +6,10 @@ use bevy::prelude::*;
 
 use super::build::JointChange;
 
+/// When actions are carried out: what draws new bodies comes after it.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct CarryOut;
+
 /// Something a user asks for; carried out in `Update`, in the order of writing.
 #[derive(Message, Clone, Debug, PartialEq)]
 pub enum SandboxAction {

@@ -4,7 +4,7 @@ use bevy::ecs::query::QueryData;
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 
-use super::joint_readings::LookedAt;
+use super::looked_at::LookedAt;
 use crate::physics::{
     BallJoint, Breakable, BrokenJoint, DistanceJoint, DistanceLaw, FixedJoint, GenericJoint, HingeJoint, JointAxes,
     JointAxis, JointCoordinate, JointFriction, JointLimits, JointLoad, JointMotor, LimitRange, SliderJoint, StepStats,

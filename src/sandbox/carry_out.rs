@@ -3,6 +3,7 @@
 use bevy::app::FixedMain;
 use bevy::prelude::*;
 
+use super::action::CarryOut;
 use super::camera::{self, Framing};
 use super::follow::{self, Followed};
 use super::joint_readings::ReadJoints;
@@ -14,7 +15,7 @@ use crate::physics::{Collider, ContactForces, Position, RigidBody, Velocity};
 use crate::scene::{self, BodyColor, SceneEntity, SceneSpec, SpawnedScene, ViewSpec};
 
 pub(super) fn plugin(app: &mut App) {
-    app.add_message::<SandboxAction>().add_systems(Update, carry_out_actions);
+    app.add_message::<SandboxAction>().add_systems(Update, carry_out_actions.in_set(CarryOut));
 }
 
 pub(super) fn carry_out_actions(

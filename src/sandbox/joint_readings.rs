@@ -4,6 +4,7 @@ use bevy::prelude::*;
 
 use super::any_joint::IsJoint;
 use super::gizmos::ShownGizmos;
+use super::looked_at::LookedAt;
 use crate::physics::{JointLoad, StepStats};
 use crate::scene::SpawnedScene;
 
@@ -28,20 +29,6 @@ impl ReadJoints {
     }
 }
 
-/// Marks a load that is there to be looked at, and goes when nobody does.
-#[derive(Component)]
-pub(super) struct LookedAt {
-    /// Steps that the world had made then: none of them told the load.
-    since: u64,
-}
-
-impl LookedAt {
-    /// Whether a step has told the load since.
-    pub fn is_told(&self, stats: &StepStats) -> bool {
-        stats.steps != self.since
-    }
-}
-
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<ReadJoints>().add_systems(PreUpdate, switch_joint_loads);
 }
@@ -54,7 +41,7 @@ fn switch_joint_loads(
     without: Query<Entity, (IsJoint, Without<JointLoad>)>,
     with: Query<Entity, (IsJoint, With<LookedAt>)>,
 ) {
-    let marked = || (JointLoad::default(), LookedAt { since: stats.steps });
+    let marked = || (JointLoad::default(), LookedAt::from_now(&stats));
     let begin = |joint: Entity| _ = commands.entity(joint).insert(marked());
     if shown.joints {
         without.iter().for_each(begin);

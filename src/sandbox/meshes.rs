@@ -9,7 +9,7 @@ use bevy::picking::mesh_picking::ray_cast::RayCastBackfaces;
 use bevy::prelude::*;
 use bevy::render::render_resource::Face;
 
-use super::carry_out::carry_out_actions;
+use super::action::CarryOut;
 use crate::physics::{Collider, ConvexHull, RigidBody, Shape};
 use crate::scene::{BodyColor, MeshSpec, PictureMesh};
 
@@ -25,7 +25,7 @@ const STATIC_COLOR: Color = Color::srgb(0.48, 0.50, 0.53);
 const KINEMATIC_COLOR: Color = Color::srgb(0.55, 0.48, 0.62);
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<SharedAssets>().add_systems(Update, dress_bodies.after(carry_out_actions));
+    app.init_resource::<SharedAssets>().add_systems(Update, dress_bodies.after(CarryOut));
 }
 
 /// Bodies alike share mesh and material, and are drawn in one batch.

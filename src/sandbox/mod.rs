@@ -28,6 +28,7 @@ mod help;
 mod highlight;
 mod joint_readings;
 mod light;
+mod looked_at;
 mod meshes;
 mod motor_keys;
 mod panel;
