@@ -6,6 +6,10 @@ use bevy::prelude::*;
 
 use super::build::JointChange;
 
+/// When actions are carried out: what draws new bodies comes after it.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct CarryOut;
+
 /// Something a user asks for; carried out in `Update`, in the order of writing.
 #[derive(Message, Clone, Debug, PartialEq)]
 pub enum SandboxAction {
@@ -45,7 +49,8 @@ pub enum SandboxAction {
     /// Holds the picked body to the world where it was clicked.
     PinPicked,
     /// Cuts the joint nearest the pointer: of those between two picked bodies, of the picked body,
-    /// or of all where none is picked. With the pointer off the picture, nearest the last click.
+    /// or of all where none is picked; but where two are picked and the pointer is on a joint, that one. With the
+    /// pointer off the picture, nearest the last click.
     CutPicked,
     /// Cuts that joint.
     Cut(Entity),

@@ -4,9 +4,10 @@ use bevy::ecs::query::QueryData;
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 
+use super::looked_at::LookedAt;
 use crate::physics::{
     BallJoint, Breakable, BrokenJoint, DistanceJoint, DistanceLaw, FixedJoint, GenericJoint, HingeJoint, JointAxes,
-    JointAxis, JointCoordinate, JointFriction, JointLimits, JointLoad, JointMotor, LimitRange, SliderJoint,
+    JointAxis, JointCoordinate, JointFriction, JointLimits, JointLoad, JointMotor, LimitRange, SliderJoint, StepStats,
 };
 use crate::scene::{JointComponent, MotorKeys};
 
@@ -58,12 +59,18 @@ pub struct WholeJoint {
     pub broken: Option<&'static BrokenJoint>,
     pub coordinate: Option<&'static JointCoordinate>,
     pub load: Option<&'static JointLoad>,
+    looked_at: Option<&'static LookedAt>,
 }
 
 /// Where a body stands: its centre of mass, m, and its rotation.
 pub type Pose = (DVec3, DQuat);
 
 impl WholeJointItem<'_, '_> {
+    /// What it carried in the last step; none where no step has told that yet.
+    pub fn known_load(&self, stats: &StepStats) -> Option<&JointLoad> {
+        self.load.filter(|_| self.looked_at.is_none_or(|looked| looked.is_told(stats)))
+    }
+
     /// What limits, a motor and friction act on; of a ball joint with limits, its swing.
     pub fn axis(&self) -> Option<JointAxis> {
         match self.joint.component()? {

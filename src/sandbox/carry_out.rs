@@ -3,18 +3,19 @@
 use bevy::app::FixedMain;
 use bevy::prelude::*;
 
-use super::build::UndoStack;
+use super::action::CarryOut;
 use super::camera::{self, Framing};
 use super::follow::{self, Followed};
 use super::joint_readings::ReadJoints;
 use super::motor_keys::check_keys;
+use super::state::SceneProblem;
 use super::watch::Watch;
 use super::{CurrentScene, Notice, Playback, SandboxAction, Selection, build, files, panel, screenshot};
-use crate::physics::{Collider, Position, RigidBody, Velocity};
-use crate::scene::{self, BodyColor, SceneEntity, SceneSpec, SpawnedScene};
+use crate::physics::{Collider, ContactForces, Position, RigidBody, Velocity};
+use crate::scene::{self, BodyColor, SceneEntity, SceneSpec, SpawnedScene, ViewSpec};
 
 pub(super) fn plugin(app: &mut App) {
-    app.add_message::<SandboxAction>().add_systems(Update, carry_out_actions);
+    app.add_message::<SandboxAction>().add_systems(Update, carry_out_actions.in_set(CarryOut));
 }
 
 pub(super) fn carry_out_actions(
@@ -57,7 +58,11 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         SandboxAction::CutPicked => build::cut_picked(world),
         SandboxAction::Cut(joint) => build::cut(world, joint),
         SandboxAction::ChangeJoint { joint, change, continues } => build::change_joint(world, joint, change, continues),
-        SandboxAction::Undo => build::undo(world),
+        SandboxAction::Undo => {
+            if let Some(scene) = build::undo(world) {
+                bring_back(world, scene);
+            }
+        }
         SandboxAction::Escape => world.insert_resource(Selection::default()),
         SandboxAction::FrameScene => frame_scene(world),
         SandboxAction::Follow => follow::toggle(world),
@@ -71,14 +76,37 @@ fn load_scene(world: &mut World, scene: String, parameters: Vec<(String, f64)>) 
     let watch = Watch::on(&scene);
     match load(&scene, &parameters) {
         Ok(spec) => {
-            let entities = replace_bodies(world, &spec);
+            let kept = build::keep_what_was_built(world);
+            despawn_scene(world);
+            let entities = spec.spawn(world);
             world.insert_resource(watch.with_meshes(&spec));
             world.insert_resource(CurrentScene { scene, parameters, spec, entities });
-            *world.resource_mut::<Notice>() = Notice::None;
+            *world.resource_mut::<Notice>() = kept.map_or(Notice::None, |name| Notice::Info(kept_text(&name)));
             frame_scene(world);
         }
-        Err(problem) => *world.resource_mut::<Notice>() = Notice::Error(problem),
+        Err(problem) => {
+            *world.resource_mut::<SceneProblem>() = SceneProblem(Some(problem.clone()));
+            *world.resource_mut::<Notice>() = Notice::Error(problem);
+            return;
+        }
     }
+    *world.resource_mut::<SceneProblem>() = SceneProblem(None);
+}
+
+fn kept_text(name: &str) -> String {
+    format!("{name} is kept as you built it: Ctrl+Z brings it back")
+}
+
+/// Puts a scene that was left back in the place of the present one.
+fn bring_back(world: &mut World, scene: build::KeptScene) {
+    despawn_scene(world);
+    let (scene, view) = scene.bring_back(world);
+    world.insert_resource(Watch::on(&scene.scene).with_meshes(&scene.spec));
+    world.insert_resource(Followed::default());
+    if let Some(ViewSpec { eye, target }) = view {
+        camera::look(world, Framing { eye, target });
+    }
+    world.insert_resource(scene);
 }
 
 /// A scene whose keys are keys.
@@ -93,10 +121,12 @@ fn reload_scene(world: &mut World) {
     let mut watch = Watch::on(&current.scene).with_meshes(&current.spec);
     let notice = match load(&current.scene, &current.parameters) {
         Ok(spec) => {
-            respawn(world, &mut current.entities, &spec);
+            let kept = respawn(world, &mut current.entities, &spec);
             watch = watch.with_meshes(&spec);
             current.spec = spec;
-            let notice = Notice::Info(format!("reloaded {}", current.scene));
+            let reloaded = format!("reloaded {}", current.scene);
+            let notice =
+                Notice::Info(kept.map_or(reloaded.clone(), |name| format!("{reloaded}; {}", kept_text(&name))));
             world.insert_resource(current);
             notice
         }
@@ -112,27 +142,34 @@ fn reload_scene(world: &mut World) {
 /// The camera stays: whoever resets wants to see the same thing again.
 fn reset(world: &mut World) {
     let Some(mut current) = world.get_resource::<CurrentScene>().cloned() else { return };
-    respawn(world, &mut current.entities, &current.spec);
+    if let Some(name) = respawn(world, &mut current.entities, &current.spec) {
+        *world.resource_mut::<Notice>() = Notice::Info(kept_text(&name));
+    }
     world.insert_resource(current);
 }
 
-/// Spawns the same scene anew; what is plotted of it stays so.
-fn respawn(world: &mut World, entities: &mut SpawnedScene, spec: &SceneSpec) {
-    let now = replace_bodies(world, spec);
+/// Spawns the same scene anew; what is plotted of it stays so. The scene's name where it is kept as it stood.
+fn respawn(world: &mut World, entities: &mut SpawnedScene, spec: &SceneSpec) -> Option<String> {
+    let kept = build::keep_what_was_built(world);
+    despawn_scene(world);
+    let now = spec.spawn(world);
     world.resource_mut::<ReadJoints>().follow(entities, &now);
     world.resource_mut::<Followed>().follow(entities, &now);
     *entities = now;
+    kept
 }
 
-/// Despawns what the last scene and the user spawned, and spawns the scene anew.
-fn replace_bodies(world: &mut World, spec: &SceneSpec) -> SpawnedScene {
+/// Despawns what the scene and the user spawned.
+fn despawn_scene(world: &mut World) {
     let old: Vec<Entity> = world.query_filtered::<Entity, With<SceneEntity>>().iter(world).collect();
     for entity in old {
         world.despawn(entity);
     }
     world.insert_resource(Selection::default());
-    world.resource_mut::<UndoStack>().clear();
-    spec.spawn(world)
+    // What touched there does not touch here, and no step may come for long to say so.
+    if let Some(mut forces) = world.get_resource_mut::<ContactForces>() {
+        forces.0.clear();
+    }
 }
 
 /// The view is the scene's again, and nobody's else.
@@ -144,11 +181,10 @@ fn frame_scene(world: &mut World) {
     }
 }
 
-/// The ball is a good deal heavier than a limb and fast enough to cross the view in half a
-/// second, whatever the scale of the scene.
+/// The ball is of the size of the scene's bodies, from wherever one looks, and no faster than a hard throw.
 fn throw_ball(world: &mut World) {
     let Some(aim) = world.run_system_cached(camera::aim).ok().flatten() else { return };
-    let radius = (0.03 * aim.distance).clamp(0.1, 1.0);
+    let radius = size_of_bodies(world).clamp(0.1, 0.5);
     let name = build::unique_name(world, "thrown ball");
     world.spawn((
         Name::new(name),
@@ -157,6 +193,14 @@ fn throw_ball(world: &mut World) {
         RigidBody::Dynamic,
         Collider::sphere(radius),
         Position(aim.origin + aim.direction * (4.0 * radius)),
-        Velocity { linear: aim.direction * (2.0 * aim.distance).clamp(5.0, 40.0), ..default() },
+        Velocity { linear: aim.direction * (2.0 * aim.distance).clamp(5.0, 20.0), ..default() },
     ));
+}
+
+/// Mean bounding radius of the bodies that the scene itself moves, m.
+fn size_of_bodies(world: &World) -> f64 {
+    let Some(scene) = world.get_resource::<CurrentScene>() else { return 0.0 };
+    let moving = scene.spec.bodies.iter().filter(|body| body.kind == RigidBody::Dynamic);
+    let radii: Vec<f64> = moving.filter_map(|body| Some(body.shape.as_ref()?.bounding_radius())).collect();
+    radii.iter().sum::<f64>() / radii.len().max(1) as f64
 }

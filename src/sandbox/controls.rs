@@ -1,11 +1,14 @@
 //! Which key does what.
 
-use bevy::input::InputSystems;
+use std::collections::HashSet;
+
+use bevy::input::keyboard::{KeyboardFocusLost, KeyboardInput};
+use bevy::input::{ButtonState, InputSystems};
 use bevy::prelude::*;
-use bevy_egui::input::egui_wants_any_keyboard_input;
+use bevy_egui::input::EguiWantsInput;
 
 use super::SandboxAction;
-use super::state::{DrivingKeys, is_control_held};
+use super::state::{CONTROL_KEYS, DrivingKeys};
 
 /// Keys and what they do.
 pub struct Binding {
@@ -63,16 +66,35 @@ pub const MOUSE: &[(&str, &str)] = &[
 ];
 
 pub(super) fn plugin(app: &mut App) {
-    app.add_systems(PreUpdate, read_keys.after(InputSystems).run_if(not(egui_wants_any_keyboard_input)));
+    app.add_systems(PreUpdate, read_keys.after(InputSystems));
 }
 
-/// A key that drives a motor does nothing else; with Ctrl it drives none.
-fn read_keys(keys: Res<ButtonInput<KeyCode>>, driving: Res<DrivingKeys>, mut actions: MessageWriter<SandboxAction>) {
-    let control = is_control_held(&keys);
-    let is_free = |key: &KeyCode| control || !driving.0.iter().any(|motors| motors.keys.contains(key));
-    for binding in BINDINGS.iter().filter(|binding| binding.with_control == control) {
-        if keys.any_just_pressed(binding.keys.iter().copied().filter(is_free)) {
-            actions.write(binding.action.clone());
+/// Presses in their order: in a slow frame, Ctrl and a key may both be up again. A key that drives a motor does nothing
+/// else; with Ctrl it drives none.
+fn read_keys(
+    mut inputs: MessageReader<KeyboardInput>,
+    mut lost: MessageReader<KeyboardFocusLost>,
+    mut controls: Local<HashSet<KeyCode>>,
+    egui: Res<EguiWantsInput>,
+    driving: Res<DrivingKeys>,
+    mut actions: MessageWriter<SandboxAction>,
+) {
+    for &KeyboardInput { key_code: key, state, repeat, .. } in inputs.read() {
+        match state {
+            ButtonState::Released => _ = controls.remove(&key),
+            ButtonState::Pressed if CONTROL_KEYS.contains(&key) => _ = controls.insert(key),
+            ButtonState::Pressed if repeat || egui.wants_any_keyboard_input() => {}
+            ButtonState::Pressed => {
+                let control = !controls.is_empty();
+                let drives = !control && driving.0.iter().any(|motors| motors.keys.contains(&key));
+                let bound = |binding: &&Binding| binding.with_control == control && binding.keys.contains(&key);
+                if let Some(binding) = BINDINGS.iter().find(bound).filter(|_| !drives) {
+                    actions.write(binding.action.clone());
+                }
+            }
         }
+    }
+    if lost.read().count() > 0 {
+        controls.clear();
     }
 }

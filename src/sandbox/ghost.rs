@@ -11,14 +11,15 @@ use bevy::picking::Pickable;
 use bevy::prelude::*;
 use bevy_egui::egui;
 
+use super::meshes::dress_bodies;
 use super::panel::vary;
 use super::{CurrentScene, SandboxAction};
 use crate::lab::Simulation;
 use crate::lab::chart::SERIES;
 use crate::lab::truth;
 use crate::lab::vary::Assignment;
+use crate::physics::{Collider, Position, RenderOrigin, RigidBody, Rotation, SolverSettings, StepStats};
 use crate::physics::{PhysicsSchedule, PhysicsSystems};
-use crate::physics::{Position, RenderOrigin, RigidBody, SolverSettings, StepStats};
 use crate::scene::SceneSpec;
 
 /// Units in the last place of the depth by which a ghost is drawn nearer than it is. The depth buffer holds
@@ -41,18 +42,26 @@ pub enum GhostChoice {
     Reference,
 }
 
-/// Largest distance between a body's centre and its ghost's after the last step, m; none without
-/// a ghost.
+/// How far bodies and their ghosts are apart after the last step; none without a ghost.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
-pub struct GhostDistance(pub Option<f64>);
+pub struct GhostDistance(pub Option<Apart>);
+
+/// How far apart two worlds are.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Apart {
+    /// Largest distance between two places of a material point of a body, m.
+    pub distance: f64,
+    /// Largest angle between two orientations of a body, rad.
+    pub angle: f64,
+}
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<GhostChoice>()
         .init_resource::<GhostDistance>()
         .insert_non_send(Ghost::default())
-        .add_systems(PreUpdate, restart)
         .add_systems(PhysicsSchedule, follow.after(PhysicsSystems::Diagnose))
-        .add_systems(Update, dress)
+        // With the bodies that are new: no ghost outlives its scene, not by a frame.
+        .add_systems(Update, (restart, dress).chain().after(dress_bodies))
         .add_systems(PostUpdate, place.before(TransformSystems::Propagate));
 }
 
@@ -162,23 +171,34 @@ fn restart(
 /// After the step of the first world: the same time in the second.
 pub(super) fn follow(
     stats: Res<StepStats>,
-    bodies: Query<&Position>,
+    bodies: Query<(&Position, &Rotation, &Collider)>,
     mut ghost: NonSendMut<Ghost>,
     mut distance: ResMut<GhostDistance>,
 ) {
     let Ghost { source: Some(source), pairs, start } = &mut *ghost else { return };
     let poses = source.advance(stats.time - *start);
-    let mut farthest: f64 = 0.0;
+    let mut apart = Apart::default();
     // Both go up by index.
     let mut poses = poses.into_iter();
     for pair in pairs {
         let Some((_, position, rotation)) = poses.by_ref().find(|(index, ..)| *index == pair.index) else { break };
         pair.poses = [pair.poses[1], (position, rotation)];
-        if let Ok(body) = bodies.get(pair.body) {
-            farthest = farthest.max(body.0.distance(position));
+        if let Ok((at, turned, collider)) = bodies.get(pair.body) {
+            let distance = collider.largest_displacement(position - at.0, [turned.0, rotation]);
+            apart.distance = apart.distance.max(distance);
+            apart.angle = apart.angle.max(angle_between(turned.0, rotation));
         }
     }
-    distance.0 = Some(farthest);
+    distance.0 = Some(apart);
+}
+
+/// rad, to all digits however small; none of what is the same.
+fn angle_between(from: DQuat, to: DQuat) -> f64 {
+    if from == to {
+        return 0.0;
+    }
+    let turn = to * from.inverse();
+    2.0 * turn.xyz().length().atan2(turn.w.abs())
 }
 
 /// Gives ghosts the meshes of their bodies, in glass.

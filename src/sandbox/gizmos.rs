@@ -10,7 +10,7 @@ use bevy_egui::egui;
 
 use super::any_joint::{IsJoint, WholeJoint, WholeJointItem};
 use super::glyphs::Placed;
-use super::panel::palette;
+use super::panel::{Quantity, palette};
 use crate::physics::{Collider, ContactForces, Gravity, Mass, RenderOrigin, RigidBody, StepStats, Velocity};
 use crate::scene::JointComponent;
 
@@ -70,21 +70,26 @@ fn switch_contact_forces(mut commands: Commands, shown: Res<ShownGizmos>, forces
 }
 
 /// The section of the panel.
-pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut shown: ResMut<ShownGizmos>) {
+pub(super) fn show(
+    InMut(ui): InMut<egui::Ui>,
+    gravity: Res<Gravity>,
+    bodies: Query<(&RigidBody, &Collider, &Mass)>,
+    mut shown: ResMut<ShownGizmos>,
+) {
     let mut edited = *shown;
     let toggles = [
         (
             &mut edited.contacts,
             "contacts",
-            "each contact point with its normal (blue) and the force through it (red), the impulse of the step over \
-             its length",
+            "each contact point with its normal (blue) and the force (red) on the upper body, on the second where neither \
+             is above: the impulse of the step over its length",
         ),
         (
             &mut edited.joints,
             "joints",
             "each joint with lines to the centers of mass that it moves; color by what it carries: green nothing, red as \
-             much as it bears, or ten times an average body's weight where it bears anything; arcs and ticks are \
-             limits, yellow arrows motors, gray joints broken",
+             much as it bears, or ten times an average body's weight where it bears anything, white until a step has told; \
+             arcs and ticks are limits, yellow arrows motors, gray joints broken",
         ),
         (
             &mut edited.velocities,
@@ -102,6 +107,11 @@ pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut shown: ResMut<ShownGizmos>) {
         }
     });
     shown.set_if_neq(edited);
+    if shown.contacts {
+        let Measure { size, weight } = Measure::of(&bodies, &gravity);
+        let (length, force) = (Quantity::text(f64::from(size), "m"), Quantity::text(weight, "N"));
+        ui.weak(format!("a red arrow of {length} is {force}")).on_hover_text("as much as a body weighs in the mean");
+    }
 }
 
 /// What lengths and forces are measured against, so that arrows fit the scene.
@@ -144,14 +154,14 @@ impl Measure {
     }
 
     /// How loaded a joint is, 0 to 1: 1 where it breaks, or, of one that bears anything, as [`Self::load`] has it, its
-    /// torque over a length. None: it is broken.
-    fn share(&self, joint: &WholeJointItem, length: f64) -> Option<f32> {
-        let (force, torque) = joint.load.map_or((0.0, 0.0), |load| (load.force.length(), load.torque.length()));
-        match (joint.broken, joint.breakable) {
-            (Some(_), _) => None,
-            (None, Some(strength)) => Some((force / strength.force).max(torque / strength.torque).min(1.0) as f32),
-            (None, None) => Some(self.load(force.max(torque / length))),
-        }
+    /// torque over a length. None: no step has told yet.
+    fn share(&self, joint: &WholeJointItem, stats: &StepStats, length: f64) -> Option<f32> {
+        let load = joint.known_load(stats)?;
+        let (force, torque) = (load.force.length(), load.torque.length());
+        Some(match joint.breakable {
+            Some(strength) => (force / strength.force).max(torque / strength.torque).min(1.0) as f32,
+            None => self.load(force.max(torque / length)),
+        })
     }
 
     /// Of the glyph of a joint between bodies of those shapes: no larger than the smaller one.
@@ -183,15 +193,26 @@ fn draw_contacts(
 ) {
     let Some(forces) = forces else { return };
     let measure = Measure::of(&bodies, &gravity);
+    let up = (-gravity.0).normalize_or(DVec3::Y);
     for contact in &forces.0 {
         let point = (contact.point - origin.0).as_vec3();
-        let normal = contact.normal.as_vec3();
+        let kept = if upholds_b(contact.normal, up) { 1.0 } else { -1.0 };
+        let normal = (kept * contact.normal).as_vec3();
         let facing = Isometry3d::new(point, Quat::from_rotation_arc(Vec3::Z, normal));
         gizmos.circle(facing, 0.06 * measure.size, color(palette::SKY)).resolution(10);
         gizmos.line(point, point + normal * 0.3 * measure.size, color(palette::SKY));
-        arrow(&mut gizmos, point, measure.arrow(contact.force), color(palette::VERMILION), 0.12 * measure.size);
+        arrow(&mut gizmos, point, measure.arrow(kept * contact.force), color(palette::VERMILION), 0.12 * measure.size);
     }
 }
+
+/// Whether of a contact that normal, from A to B, is drawn with the force on B; else both are turned round. So that all
+/// arrows of a pile point one way, whichever of two bodies is A: at the one that is carried.
+fn upholds_b(normal: DVec3, up: DVec3) -> bool {
+    normal.dot(up) > -LEVEL
+}
+
+/// Sine of the angle to the horizontal from which on one of two bodies carries the other.
+const LEVEL: f64 = 1e-3;
 
 fn draw_joints(
     (mut gizmos, mut rims, mut glyphs): (Gizmos<Overlay>, Gizmos<Rims>, Gizmos<Glyphs>),
@@ -207,8 +228,11 @@ fn draw_joints(
         let Some(component) = joint.joint.component() else { continue };
         let Ok(ends) = poses.get_many(component.bodies()) else { continue };
         let size = measure.glyph_size(ends.map(|(.., collider)| collider));
-        let load = measure.share(&joint, f64::from(size));
-        let tint = load.map_or(color([130; 3]), shade);
+        let load = measure.share(&joint, &stats, f64::from(size));
+        let tint = match joint.broken {
+            Some(_) => color(BROKEN),
+            None => load.map_or(color(UNKNOWN), shade),
+        };
         let placed = Placed { joint: &joint, poses: ends.map(|end| *end.1), size, tint, down, time: stats.time };
         let Some([at_a, at_b]) = placed.anchors() else { continue };
         for (points, color) in placed.strokes() {
@@ -221,7 +245,7 @@ fn draw_joints(
         if matches!(component, JointComponent::Ball(_) | JointComponent::Generic(_)) {
             gizmos.sphere(at_b, size * (0.08 + 0.16 * load.unwrap_or_default()), tint).resolution(12);
         }
-        if held_at_a_point {
+        if held_at_a_point && joint.broken.is_none() {
             gizmos.line(at_a, at_b, color(palette::PURPLE)); // as long as the joint is torn apart
         }
         for ((kind, pose, _), at) in ends.into_iter().zip([at_a, at_b]) {
@@ -231,6 +255,10 @@ fn draw_joints(
         }
     }
 }
+
+/// Of a joint that holds no longer, and of one whose load no step has told yet.
+const BROKEN: [u8; 3] = [130; 3];
+const UNKNOWN: [u8; 3] = [235; 3];
 
 /// Of the rim of a glyph.
 const RIM: Color = Color::srgba(0.05, 0.06, 0.08, 0.75);
@@ -281,6 +309,15 @@ mod tests {
             app.update();
             assert_eq!(app.world().contains_resource::<ContactForces>(), shown);
         }
+    }
+
+    #[test]
+    fn the_arrow_of_a_contact_is_at_the_body_that_is_carried() {
+        let tilted = DVec3::new(0.3, 0.9, 0.0);
+        assert!(upholds_b(tilted, DVec3::Y) && !upholds_b(-tilted, DVec3::Y));
+        // Level ones keep their own way, but for rounding.
+        assert!(upholds_b(DVec3::X, DVec3::Y) && upholds_b(-DVec3::X, DVec3::Y));
+        assert!(upholds_b(DVec3::new(1.0, -1e-9, 0.0), DVec3::Y));
     }
 
     #[test]

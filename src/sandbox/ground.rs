@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy_panorbit_camera::PanOrbitCamera;
 
+use super::action::CarryOut;
 use super::quality::Quality;
 use crate::physics::{Collider, Position, RenderOrigin, RigidBody, Rotation, Shape};
 
@@ -19,7 +20,7 @@ const TILE: f64 = 10.0;
 const PIXELS: u32 = 1024;
 
 pub(super) fn plugin(app: &mut App) {
-    app.add_systems(Startup, make_assets).add_systems(Update, (spawn_grounds, follow_camera).chain());
+    app.add_systems(Startup, make_assets).add_systems(Update, (spawn_grounds, follow_camera).chain().after(CarryOut));
 }
 
 #[derive(Resource)]

@@ -4,7 +4,8 @@ use bevy::prelude::*;
 
 use super::any_joint::IsJoint;
 use super::gizmos::ShownGizmos;
-use crate::physics::JointLoad;
+use super::looked_at::LookedAt;
+use crate::physics::{JointLoad, StepStats};
 use crate::scene::SpawnedScene;
 
 /// Joints of which the panel shows numbers.
@@ -28,10 +29,6 @@ impl ReadJoints {
     }
 }
 
-/// Marks a load that is there to be looked at, and goes when nobody does.
-#[derive(Component)]
-struct LookedAt;
-
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<ReadJoints>().add_systems(PreUpdate, switch_joint_loads);
 }
@@ -40,10 +37,12 @@ fn switch_joint_loads(
     mut commands: Commands,
     shown: Res<ShownGizmos>,
     read: Res<ReadJoints>,
+    stats: Res<StepStats>,
     without: Query<Entity, (IsJoint, Without<JointLoad>)>,
     with: Query<Entity, (IsJoint, With<LookedAt>)>,
 ) {
-    let begin = |joint: Entity| _ = commands.entity(joint).insert((JointLoad::default(), LookedAt));
+    let marked = || (JointLoad::default(), LookedAt::from_now(&stats));
+    let begin = |joint: Entity| _ = commands.entity(joint).insert(marked());
     if shown.joints {
         without.iter().for_each(begin);
     } else {
@@ -59,12 +58,13 @@ fn switch_joint_loads(
 
 #[cfg(test)]
 mod tests {
+    use super::super::any_joint::WholeJoint;
     use super::*;
     use crate::physics::{BallJoint, HingeJoint};
 
     fn switches() -> App {
         let mut app = App::new();
-        app.init_resource::<ShownGizmos>();
+        app.init_resource::<ShownGizmos>().init_resource::<StepStats>();
         plugin(&mut app);
         app
     }
@@ -109,5 +109,27 @@ mod tests {
         app.update();
         assert_eq!(joints.map(|joint| carries_load(&app, joint)), [false; 3]);
         assert!(carries_load(&app, own), "what an application added stays");
+    }
+
+    #[test]
+    fn a_load_is_known_once_a_step_has_told_it() {
+        let mut app = switches();
+        let joint = app.world_mut().spawn(BallJoint::new(Entity::PLACEHOLDER, Entity::PLACEHOLDER)).id();
+        app.world_mut().resource_mut::<ReadJoints>().open.push(joint);
+        let is_known = |app: &mut App| {
+            app.update();
+            let stats = *app.world().resource::<StepStats>();
+            let mut joints = app.world_mut().query::<WholeJoint>();
+            joints.get(app.world(), joint).unwrap().known_load(&stats).is_some()
+        };
+        assert!(!is_known(&mut app) && !is_known(&mut app), "nothing has been stepped");
+        app.world_mut().resource_mut::<StepStats>().steps += 1;
+        assert!(is_known(&mut app));
+        // What an application asks to be told is its own to judge.
+        let own = BallJoint::new(joint, joint);
+        let own = app.world_mut().spawn((own, JointLoad::default())).id();
+        let mut joints = app.world_mut().query::<WholeJoint>();
+        let stats = StepStats::default();
+        assert!(joints.get(app.world(), own).unwrap().known_load(&stats).is_some());
     }
 }

@@ -9,6 +9,7 @@ use bevy::picking::mesh_picking::ray_cast::RayCastBackfaces;
 use bevy::prelude::*;
 use bevy::render::render_resource::Face;
 
+use super::action::CarryOut;
 use crate::physics::{Collider, ConvexHull, RigidBody, Shape};
 use crate::scene::{BodyColor, MeshSpec, PictureMesh};
 
@@ -24,18 +25,18 @@ const STATIC_COLOR: Color = Color::srgb(0.48, 0.50, 0.53);
 const KINEMATIC_COLOR: Color = Color::srgb(0.55, 0.48, 0.62);
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<SharedAssets>().add_systems(Update, dress_bodies);
+    app.init_resource::<SharedAssets>().add_systems(Update, dress_bodies.after(CarryOut));
 }
 
 /// Bodies alike share mesh and material, and are drawn in one batch.
 #[derive(Resource, Default)]
-struct SharedAssets {
+pub(super) struct SharedAssets {
     meshes: HashMap<Vec<u64>, Handle<Mesh>>,
     materials: HashMap<([u32; 4], bool), Handle<StandardMaterial>>,
     dressed: usize,
 }
 
-fn dress_bodies(
+pub(super) fn dress_bodies(
     mut commands: Commands,
     bodies: Query<
         (Entity, &RigidBody, &Collider, Option<&PictureMesh>, Option<&BodyColor>),

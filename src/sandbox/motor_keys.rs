@@ -73,8 +73,10 @@ pub(super) fn short_name(name: &str) -> &str {
 /// Gives motors the target of the key that is held. Held together, the two keys cancel.
 fn drive(keys: Res<ButtonInput<KeyCode>>, egui: Res<EguiWantsInput>, mut motors: Query<(&MotorKeys, &mut JointMotor)>) {
     let is_free = !egui.wants_any_keyboard_input() && !is_control_held(&keys);
+    // One that was pressed and let go within a frame drives for that frame.
+    let is_held = |key: KeyCode| keys.pressed(key) || keys.just_pressed(key);
     for (MotorKeys { keys: names, values, rest }, mut motor) in &mut motors {
-        let held = [0, 1].map(|which| is_free && key_named(&names[which]).is_some_and(|key| keys.pressed(key)));
+        let held = [0, 1].map(|which| is_free && key_named(&names[which]).is_some_and(is_held));
         let value = match held {
             [true, false] => values[0],
             [false, true] => values[1],

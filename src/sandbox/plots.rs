@@ -9,9 +9,9 @@ use egui_plot::{GridInput, GridMark, HoverPosition, Line, Plot, PlotPoints};
 
 use super::CurrentScene;
 use super::any_joint::{IsJoint, WholeJoint, noun};
-use super::ghost::{self, GhostDistance};
+use super::ghost::{self, Apart, GhostDistance};
 use super::joint_readings::ReadJoints;
-use super::panel::{Quantity, name_of, palette};
+use super::panel::{Quantity, name_of, palette, without_negative_zero};
 use crate::physics::{Diagnostics, JointAxis, PhysicsSchedule, PhysicsSystems, Position, Rotation, StepStats};
 
 /// Simulation time on view, s.
@@ -45,8 +45,8 @@ struct Sample {
     penetration: f64,
     /// s.
     step_seconds: f64,
-    /// m; 0 without a ghost.
-    ghost: f64,
+    /// 0 without a ghost.
+    ghost: Apart,
     joint: JointSample,
 }
 
@@ -73,7 +73,10 @@ impl Sample {
             joint_error: self.joint_error.max(newer.joint_error),
             penetration: self.penetration.max(newer.penetration),
             step_seconds: self.step_seconds.max(newer.step_seconds),
-            ghost: self.ghost.max(newer.ghost),
+            ghost: Apart {
+                distance: self.ghost.distance.max(newer.ghost.distance),
+                angle: self.ghost.angle.max(newer.ghost.angle),
+            },
             joint: JointSample {
                 force: self.joint.force.max(newer.joint.force),
                 torque: self.joint.torque.max(newer.joint.torque),
@@ -258,15 +261,23 @@ pub(super) fn show(
             curves: &[("step", palette::GREEN, &|sample| sample.step_seconds)],
         },
     ];
-    let distance = Chart {
-        title: "ghost",
-        unit: "m",
-        about: "largest distance between a body's centre and its ghost's",
-        curves: &[("distance", palette::SKY, &|sample| sample.ghost)],
-    };
+    let of_ghost = [
+        Chart {
+            title: "ghost",
+            unit: "m",
+            about: "largest distance between a body and its ghost: of the point of it that is farthest from its place",
+            curves: &[("distance", palette::SKY, &|sample| sample.ghost.distance)],
+        },
+        Chart {
+            title: "ghost, turned",
+            unit: "°",
+            about: "largest angle between a body and its ghost",
+            curves: &[("angle", palette::ORANGE, &|sample| sample.ghost.angle.to_degrees())],
+        },
+    ];
     let plotted = read.plotted.and_then(|joint| joints.get(joint).ok());
     let of_joint = plotted.iter().flat_map(|joint| joint_charts(joint.axis()));
-    let charts: Vec<_> = of_joint.chain(ghost.0.map(|_| distance)).chain(charts).collect();
+    let charts: Vec<_> = of_joint.chain(ghost.0.map(|_| of_ghost).into_iter().flatten()).chain(charts).collect();
     if let Some(component) = plotted.and_then(|joint| joint.joint.component()) {
         let [a, b] = component.bodies().map(|body| name_of(names.get(body).ok(), body));
         ui.weak(format!("{} of {a} and {b}", noun(&component)))
@@ -313,7 +324,7 @@ fn joint_charts<'a>(axis: Option<JointAxis>) -> impl Iterator<Item = Chart<'a>> 
 /// A mark with the digits that its step has: of halves one.
 fn mark_text(mark: GridMark) -> String {
     let decimals = (-mark.step_size.log10()).ceil().max(0.0) as usize;
-    format!("{:.decimals$}", mark.value)
+    without_negative_zero(format!("{:.decimals$}", mark.value))
 }
 
 impl Chart<'_> {
@@ -327,7 +338,7 @@ impl Chart<'_> {
             ui.label(format!("{title}, {}", scale.unit)).on_hover_text(about);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 for (name, color, value) in curves.iter().rev() {
-                    let text = newest.map_or_else(|| "–".into(), |sample| Quantity::text(value(sample), unit));
+                    let text = newest.map_or_else(|| "–".into(), |sample| scale.number(value(sample)));
                     ui.colored_label(color32(*color), egui::RichText::new(format!("{name} {text}")).size(11.0));
                 }
             });
@@ -349,7 +360,11 @@ impl Chart<'_> {
             .y_grid_spacer(round_marks)
             .x_grid_spacer(move |_| fifth_seconds(end - WINDOW, end))
             .y_axis_formatter(|mark, _| mark_text(mark))
-            .x_axis_formatter(|mark, _| format!("{} s", mark.value))
+            // At the right end a number would be cut off.
+            .x_axis_formatter(move |mark, _| match mark.value > end - 0.5 {
+                true => String::new(),
+                false => format!("{} s", mark.value),
+            })
             .label_formatter(|position| match position {
                 HoverPosition::NearDataPoint { plot_name, position, .. } => {
                     Some(format!("{plot_name} {:.4}\nat {:.3} s", position.y, position.x))
@@ -407,7 +422,7 @@ mod tests {
             joint_error: 0.0,
             penetration: 0.0,
             step_seconds: 0.0,
-            ghost: 0.0,
+            ghost: Apart::default(),
             // Numbers, so that samples can be compared.
             joint: JointSample { force: 0.0, torque: 0.0, value: 0.0 },
         }

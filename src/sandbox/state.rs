@@ -87,6 +87,10 @@ pub enum Notice {
     Error(String),
 }
 
+/// Why the scene that was asked for last is not on view, if it is not.
+#[derive(Resource, Clone, Debug, Default)]
+pub(super) struct SceneProblem(pub Option<String>);
+
 /// Says what was done, or why it was not.
 pub(super) fn report(world: &mut World, outcome: Result<String, String>) {
     *world.resource_mut::<Notice>() = match outcome {
@@ -110,10 +114,13 @@ pub(super) struct DrivenMotors {
     pub joints: Vec<String>,
 }
 
-/// Whether Ctrl (or ⌘) is held.
+/// Ctrl and ⌘.
+pub(super) const CONTROL_KEYS: [KeyCode; 4] =
+    [KeyCode::ControlLeft, KeyCode::ControlRight, KeyCode::SuperLeft, KeyCode::SuperRight];
+
+/// Whether one of them is held.
 pub(super) fn is_control_held(keys: &ButtonInput<KeyCode>) -> bool {
-    use KeyCode::{ControlLeft, ControlRight, SuperLeft, SuperRight};
-    keys.any_pressed([ControlLeft, ControlRight, SuperLeft, SuperRight])
+    keys.any_pressed(CONTROL_KEYS)
 }
 
 /// Width of the window's right side that the panel covers, logical pixels.
@@ -121,5 +128,8 @@ pub(super) fn is_control_held(keys: &ButtonInput<KeyCode>) -> bool {
 pub(super) struct Covered(pub f32);
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<Selection>().init_resource::<Notice>().init_resource::<Covered>();
+    app.init_resource::<Selection>()
+        .init_resource::<Notice>()
+        .init_resource::<SceneProblem>()
+        .init_resource::<Covered>();
 }

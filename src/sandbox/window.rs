@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
-use bevy::window::WindowResolution;
+use bevy::window::{WindowResizeConstraints, WindowResolution};
 
 use super::motor_keys::check_keys;
 use super::{SandboxAction, SandboxPlugin};
@@ -67,6 +67,8 @@ fn run(launch: Launch) -> AppExit {
         title: "Plumb".into(),
         name: Some("plumb".into()),
         resolution: WindowResolution::new(1280, 720),
+        // Beside the panel there is still a picture, and the playback buttons are all there.
+        resize_constraints: WindowResizeConstraints { min_width: 640.0, min_height: 360.0, ..default() },
         ..default()
     };
     App::new()

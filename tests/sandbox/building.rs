@@ -339,6 +339,21 @@ fn a_joint_is_cut_between_two_picked_bodies_or_by_its_own_button() {
 }
 
 #[test]
+fn the_joint_that_the_pointer_is_on_is_cut_though_two_bodies_are_picked() {
+    let mut stage = paused(BEADS);
+    let [a, b] = ["a", "b"].map(|name| stage.body(name));
+    pick(&mut stage, at(a, 0.0, 0.0, 0.0), Some(at(b, 0.0, 0.0, 0.0)));
+    let second = stage.seen_at(DVec3::new(0.5, 0.0, 0.0));
+    stage.move_to(second);
+    stage.key(KeyCode::KeyC);
+    assert_eq!(joint_names(&mut stage), ["a to b"]);
+    // On none, it is the one between the two.
+    stage.jump_to(Vec2::new(100.0, 100.0));
+    stage.key(KeyCode::KeyC);
+    assert_eq!(joint_names(&mut stage), Vec::<String>::new());
+}
+
+#[test]
 fn the_joint_that_drags_is_never_cut_or_listed() {
     let mut stage = Stage::open(BEADS);
     let spot = stage.seen_at(DVec3::new(0.0, 0.0, 0.4));
@@ -462,12 +477,42 @@ fn what_is_gone_is_not_undone_and_the_next_undo_goes_on() {
 }
 
 #[test]
-fn a_new_start_of_the_scene_forgets_what_could_be_undone() {
+fn what_was_built_comes_back_after_a_new_start_or_another_scene() {
     for action in [SandboxAction::Reset, SandboxAction::LoadScene { scene: "stack".into(), parameters: Vec::new() }] {
         let mut stage = paused(BEADS);
-        let b = stage.body("b");
+        let [a, b] = ["a", "b"].map(|name| stage.body(name));
         pick(&mut stage, at(b, 0.0, 0.4, 0.0), None);
         stage.act(SandboxAction::PinPicked);
+        add_at(&mut stage, ShapeSpec::Sphere { radius: 0.2 }, DVec3::new(0.0, 2.0, 0.0));
+        stage.world().get_mut::<Position>(a).unwrap().0.z = -0.25;
+        let (built, camera) = (counts(&mut stage), stage.camera());
+        stage.act(action.clone());
+        assert_ne!(counts(&mut stage), built);
+        let Notice::Info(said) = notice(&mut stage) else { panic!("{:?}", notice(&mut stage)) };
+        assert!(said.contains("Ctrl+Z"), "{said}");
+
+        stage.act(SandboxAction::Undo);
+        stage.frames(2);
+        assert_eq!(counts(&mut stage), built, "{action:?}");
+        assert_eq!(stage.position("a").z, -0.25);
+        assert!(named(&mut stage, "ball").is_some());
+        assert!(stage.camera().translation.distance(camera.translation) < 1e-4);
+        // It goes on as that scene: the pin goes with its joint, and a reset puts it back to its own start.
+        let b = stage.body("b");
+        pick(&mut stage, at(b, 0.0, 0.4, 0.0), None);
+        let pinned = stage.seen_at(DVec3::new(0.0, 0.4, 0.0));
+        stage.move_to(pinned);
+        stage.act(SandboxAction::CutPicked);
+        assert_eq!(counts(&mut stage), (built.0 - 1, built.1 - 1), "the pin is gone too");
+        stage.act(SandboxAction::Reset);
+        assert_eq!((stage.position("a").z, named(&mut stage, "ball")), (0.0, None));
+    }
+}
+
+#[test]
+fn where_nothing_was_built_nothing_is_kept() {
+    let mut stage = paused(BEADS);
+    for action in [SandboxAction::Reset, SandboxAction::LoadScene { scene: "stack".into(), parameters: Vec::new() }] {
         stage.act(action);
         assert_refused(&mut stage, SandboxAction::Undo, "nothing to undo");
     }

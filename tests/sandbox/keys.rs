@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use bevy::prelude::*;
 use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
+use plumb::physics::RigidBody;
 use plumb::sandbox::controls::BINDINGS;
 use plumb::sandbox::{Playback, SandboxAction};
 
@@ -68,4 +69,28 @@ fn space_pauses_but_not_while_typing() {
     stage.frames(3);
     stage.key(KeyCode::Space);
     assert!(!stage.world().resource::<Playback>().paused, "the key went to the text field");
+}
+
+#[test]
+fn a_key_that_is_pressed_and_let_go_within_a_frame_acts() {
+    let mut stage = Stage::open(BALL);
+    stage.tap(KeyCode::Space);
+    assert!(stage.world().resource::<Playback>().paused);
+}
+
+#[test]
+fn ctrl_and_a_key_within_a_frame_act_as_both() {
+    let mut stage = Stage::open(BALL);
+    stage.act(SandboxAction::SpawnBody);
+    let bodies = |stage: &mut Stage| {
+        let world = stage.world();
+        world.query::<&RigidBody>().iter(world).count()
+    };
+    assert_eq!(bodies(&mut stage), 2);
+    stage.tap_together(&[KeyCode::ControlLeft, KeyCode::KeyZ]);
+    assert_eq!(bodies(&mut stage), 1);
+    // Without Ctrl again: Z alone undoes nothing, and A adds.
+    stage.tap(KeyCode::KeyA);
+    stage.tap(KeyCode::KeyZ);
+    assert_eq!(bodies(&mut stage), 2);
 }

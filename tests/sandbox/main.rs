@@ -11,6 +11,7 @@ mod ghosts;
 mod joint_kinds;
 mod keys;
 mod motors;
+mod pace;
 mod panel;
 mod pictures;
 mod rough_hands;

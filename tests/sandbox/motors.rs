@@ -50,6 +50,16 @@ fn a_motor_turns_while_its_key_is_held() {
 }
 
 #[test]
+fn a_tap_drives_for_a_step() {
+    let mut stage = Stage::open(&wheel("ArrowUp", "ArrowDown"));
+    stage.frames(2);
+    stage.tap(KeyCode::ArrowUp);
+    assert!(rate(&mut stage) > 1.0, "{} rad/s", rate(&mut stage));
+    stage.frames(20);
+    assert!(rate(&mut stage).abs() < 1e-3, "{} rad/s", rate(&mut stage));
+}
+
+#[test]
 fn a_motor_is_written_to_only_when_a_key_is_pressed_or_let_go() {
     #[derive(Resource, Default)]
     struct Writes(usize);

@@ -3,7 +3,8 @@
 use bevy::math::{DQuat, DVec3};
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
-use plumb::sandbox::Selection;
+use plumb::physics::RigidBody;
+use plumb::sandbox::{SandboxAction, Selection};
 use plumb::scene::MeshSpec;
 
 use crate::stage::Stage;
@@ -105,4 +106,17 @@ fn a_ball_is_round_closed_and_of_two_shades_by_which_it_is_seen_to_turn() {
     };
     let bright = shades.iter().filter(|shade| shade[0] == 1.0).count();
     assert_eq!(2 * bright, shades.len(), "half of it is bright");
+}
+
+#[test]
+fn a_new_scene_is_in_the_picture_at_once() {
+    let mut stage = Stage::open(SCENE);
+    for action in [SandboxAction::LoadScene { scene: "stack".into(), parameters: Vec::new() }, SandboxAction::Reset] {
+        stage.act(action);
+        let world = stage.world();
+        let bodies = world.query_filtered::<(), (With<RigidBody>, With<Mesh3d>)>().iter(world).count();
+        let mut grounds = world.query_filtered::<&Name, (Without<RigidBody>, With<Mesh3d>)>();
+        let grounds = grounds.iter(world).filter(|name| name.as_str() == "ground").count();
+        assert_eq!((bodies, grounds), (10, 1));
+    }
 }

@@ -17,7 +17,7 @@ use bevy::time::TimeUpdateStrategy;
 use bevy::window::{PrimaryWindow, WindowRef, WindowResolution};
 use bevy::winit::WinitPlugin;
 use plumb::physics::{Position, RenderOrigin};
-use plumb::sandbox::{CurrentScene, SandboxAction, SandboxPlugin};
+use plumb::sandbox::{CurrentScene, SandboxAction, SandboxPlugin, StepBudget};
 
 /// Logical size of the window, which nobody sees.
 pub const SIZE: Vec2 = Vec2::new(1280.0, 720.0);
@@ -51,6 +51,8 @@ impl Stage {
         );
         app.add_plugins(SandboxPlugin);
         app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / 60.0)));
+        // On a busy machine too, what happens in a frame is what would happen on an idle one.
+        app.insert_resource(StepBudget { least: Duration::MAX, of_picture: 0.0 });
         app.finish();
         app.cleanup();
         let mut stage = Self { app, pointer: Vec2::ZERO };
@@ -185,12 +187,28 @@ impl Stage {
         self.turn_key(key_code, ButtonState::Released);
     }
 
+    /// Presses and releases a key faster than a frame.
+    pub fn tap(&mut self, key_code: KeyCode) {
+        self.tap_together(&[key_code]);
+    }
+
+    /// Presses keys one after the other and releases them, all faster than a frame.
+    pub fn tap_together(&mut self, keys: &[KeyCode]) {
+        keys.iter().for_each(|key| self.write_key(*key, ButtonState::Pressed));
+        keys.iter().rev().for_each(|key| self.write_key(*key, ButtonState::Released));
+        self.frames(1);
+    }
+
     fn turn_key(&mut self, key_code: KeyCode, state: ButtonState) {
+        self.write_key(key_code, state);
+        self.frames(1);
+    }
+
+    fn write_key(&mut self, key_code: KeyCode, state: ButtonState) {
         let window = self.window();
         let logical_key = Key::Unidentified(bevy::input::keyboard::NativeKey::Unidentified);
         let (text, repeat) = (None, false);
         self.app.world_mut().write_message(KeyboardInput { key_code, logical_key, state, text, repeat, window });
-        self.frames(1);
     }
 
     pub fn window(&mut self) -> Entity {

@@ -10,14 +10,14 @@
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
-use bevy::math::DVec3;
+use bevy::math::{DMat3, DQuat, DVec3};
 use xxhash_rust::xxh3::xxh3_64;
 
 use super::answer::{ROUNDING, Truth};
-use super::bodies::dynamic;
+use super::bodies::{collider, dynamic, largest_displacement};
 use super::instant::{Instant, TIME_TOLERANCE, Table};
 use crate::lab::simulation::{Sample, Simulation};
-use crate::physics::{SolverSettings, StepStats};
+use crate::physics::{Collider, SolverSettings, StepStats};
 use crate::scene::SceneSpec;
 
 /// Why nothing is known of a scene's answer.
@@ -58,19 +58,42 @@ struct Reference {
 /// Three points of each body, which tell its pose: its centre of mass, and one along each of two of
 /// its axes, as far as it reaches.
 #[derive(Clone)]
-struct Marks(Vec<(usize, DVec3)>);
+struct Marks {
+    points: Vec<(usize, DVec3)>,
+    /// Of each body.
+    shapes: Vec<Option<Collider>>,
+}
 
 impl Marks {
     fn of(scene: &SceneSpec) -> Self {
         let radius = |body: usize| scene.bodies[body].shape.as_ref().map_or(0.0, |shape| shape.bounding_radius());
         let of_body = |body| [DVec3::ZERO, DVec3::X, DVec3::Y].map(|axis| (body, radius(body) * axis));
-        Self(dynamic(scene).into_iter().flat_map(of_body).collect())
+        let moving = dynamic(scene);
+        let shapes = moving.iter().map(|&body| collider(&scene.bodies[body])).collect();
+        Self { points: moving.into_iter().flat_map(of_body).collect(), shapes }
     }
 
     fn instants(&self, sample: &Sample) -> Vec<Instant> {
         let instant = |&(body, mark): &(usize, DVec3)| Instant::of_point(sample.time, &sample.bodies[body], mark);
-        self.0.iter().map(instant).collect()
+        self.points.iter().map(instant).collect()
     }
+
+    /// The distance of the farthest material point of any body between two places of the marks.
+    fn apart(&self, one: &[DVec3], other: &[DVec3]) -> f64 {
+        let bodies = one.chunks_exact(3).zip(other.chunks_exact(3)).zip(&self.shapes);
+        let apart = bodies.map(|((one, other), shape)| {
+            let rotations = [one, other].map(|marks| rotation(marks[1] - marks[0], marks[2] - marks[0]));
+            largest_displacement(shape.as_ref(), other[0] - one[0], rotations)
+        });
+        apart.fold(0.0, f64::max)
+    }
+}
+
+/// The rotation that turns x and y, of whatever length, into those directions.
+fn rotation(x: DVec3, y: DVec3) -> DQuat {
+    let x = x.normalize_or(DVec3::X);
+    let y = y.reject_from_normalized(x).normalize_or(x.any_orthonormal_vector());
+    DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y))).normalize()
 }
 
 /// The converged answer of a scene for a run of so many seconds. Worked out once a process.
@@ -83,7 +106,8 @@ pub fn converged(scene: &SceneSpec, seconds: f64) -> Result<Truth, Unknown> {
     let uncertainty = reference.uncertainty;
     let times = (1..).map(|n: u32| f64::from(n) * INTERVAL);
     let mut table = Table::new(times.zip(reference.points.iter().cloned()).collect());
-    let distance = move |sample: &Sample| table.distance(marks.instants(sample));
+    let distance =
+        move |sample: &Sample| table.largest(marks.instants(sample), |found, places| marks.apart(places, found));
     Ok(Truth::largest("all bodies, from where fine runs agree", "m", distance).with_uncertainty(uncertainty))
 }
 
@@ -114,12 +138,12 @@ fn work_out(scene: &SceneSpec, seconds: f64) -> Result<Reference, Unknown> {
     }
     let sizes = moving.iter().filter_map(|&body| Some(scene.bodies[body].shape.as_ref()?.smallest_extent()));
     let useful = USEFUL_SHARE * sizes.fold(f64::INFINITY, f64::min);
+    let marks = Marks::of(scene);
     let mut runs = RATES.map(|hz| FineRun::new(scene, hz));
     let mut reference = Reference { points: Vec::new(), uncertainty: ROUNDING };
     for _ in 0..samples {
         let [Some(coarse), Some(fine)] = runs.each_mut().map(FineRun::next_points) else { break };
-        let apart = coarse.iter().zip(&fine).map(|(coarse, fine)| coarse.distance(*fine));
-        let uncertainty = reference.uncertainty.max(SAFETY * apart.fold(0.0, f64::max));
+        let uncertainty = reference.uncertainty.max(SAFETY * marks.apart(&coarse, &fine));
         let sound = runs.iter().all(|run| is_sound(run.simulation.world().resource()));
         if !(sound && uncertainty <= useful) {
             break;
@@ -177,8 +201,6 @@ impl FineRun {
 
 #[cfg(test)]
 mod tests {
-    use bevy::math::DQuat;
-
     use super::*;
     use crate::scene::load;
 

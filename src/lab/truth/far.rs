@@ -5,7 +5,7 @@ use crate::physics::SolverSettings;
 use crate::scene::{self, SceneSpec};
 
 use super::answer::{ROUNDING, Truth};
-use super::bodies::dynamic;
+use super::bodies::{collider, dynamic, largest_displacement};
 use crate::lab::simulation::{Sample, Simulation};
 
 /// What a run may differ from the one at the origin, m.
@@ -15,7 +15,10 @@ pub(super) fn truth(scene: &SceneSpec, settings: &SolverSettings) -> Option<Trut
     let near = scene::load(&scene.name, &[("d".to_owned(), 0.0)]).ok()?;
     let offsets: Vec<_> = dynamic(scene)
         .into_iter()
-        .map(|index| (index, scene.bodies[index].position - near.bodies[index].position))
+        .map(|index| {
+            let offset = scene.bodies[index].position - near.bodies[index].position;
+            (index, offset, collider(&scene.bodies[index]))
+        })
         .collect();
     let distance = offsets.first()?.1.length();
     if distance == 0.0 {
@@ -27,9 +30,12 @@ pub(super) fn truth(scene: &SceneSpec, settings: &SolverSettings) -> Option<Trut
             twin.step();
         }
         let near = twin.sample().bodies;
-        let differences = offsets.iter().map(|&(index, offset)| {
+        let differences = offsets.iter().map(|(index, offset, shape)| {
+            let (index, offset) = (*index, *offset);
             // Of like size first: their difference is exact.
-            (sample.bodies[index].position - offset).distance(near[index].position)
+            let apart = sample.bodies[index].position - offset - near[index].position;
+            let rotations = [near[index].rotation, sample.bodies[index].rotation];
+            largest_displacement(shape.as_ref(), apart, rotations)
         });
         Some(differences.fold(0.0, f64::max))
     };

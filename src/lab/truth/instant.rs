@@ -50,15 +50,20 @@ impl Table {
     /// The largest distance of the points from their places at the times since the last call; none where there are none.
     /// The start is the scene's own, not an answer.
     pub fn distance(&mut self, now: Vec<Instant>) -> Option<f64> {
+        self.largest(now, |found, places| found.iter().zip(places).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max))
+    }
+
+    /// The same by another measure of how far the points are from their places.
+    pub fn largest(&mut self, now: Vec<Instant>, apart: impl Fn(&[DVec3], &[DVec3]) -> f64) -> Option<f64> {
         let mut largest: Option<f64> = None;
         while let Some((time, places)) = self.rows.get(self.next)
             && now.first().is_some_and(|instant| *time <= instant.time + TIME_TOLERANCE)
         {
             if *time > 0.0 {
-                let distance = |(point, place): (usize, &DVec3)| {
-                    Instant::between(self.before.get(point), &now[point], *time).distance(*place)
-                };
-                largest = Some(places.iter().enumerate().map(distance).fold(largest.unwrap_or(0.0), f64::max));
+                let now = now.iter().enumerate();
+                let found: Vec<_> =
+                    now.map(|(point, now)| Instant::between(self.before.get(point), now, *time)).collect();
+                largest = Some(largest.unwrap_or(0.0).max(apart(&found, places)));
             }
             self.next += 1;
         }

@@ -4,7 +4,7 @@ use crate::scene::SceneSpec;
 
 use super::Statics;
 use super::answer::{Poses, Truth};
-use super::bodies::dynamic;
+use super::bodies::{collider, dynamic, largest_displacement};
 use crate::lab::simulation::Sample;
 
 pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
@@ -12,11 +12,18 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
     if scene.gravity.x != 0.0 || scene.gravity.z != 0.0 {
         return None;
     }
-    let starts: Vec<_> = dynamic(scene).into_iter().map(|index| (index, scene.bodies[index].position)).collect();
+    let start = |index: usize| {
+        let body = &scene.bodies[index];
+        (index, body.position, body.principal_rotation(), collider(body))
+    };
+    let starts: Vec<_> = dynamic(scene).into_iter().map(start).collect();
     // The answer is exact; a place is kept to a rounding of its distance from the origin.
-    let extent = starts.iter().map(|(_, start)| start.length()).fold(0.0, f64::max);
+    let extent = starts.iter().map(|(_, start, ..)| start.length()).fold(0.0, f64::max);
     let distance = move |sample: &Sample| {
-        let moves = starts.iter().map(|(index, start)| sample.bodies[*index].position.distance(*start));
+        let moves = starts.iter().map(|(index, start, rotation, shape)| {
+            let body = &sample.bodies[*index];
+            largest_displacement(shape.as_ref(), body.position - *start, [*rotation, body.rotation])
+        });
         Some(moves.fold(0.0, f64::max))
     };
     let truth = Truth::largest("largest move of a body that should stay", "m", distance);
@@ -26,7 +33,7 @@ pub(super) fn truth(scene: &SceneSpec) -> Option<Truth> {
 
 /// Every body where it starts.
 pub(super) fn poses(scene: &SceneSpec) -> Poses {
-    let start = |index: usize| (index, scene.bodies[index].position, scene.bodies[index].rotation);
+    let start = |index: usize| (index, scene.bodies[index].position, scene.bodies[index].principal_rotation());
     let starts: Vec<_> = dynamic(scene).into_iter().map(start).collect();
     Box::new(move |_| starts.clone())
 }

@@ -8,6 +8,7 @@
 mod cone;
 mod convex_hull;
 mod cuboid;
+mod displacement;
 mod hull;
 mod measures;
 mod merge_facets;

@@ -88,8 +88,8 @@ fn try_pin(world: &mut World) -> Result<String, String> {
 }
 
 /// Cuts the joint that is meant: of those between two picked bodies, of the picked body, or of all
-/// where none is picked, the one nearest the pointer. With the pointer off the picture, nearest the
-/// place that was clicked.
+/// where none is picked, the one nearest the pointer; but where two are picked and the pointer is on a
+/// joint, that one. With the pointer off the picture, nearest the place that was clicked.
 pub fn cut_picked(world: &mut World) {
     match meant_joint(world) {
         Ok(joint) => cut(world, joint),
@@ -99,7 +99,8 @@ pub fn cut_picked(world: &mut World) {
 
 fn meant_joint(world: &mut World) -> Result<Entity, String> {
     let selection = *world.resource::<Selection>();
-    let mut candidates = joints(world);
+    let all = joints(world);
+    let mut candidates = all.clone();
     candidates.retain(|(_, joint)| match (selection.body, selection.partner) {
         (Some(a), Some(b)) => links(joint, [a.entity, b.entity]),
         (Some(a), None) => joint.bodies().contains(&a.entity),
@@ -111,10 +112,18 @@ fn meant_joint(world: &mut World) -> Result<Entity, String> {
         Some(place) if !aim.by_pointer => (place - aim.origin).normalize_or(aim.direction),
         _ => aim.direction,
     };
-    let nearest = candidates
-        .into_iter()
-        .filter_map(|(entity, joint)| Some((entity, toward.angle_between(place_of_joint(world, &joint)? - aim.origin))))
-        .min_by(|(_, a), (_, b)| a.total_cmp(b));
+    let nearest = |candidates: Vec<(Entity, JointComponent)>| {
+        let angle = |joint| Some(toward.angle_between(place_of_joint(world, joint)? - aim.origin));
+        let angles = candidates.iter().filter_map(|(entity, joint)| Some((*entity, angle(joint)?)));
+        angles.min_by(|(_, a), (_, b)| a.total_cmp(b))
+    };
+    if aim.by_pointer
+        && selection.partner.is_some()
+        && let Some((joint, _)) = nearest(all).filter(|(_, angle)| *angle < POINTING)
+    {
+        return Ok(joint);
+    }
+    let nearest = nearest(candidates);
     match (nearest, picked) {
         (Some((joint, _)), Some(_)) => Ok(joint),
         (Some((joint, angle)), None) if angle < POINTING => Ok(joint),

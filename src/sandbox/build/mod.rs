@@ -9,6 +9,7 @@ mod join_kind;
 mod joining;
 mod joint_change;
 mod joints;
+mod kept;
 mod names;
 mod spawning;
 mod undo;
@@ -19,9 +20,10 @@ pub(super) use changing::change_joint;
 pub use join_kind::JoinKind;
 pub(super) use joining::{cut, cut_picked, join_picked, pin_picked};
 pub use joint_change::JointChange;
+pub(super) use kept::KeptScene;
 pub(super) use names::unique_name;
 pub(super) use spawning::spawn_body;
-pub(super) use undo::{UndoStack, delete_picked, undo};
+pub(super) use undo::{UndoStack, delete_picked, keep_what_was_built, undo};
 
 use bevy::prelude::*;
 

@@ -6,6 +6,7 @@ use bevy::prelude::*;
 
 use super::joint_change::JointChange;
 use super::joints::{Pin, idle_without, joints_of};
+use super::kept::KeptScene;
 use super::names::name_of;
 use crate::physics::RigidBody;
 use crate::sandbox::state::report;
@@ -15,7 +16,8 @@ use crate::scene::{BodySpec, JointParts, SceneEntity};
 /// How many deeds are remembered.
 const DEPTH: usize = 64;
 
-/// What undo would take back. A new start of the scene forgets it all.
+/// What undo would take back. A new start of the scene, or another scene, is one deed more that takes the place of what
+/// was built before it.
 #[derive(Resource, Default)]
 pub struct UndoStack {
     deeds: Vec<(String, Deed)>,
@@ -39,6 +41,8 @@ pub enum Deed {
         /// What makes it what it was.
         back: JointChange,
     },
+    /// A scene in which something was built is on view no longer.
+    Left(Box<KeptScene>),
 }
 
 impl UndoStack {
@@ -50,9 +54,11 @@ impl UndoStack {
         self.deeds.push((what, deed));
     }
 
-    /// Forgets everything.
-    pub fn clear(&mut self) {
-        self.deeds.clear();
+    /// The bodies and joints that deeds mean are about to go. Tells whether there were such deeds.
+    pub fn leave_scene(&mut self) -> bool {
+        let count = self.deeds.len();
+        self.deeds.retain(|(_, deed)| matches!(deed, Deed::Left(_)));
+        self.deeds.len() < count
     }
 
     /// What the next undo would take back.
@@ -75,6 +81,7 @@ impl UndoStack {
             match deed {
                 Deed::Added(entities) => entities.iter_mut().for_each(now),
                 Deed::Changed { joint, .. } => now(joint),
+                Deed::Left(_) => {} // its entities are made anew when it comes back
                 Deed::Removed { joints, .. } => {
                     joints.iter_mut().flat_map(|(_, _, parts)| parts.bodies_mut()).for_each(now);
                 }
@@ -110,16 +117,34 @@ pub fn remove(world: &mut World, bodies: Vec<Entity>, joints: &[Entity]) -> Deed
     Deed::Removed { bodies, joints }
 }
 
-/// Takes the last deed back.
-pub fn undo(world: &mut World) {
+/// Forgets what was built in the running scene, which is about to go, but for the scene itself where something was: one
+/// undo brings it back. Tells its name then. To be called before its bodies are despawned.
+pub fn keep_what_was_built(world: &mut World) -> Option<String> {
+    if !world.resource_mut::<UndoStack>().leave_scene() {
+        return None;
+    }
+    let kept = KeptScene::of(world)?;
+    let name = kept.name().to_owned();
+    world.resource_mut::<UndoStack>().push(format!("leaving {name}"), Deed::Left(Box::new(kept)));
+    Some(name)
+}
+
+/// Takes the last deed back. Of leaving a scene, tells which is to take the place of the present one.
+pub fn undo(world: &mut World) -> Option<KeptScene> {
+    let mut left = None;
     let outcome = match world.resource_mut::<UndoStack>().deeds.pop() {
         None => Err("nothing to undo".to_owned()),
+        Some((what, Deed::Left(scene))) => {
+            left = Some(*scene);
+            Ok(format!("undid {what}"))
+        }
         Some((what, deed)) => match take_back(world, deed) {
             true => Ok(format!("undid {what}")),
             false => Err(format!("cannot undo {what}: it is gone")),
         },
     };
     report(world, outcome);
+    left
 }
 
 /// Tells whether there was anything left to take back.
@@ -131,6 +156,7 @@ fn take_back(world: &mut World, deed: Deed) -> bool {
         }
         Deed::Removed { bodies, joints } => restore(world, bodies, joints),
         Deed::Changed { joint, mut back } => back.write(world, joint),
+        Deed::Left(_) => false, // not one thing of the running scene
     }
 }
 

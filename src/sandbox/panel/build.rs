@@ -6,6 +6,8 @@ use bevy_egui::egui;
 use super::super::build::{UndoStack, stem};
 use super::super::{Blueprint, JoinKind, SandboxAction, Selection, Weight};
 use super::buttons::{ActionButton, button_row, tooltip};
+use super::entry::{Entered, Left};
+
 use super::theme::Quantity;
 use crate::scene::{MeshSpec, ShapeSpec, builtin_meshes};
 
@@ -29,6 +31,7 @@ const SHAPES: [(&str, ShapeSpec); 3] = [
 pub(super) struct BuildForm {
     /// Of an OBJ file.
     path: String,
+    entered: Entered,
     /// Of a mesh, while it is being changed.
     scale: Option<f64>,
 }
@@ -64,9 +67,14 @@ pub(super) fn show(
     });
     ui.horizontal(|ui| {
         ui.label("mesh").on_hover_text("path of a Wavefront OBJ file; the body is its convex hull and looks like it");
-        let field = egui::TextEdit::singleline(&mut form.path).hint_text("my_mesh.obj");
-        let entered = ui.add(field.desired_width(ui.available_width() - 50.0)).lost_focus()
-            && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        let BuildForm { path, entered, .. } = &mut *form;
+        let id = egui::Id::new("mesh file");
+        if blueprint.is_changed() {
+            entered.accept(ui.ctx(), id);
+        }
+        let field = egui::TextEdit::singleline(path).hint_text("my_mesh.obj");
+        let field = field.desired_width(ui.available_width() - 50.0);
+        let entered = entered.show(ui, id, field) == Some(Left::ByEnter);
         let given = !form.path.trim().is_empty();
         if (ui.add_enabled(given, egui::Button::new("Use")).clicked() || entered) && given {
             actions.write(SandboxAction::ChooseMesh { file: form.path.trim().into(), scale: 1.0 });

@@ -2,7 +2,7 @@
 //!
 //! Angles are shown in degrees, and kept in rad.
 
-use std::f64::consts::{FRAC_PI_4, PI};
+use std::f64::consts::{FRAC_PI_4, PI, TAU};
 use std::ops::RangeInclusive;
 
 use bevy_egui::egui;
@@ -10,10 +10,11 @@ use bevy_egui::egui;
 use super::super::JointChange;
 use super::super::any_joint::WholeJointItem;
 use super::super::motor_keys::short_name;
-use super::theme::Quantity;
+use super::entry::{number, refuse};
+use super::theme::{Quantity, without_negative_zero};
 use crate::physics::{
     Breakable, DistanceLaw, JointAxes, JointAxis, JointFriction, JointLimits, JointMotor, LimitRange, MotorTarget,
-    Softness,
+    Softness, StepStats,
 };
 use crate::scene::{JointComponent, MotorKeys};
 
@@ -60,11 +61,17 @@ impl Unit {
     }
 }
 
-/// The numbers of a joint that stands at that coordinate, and what shall change.
-pub(super) fn show(ui: &mut egui::Ui, joint: &WholeJointItem, value: Option<f64>) -> Option<JointChange> {
+/// The numbers of a joint that stands at that coordinate after the last step, and what shall change.
+pub(super) fn show(
+    ui: &mut egui::Ui,
+    joint: &WholeJointItem,
+    value: Option<f64>,
+    stats: &StepStats,
+) -> Option<JointChange> {
     let component = joint.joint.component()?;
     let unit = Unit::of(joint.axis());
-    readings(ui, joint, value, unit);
+    coordinate(ui, joint, value, unit);
+    load(ui, joint, stats);
     let is_ball = matches!(component, JointComponent::Ball(_));
     let has_range = joint.axis().is_some() && !is_ball;
     let mut change = None;
@@ -92,14 +99,30 @@ pub(super) fn show(ui: &mut egui::Ui, joint: &WholeJointItem, value: Option<f64>
     change
 }
 
-/// Where it stands and what it carries.
-fn readings(ui: &mut egui::Ui, joint: &WholeJointItem, value: Option<f64>, unit: Unit) {
+/// Where it stands, and how fast that changes.
+fn coordinate(ui: &mut egui::Ui, joint: &WholeJointItem, value: Option<f64>, unit: Unit) {
     if let Some(value) = value {
-        let rate = joint.coordinate.map(|coordinate| format!("  {:.3}{}", coordinate.rate, unit.rate));
+        let rate = joint.coordinate.map(|coordinate| format!("  {}{}", decimals(coordinate.rate), unit.rate));
         let what = if matches!(joint.axis(), Some(JointAxis::Swing)) { "swing" } else { "stands at" };
-        ui.monospace(format!("{what} {:.3}{}{}", value * unit.factor, unit.value, rate.unwrap_or_default()));
+        ui.monospace(format!("{what} {}{}{}", decimals(value * unit.factor), unit.value, rate.unwrap_or_default()));
     }
-    let Some(load) = joint.load else { return };
+}
+
+fn decimals(value: f64) -> String {
+    without_negative_zero(format!("{value:.3}"))
+}
+
+/// What it carries.
+fn load(ui: &mut egui::Ui, joint: &WholeJointItem, stats: &StepStats) {
+    ui.monospace(load_text(joint, stats))
+        .on_hover_text("force and torque about its point in the last step, and the share of its strength");
+}
+
+fn load_text(joint: &WholeJointItem, stats: &StepStats) -> String {
+    if joint.broken.is_some() {
+        return "broken".to_owned();
+    }
+    let Some(load) = joint.known_load(stats) else { return "carries: the next step tells".to_owned() };
     let (force, torque) = (load.force.length(), load.torque.length());
     let mut text = format!("carries {}", Quantity::text(force, "N"));
     if torque > 0.0 {
@@ -108,11 +131,7 @@ fn readings(ui: &mut egui::Ui, joint: &WholeJointItem, value: Option<f64>, unit:
     if let Some(strength) = joint.breakable {
         text += &format!("  {:.0} %", 100.0 * (force / strength.force).max(torque / strength.torque));
     }
-    if joint.broken.is_some() {
-        text = "broken".to_owned();
-    }
-    ui.monospace(text)
-        .on_hover_text("force and torque about its point in the last step, and the share of its strength");
+    text
 }
 
 /// A number, how it is shown and what it may be.
@@ -130,16 +149,17 @@ struct Number {
 }
 
 impl Number {
-    /// Any value of a joint's coordinate.
-    fn value(unit: Unit) -> Self {
-        let slider = -unit.reach..=unit.reach;
+    /// Any value of a joint's coordinate; the slider goes about the turn in which the joint stands.
+    fn value(unit: Unit, stands_at: f64) -> Self {
+        let turn = if unit.factor == 1.0 { 0.0 } else { (stands_at / TAU).round() * 360.0 };
+        let slider = turn - unit.reach..=turn + unit.reach;
         let limits = f64::NEG_INFINITY..=f64::INFINITY;
         Self { suffix: unit.value, factor: unit.factor, slider, limits, logarithmic: unit.factor == 1.0 }
     }
 
     /// Any rate of a joint's coordinate.
     fn rate(unit: Unit) -> Self {
-        Self { suffix: unit.rate, factor: 1.0, slider: -100.0..=100.0, logarithmic: true, ..Self::value(unit) }
+        Self { suffix: unit.rate, factor: 1.0, slider: -100.0..=100.0, logarithmic: true, ..Self::value(unit, 0.0) }
     }
 
     /// What is 0 or more, by decades.
@@ -163,16 +183,24 @@ impl Number {
     /// Its slider; tells whether it was changed.
     fn show(self, ui: &mut egui::Ui, value: &mut f64) -> bool {
         let mut shown = *value * self.factor;
+        let (context, suffix) = (ui.ctx().clone(), self.suffix);
         let slider = egui::Slider::new(&mut shown, self.slider)
             .suffix(self.suffix)
             .logarithmic(self.logarithmic)
             .smallest_positive(0.01)
             .clamping(egui::SliderClamping::Never)
             .update_while_editing(false)
+            .custom_parser(move |text| number(&context, text, suffix))
             .max_decimals(3);
-        let changed = ui.add(slider).changed() && !shown.is_nan();
+        let changed = ui.add(slider).changed();
         if changed {
-            *value = (shown / self.factor).max(*self.limits.start()).min(*self.limits.end());
+            let asked = shown / self.factor;
+            *value = asked.max(*self.limits.start()).min(*self.limits.end());
+            // A slider that is dragged beyond a limit stops there, and no more need be said.
+            if *value != asked && !ui.input(|input| input.pointer.any_down()) {
+                let [asked, taken] = [shown, *value * self.factor].map(|number| (number * 1e6).round() / 1e6);
+                refuse(ui.ctx(), format!("{asked}{suffix} is out of range: {taken}{suffix} is taken"));
+            }
         }
         changed
     }
@@ -234,8 +262,8 @@ fn limits(ui: &mut egui::Ui, limits: Option<JointLimits>, center: f64, unit: Uni
     let edited = part(ui, "limits", "how far it may go", limits, new, |ui, limits| {
         let LimitRange::Range { min, max } = &mut limits.range else { return false };
         let (least, most) = (*min, *max);
-        let low = Number::value(unit).within(f64::NEG_INFINITY..=most);
-        let high = Number::value(unit).within(least..=f64::INFINITY);
+        let low = Number::value(unit, center).within(f64::NEG_INFINITY..=most);
+        let high = Number::value(unit, center).within(least..=f64::INFINITY);
         let back = "share of its speed that it goes back with";
         line(ui, "from", "", |ui| low.show(ui, min))
             | line(ui, "to", "", |ui| high.show(ui, max))
@@ -251,7 +279,7 @@ fn swing_twist(ui: &mut egui::Ui, limits: Option<JointLimits>) -> Option<JointCh
         let LimitRange::SwingTwist { swing, min, max, .. } = &mut limits.range else { return false };
         let within = 0.999 * PI;
         let (least, most) = (*min, *max);
-        let angle = |limits| Number { slider: -180.0..=180.0, ..Number::value(DEGREES).within(limits) };
+        let angle = |limits| Number { slider: -180.0..=180.0, ..Number::value(DEGREES, 0.0).within(limits) };
         let swings = Number { slider: 0.0..=180.0, ..angle(0.001..=within) };
         line(ui, "swing", "", |ui| swings.show(ui, swing))
             | line(ui, "twist from", "", |ui| angle(-within..=most).show(ui, min))
@@ -267,10 +295,10 @@ fn motor(ui: &mut egui::Ui, joint: &WholeJointItem, value: f64, unit: Unit) -> O
         let kind = ui.horizontal(|ui| target_kind(ui, &mut motor.target, value)).inner;
         let target = match joint.keys {
             Some(keys) if motor.target.value().is_some() => {
-                keys_changed = key_targets(ui, keys, &motor.target, unit);
+                keys_changed = key_targets(ui, keys, &motor.target, unit, value);
                 false
             }
-            _ => target_value(ui, &mut motor.target, unit),
+            _ => target_value(ui, &mut motor.target, unit, value),
         };
         let spring = target_spring(ui, &mut motor.target, unit);
         kind | target | spring | bound(ui, "at most", &mut motor.max_force, NEW_FORCE, unit.force)
@@ -297,11 +325,11 @@ fn target_kind(ui: &mut egui::Ui, target: &mut MotorTarget, value: f64) -> bool 
     *target != before
 }
 
-fn target_value(ui: &mut egui::Ui, target: &mut MotorTarget, unit: Unit) -> bool {
+fn target_value(ui: &mut egui::Ui, target: &mut MotorTarget, unit: Unit, stands_at: f64) -> bool {
     match target {
         MotorTarget::Speed(rate) => line(ui, "speed", "", |ui| Number::rate(unit).show(ui, rate)),
         MotorTarget::Position { target, .. } | MotorTarget::Spring { target, .. } => {
-            line(ui, "target", "", |ui| Number::value(unit).show(ui, target))
+            line(ui, "target", "", |ui| Number::value(unit, stands_at).show(ui, target))
         }
         MotorTarget::Motion(_) => false,
     }
@@ -331,7 +359,13 @@ fn stiffness_and_damping(ui: &mut egui::Ui, stiffness: &mut f64, damping: &mut f
 }
 
 /// What the target is while each key is held, and while none is.
-fn key_targets(ui: &mut egui::Ui, keys: &MotorKeys, target: &MotorTarget, unit: Unit) -> Option<MotorKeys> {
+fn key_targets(
+    ui: &mut egui::Ui,
+    keys: &MotorKeys,
+    target: &MotorTarget,
+    unit: Unit,
+    stands_at: f64,
+) -> Option<MotorKeys> {
     let mut edited = keys.clone();
     let [forward, back] = keys.keys.clone();
     let mut changed = false;
@@ -339,7 +373,7 @@ fn key_targets(ui: &mut egui::Ui, keys: &MotorKeys, target: &MotorTarget, unit: 
     for (name, value) in [forward.as_str(), back.as_str(), "no key"].into_iter().zip(values) {
         let number = match target {
             MotorTarget::Speed(_) => Number::rate(unit),
-            _ => Number::value(unit),
+            _ => Number::value(unit, stands_at),
         };
         changed |= line(ui, short_name(name), "its target while this key is held", |ui| number.show(ui, value));
     }
@@ -428,11 +462,36 @@ mod tests {
         for events in frames {
             let input = egui::RawInput { events, ..Default::default() };
             let _ = context.run_ui(input, |ui| {
-                let change = show(ui, &item, Some(0.3));
+                let change = show(ui, &item, Some(0.3), &StepStats::default());
                 asked = asked.take().or(change);
             });
         }
         asked
+    }
+
+    #[test]
+    fn what_is_typed_and_is_no_number_is_said_in_one_line() {
+        let context = egui::Context::default();
+        for (text, expected) in
+            [("3", Some(3.0)), (" -4.5 N·m", Some(-4.5)), ("−1", Some(-1.0)), ("inf", Some(f64::INFINITY))]
+        {
+            assert_eq!(number(&context, text, " N·m"), expected);
+            assert_eq!(super::super::entry::take_refused(&context), None);
+        }
+        for text in ["abc", "", "nan", "1,5"] {
+            assert_eq!(number(&context, text, " N·m"), None);
+            let said = super::super::entry::take_refused(&context).expect("a line");
+            assert!(said.contains(text) && said.lines().count() == 1, "{said}");
+        }
+    }
+
+    #[test]
+    fn sliders_reach_the_limits_of_a_joint_that_has_turned() {
+        for turns in [-3.0, 0.0, 2.7] {
+            let slider = Number::value(DEGREES, turns * TAU).slider;
+            let stands_at = 360.0 * turns;
+            assert!(slider.contains(&(stands_at - 45.0)) && slider.contains(&(stands_at + 45.0)), "{slider:?}");
+        }
     }
 
     fn hinge(world: &mut World) -> Entity {

@@ -8,6 +8,7 @@
 mod build;
 mod buttons;
 mod chart;
+mod entry;
 mod files;
 mod joint;
 mod playback;
@@ -21,7 +22,7 @@ pub(super) mod vary;
 mod world;
 
 pub use chart::{ChartOf, ChartSource, measure_chart};
-pub(super) use theme::{Quantity, name_of, palette};
+pub(super) use theme::{Quantity, name_of, palette, without_negative_zero};
 
 use bevy::prelude::*;
 use bevy_egui::{EguiContext, EguiPrimaryContextPass, PrimaryEguiContext, egui};
@@ -40,7 +41,7 @@ pub(super) fn plugin(app: &mut App) {
         .add_systems(EguiPrimaryContextPass, (theme::apply, show).chain());
 }
 
-const DEFAULT_WIDTH: f32 = 330.0;
+const DEFAULT_WIDTH: f32 = 334.0;
 const WIDTHS: std::ops::RangeInclusive<f32> = 280.0..=560.0;
 const SCROLL_BAR: f32 = 8.0;
 
@@ -63,7 +64,7 @@ fn show(world: &mut World) -> Result {
             let layer = egui::UiBuilder::new().layer_id(ui.layer_id()).max_rect(screen);
             let mut root = egui::Ui::new(context.clone(), id.with("root"), layer);
             let panel = egui::Panel::right(id).default_size(DEFAULT_WIDTH).size_range(WIDTHS);
-            let shown = panel.show_collapsible(&mut root, &mut open, |ui| drawn = sections(ui, world));
+            let shown = panel.show_collapsible(&mut root, &mut open, |ui| drawn = at_its_width(ui, world));
             if let Some(shown) = shown {
                 covered = shown.response.rect.width() * context.zoom_factor();
                 ui.expand_to_include_rect(shown.response.rect);
@@ -78,6 +79,16 @@ fn show(world: &mut World) -> Result {
     let watched = drawn? && open;
     world.resource_mut::<plots::Watched>().set_if_neq(plots::Watched(watched));
     Ok(())
+}
+
+/// The sections, in a panel that stays as wide as it was made: what is too long for it is cut off at its edge.
+fn at_its_width(ui: &mut egui::Ui, world: &mut World) -> Result<bool> {
+    let room = ui.available_rect_before_wrap();
+    let mut inside = ui.new_child(egui::UiBuilder::new().max_rect(room));
+    inside.shrink_clip_rect(room);
+    let drawn = sections(&mut inside, world);
+    ui.advance_cursor_after_rect(room);
+    drawn
 }
 
 /// The sections, top to bottom. Tells whether the plots are on view.

@@ -1,8 +1,11 @@
 //! Play, pause, step and the other things a user does, and how time runs.
 
+use std::time::Duration;
+
 use bevy::prelude::*;
 use bevy_egui::egui;
 
+use super::super::playback::FrameClock;
 use super::super::{CurrentScene, Playback, SandboxAction};
 use super::buttons::{ActionButton, button_row};
 use super::theme::Quantity;
@@ -29,24 +32,40 @@ fn note_scene_start(scene: Option<Res<CurrentScene>>, stats: Res<StepStats>, mut
     }
 }
 
-/// Simulated seconds per second of the clock, over the last half second or so.
+/// How fast simulation and picture go, over the last half second or so.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub(super) struct Pace {
-    /// What was measured last.
+    /// Simulated seconds per second of the clock.
     factor: f64,
+    /// Per second.
+    frames: f64,
+    /// Of the clock's time, what steps took.
+    share_of_steps: f64,
     /// Since when the next measurement runs: clock and simulation time, s.
     since: Option<(f64, f64)>,
+    /// Since then.
+    counted: u32,
+    stepped: Duration,
 }
 
-fn measure_pace(clock: Res<Time<Real>>, stats: Res<StepStats>, mut pace: ResMut<Pace>) {
+fn measure_pace(clock: Res<Time<Real>>, stats: Res<StepStats>, frame: Res<FrameClock>, mut pace: ResMut<Pace>) {
     const SPAN: f64 = 0.5;
     let now = (clock.elapsed_secs_f64(), stats.time);
     let Some(since) = pace.since.filter(|since| since.1 <= now.1) else {
-        pace.since = Some(now);
+        *pace = Pace { since: Some(now), ..default() };
         return;
     };
-    if now.0 - since.0 >= SPAN {
-        *pace = Pace { factor: (now.1 - since.1) / (now.0 - since.0), since: Some(now) };
+    pace.counted += 1;
+    pace.stepped += frame.steps;
+    let span = now.0 - since.0;
+    if span >= SPAN {
+        *pace = Pace {
+            factor: (now.1 - since.1) / span,
+            frames: f64::from(pace.counted) / span,
+            share_of_steps: pace.stepped.as_secs_f64() / span,
+            since: Some(now),
+            ..default()
+        };
     }
 }
 
@@ -88,10 +107,14 @@ pub(super) fn show(
             .on_hover_text(format!("of {} each", Quantity::text(settings.step(), "s")));
         ui.separator();
         let speed = if playback.paused { "paused".into() } else { format!("{:.2}× real time", pace.factor) };
-        ui.label(speed).on_hover_text("simulated seconds per second: below 1 where a step takes longer than it lasts");
+        ui.label(speed)
+            .on_hover_text("simulated seconds per second of the clock: below 1 where steps take longer than they last");
         if stats.quarantined > 0 {
             ui.colored_label(ui.visuals().error_fg_color, format!("{} frozen", stats.quarantined))
                 .on_hover_text("bodies or joints whose state made no sense; the read-outs name them");
         }
     });
+    let (frames, share) = (pace.frames, 100.0 * pace.share_of_steps);
+    ui.weak(format!("{frames:.0} frames a second, physics takes {share:.0} % of the time"))
+        .on_hover_text("the rest goes into the picture, or is spare");
 }

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_egui::egui;
 
+use super::super::held::Drag;
 use super::theme::Quantity;
 use crate::physics::{Quarantined, StepStats};
 
@@ -12,11 +13,14 @@ const NAMED: usize = 8;
 pub(super) fn show(
     InMut(ui): InMut<egui::Ui>,
     stats: Res<StepStats>,
+    drag: Res<Drag>,
     quarantined: Query<(Entity, Option<&Name>, &Quarantined)>,
 ) {
+    // The hand, and the joint that it drags with, are none of the scene.
+    let of_hand = u32::from(drag.is_active());
     let counts: [(&str, u64, &str); 10] = [
-        ("bodies", stats.bodies.into(), "bodies of all kinds"),
-        ("joints", stats.joints.into(), "joints, the one that drags included"),
+        ("bodies", stats.bodies.saturating_sub(of_hand).into(), "bodies of all kinds"),
+        ("joints", stats.joints.saturating_sub(of_hand).into(), "joints"),
         ("pairs", stats.pairs.into(), "pairs that the broad phase handed on"),
         ("touching", stats.manifolds.into(), "pairs that touch"),
         ("contacts", stats.contact_points.into(), "contact points"),

@@ -3,8 +3,10 @@
 use bevy::prelude::*;
 use bevy_egui::egui;
 
+use super::super::state::SceneProblem;
 use super::super::watch::Watch;
-use super::super::{CurrentScene, Notice, SandboxAction};
+use super::super::{CurrentScene, SandboxAction};
+use super::entry::{Entered, Left};
 use crate::scene::{Parameter, SceneInfo, catalog, find};
 
 pub(super) fn plugin(app: &mut App) {
@@ -19,6 +21,7 @@ pub(super) struct SceneForm {
     values: Vec<f64>,
     /// Path of a file.
     path: String,
+    entered: Entered,
 }
 
 impl SceneForm {
@@ -27,7 +30,7 @@ impl SceneForm {
             info.parameters.iter().map(|parameter| value_of(parameter, &scene.parameters)).collect()
         });
         let path = if find(&scene.scene).is_none() { scene.scene.clone() } else { String::new() };
-        Self { values, path }
+        Self { values, path, entered: Entered::default() }
     }
 
     /// The parameters that differ from their defaults.
@@ -47,8 +50,8 @@ fn value_of(parameter: &Parameter, given: &[(String, f64)]) -> f64 {
 
 fn follow_scene(scene: Option<Res<CurrentScene>>, mut form: ResMut<SceneForm>) {
     if let Some(scene) = scene.filter(|scene| scene.is_changed()) {
-        let path = std::mem::take(&mut form.path);
-        *form = SceneForm::of(&scene);
+        let SceneForm { path, entered, .. } = std::mem::take(&mut *form);
+        *form = SceneForm { entered, ..SceneForm::of(&scene) };
         if form.path.is_empty() {
             form.path = path;
         }
@@ -58,7 +61,7 @@ fn follow_scene(scene: Option<Res<CurrentScene>>, mut form: ResMut<SceneForm>) {
 pub(super) fn show(
     InMut(ui): InMut<egui::Ui>,
     scene: Option<Res<CurrentScene>>,
-    notice: Res<Notice>,
+    problem: Res<SceneProblem>,
     watch: Res<Watch>,
     mut form: ResMut<SceneForm>,
     mut actions: MessageWriter<SandboxAction>,
@@ -83,20 +86,20 @@ pub(super) fn show(
     ui.horizontal(|ui| {
         ui.label("file").on_hover_text("path of a scene in RON; the README describes the format");
         let width = ui.available_width() - 56.0;
-        let field = egui::TextEdit::singleline(&mut form.path).hint_text("my_scene.ron").desired_width(width);
-        let entered = ui.add(field).lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        let SceneForm { path, entered, .. } = &mut *form;
+        let id = egui::Id::new("scene file");
+        if scene.as_ref().is_some_and(|scene| scene.is_changed()) {
+            entered.accept(ui.ctx(), id);
+        }
+        let field = egui::TextEdit::singleline(path).hint_text("my_scene.ron").desired_width(width);
+        let entered = entered.show(ui, id, field) == Some(Left::ByEnter);
         let given = !form.path.trim().is_empty();
         if (ui.add_enabled(given, egui::Button::new("Open")).clicked() || entered) && given {
             actions.write(SandboxAction::LoadScene { scene: form.path.trim().into(), parameters: Vec::new() });
         }
     });
-    let said = match &*notice {
-        Notice::Error(error) => Some(error),
-        _ => None,
-    };
-    // The file's own problem stays until the file is mended.
-    let lasting = watch.problem.as_ref().filter(|problem| Some(*problem) != said);
-    for error in lasting.into_iter().chain(said) {
+    // The running file's own problem stays until the file is mended.
+    for error in watch.problem.iter().chain(&problem.0) {
         ui.colored_label(ui.visuals().error_fg_color, error);
     }
 }

@@ -9,8 +9,8 @@ use super::super::joint_readings::ReadJoints;
 use super::super::{JointChange, SandboxAction, Selection};
 use super::buttons::tooltip;
 use super::joint;
-use super::theme::{Quantity, name_of};
-use crate::physics::{Mass, Position, RigidBody, Rotation, Velocity};
+use super::theme::{Quantity, name_of, without_negative_zero};
+use crate::physics::{Mass, Position, RigidBody, Rotation, StepStats, Velocity};
 use crate::scene::{JointComponent, SceneEntity};
 
 /// How many joints are listed.
@@ -37,6 +37,7 @@ pub(super) fn show(
     selection: Res<Selection>,
     bodies: Bodies,
     joints: Joints,
+    stats: Res<StepStats>,
     mut read: ResMut<ReadJoints>,
     mut changing: Local<bool>,
     mut actions: MessageWriter<SandboxAction>,
@@ -49,7 +50,7 @@ pub(super) fn show(
             show_body(ui, &selection, body, &bodies, &mut actions);
             let own = joints_of(body, &joints);
             for (entity, joint) in own.iter().take(LISTED) {
-                let (change, cut) = show_joint(ui, body, *entity, joint, &bodies, &mut now);
+                let (change, cut) = show_joint(ui, body, *entity, joint, (&bodies, &stats), &mut now);
                 if cut {
                     actions.write(SandboxAction::Cut(*entity));
                 }
@@ -87,20 +88,21 @@ fn show_body(
     actions: &mut MessageWriter<SandboxAction>,
 ) {
     let Ok((name, kind, position, _, velocity, mass)) = bodies.get(body) else { return };
-    ui.horizontal(|ui| {
-        ui.strong(name.map_or_else(|| body.to_string(), ToString::to_string));
+    let row = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(row, egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        if ui.small_button("🗑 delete").on_hover_text("delete this body and its joints").clicked() {
+            actions.write(SandboxAction::DeletePicked);
+        }
+        if ui.small_button("follow").on_hover_text(tooltip(&SandboxAction::Follow)).clicked() {
+            actions.write(SandboxAction::Follow);
+        }
         let kind = format!("{kind:?}").to_lowercase();
-        ui.weak(match mass {
-            Some(mass) => format!("{kind}, {}", Quantity::text(mass.0 * 1000.0, "g")),
-            None => kind,
-        });
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if ui.small_button("🗑 delete").on_hover_text("delete this body and its joints").clicked() {
-                actions.write(SandboxAction::DeletePicked);
-            }
-            if ui.small_button("follow").on_hover_text(tooltip(&SandboxAction::Follow)).clicked() {
-                actions.write(SandboxAction::Follow);
-            }
+        let kind = mass.map_or(kind.clone(), |mass| format!("{kind}, {}", Quantity::text(mass.0 * 1000.0, "g")));
+        let name = name.map_or_else(|| body.to_string(), ToString::to_string);
+        // What is left of the line is the name's, however long that is.
+        ui.weak(kind);
+        ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+            ui.add(egui::Label::new(egui::RichText::new(name).strong()).truncate());
         });
     });
     if let Some(partner) = selection.partner {
@@ -124,7 +126,7 @@ fn show_joint(
     body: Entity,
     entity: Entity,
     joint: &WholeJointItem,
-    bodies: &Bodies,
+    (bodies, stats): (&Bodies, &StepStats),
     read: &mut ReadJoints,
 ) -> (Option<JointChange>, bool) {
     let Some(component) = joint.joint.component() else { return (None, false) };
@@ -148,7 +150,7 @@ fn show_joint(
         if ui.checkbox(&mut plotted, "plot").on_hover_text("plot its load and where it stands").changed() {
             read.plotted = plotted.then_some(entity);
         }
-        joint::show(ui, joint, value)
+        joint::show(ui, joint, value, stats)
     });
     if opened.is_some() {
         read.open.push(entity);
@@ -163,7 +165,8 @@ fn value_of(joint: &WholeJointItem, component: &JointComponent, bodies: &Bodies)
 }
 
 fn vector_text(v: DVec3, unit: &str) -> String {
-    format!("{:7.3} {:7.3} {:7.3} {unit}", v.x, v.y, v.z)
+    let [x, y, z] = v.to_array().map(|component| without_negative_zero(format!("{component:7.3}")));
+    format!("{x} {y} {z} {unit}")
 }
 
 #[cfg(test)]

@@ -19,13 +19,15 @@ pub mod palette {
     pub const PURPLE: [u8; 3] = [204, 121, 167];
 }
 
-/// Sets egui's style once, at the first pass.
+/// Sets egui's style, and what it takes for a click, once, at the first pass.
 pub fn apply(mut contexts: EguiContexts, mut done: Local<bool>) -> Result {
     if *done {
         return Ok(());
     }
     let context = contexts.ctx_mut()?;
     context.set_theme(egui::Theme::Dark);
+    // However long the button is held: a slow hand clicks too, and so does any hand where frames are slow.
+    context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
     context.all_styles_mut(|style| {
         let visuals = &mut style.visuals;
         visuals.panel_fill = egui::Color32::from_rgb(27, 29, 33);
@@ -82,14 +84,33 @@ impl Quantity {
             return format!("{value} {unit}");
         }
         let suiting = Self::suiting(value, unit);
-        let scaled = value * suiting.factor;
+        let space = if unit == DEGREE { "" } else { " " };
+        format!("{}{space}{}", suiting.number(value), suiting.unit)
+    }
+
+    /// A value in this unit, without it: three digits, and no more than two decimals.
+    pub fn number(&self, value: f64) -> String {
+        let scaled = value * self.factor;
         let decimals = match scaled.abs() {
             size if size >= 99.95 || size == 0.0 => 0,
             size if size >= 9.995 => 1,
             _ => 2,
         };
-        let space = if unit == DEGREE { "" } else { " " };
-        format!("{scaled:.decimals$}{space}{}", suiting.unit)
+        without_negative_zero(format!("{scaled:.decimals$}"))
+    }
+}
+
+/// A number that was rounded to nothing has no sign: a space in its place keeps columns, but at the left end nothing.
+pub fn without_negative_zero(text: String) -> String {
+    match text.trim_start().strip_prefix('-') {
+        Some(digits) if digits.bytes().all(|byte| matches!(byte, b'0' | b'.')) => {
+            if text.starts_with('-') {
+                digits.to_owned()
+            } else {
+                text.replacen('-', " ", 1)
+            }
+        }
+        _ => text,
     }
 }
 
@@ -108,5 +129,15 @@ mod tests {
         assert_eq!(Quantity::text(-0.0456, "°"), "-0.05°");
         assert_eq!(Quantity::text(123.4, "kg"), "123 kg");
         assert_eq!(Quantity::text(f64::NAN, "J"), "NaN J");
+        assert_eq!(Quantity::text(-0.0, "J"), "0 J");
+        assert_eq!(Quantity::text(-1e-12, "m"), "0.00 nm");
+        assert_eq!(Quantity::suiting(1.0, "J").number(-0.001), "0.00");
+    }
+
+    #[test]
+    fn nothing_is_not_negative() {
+        for (text, expected) in [("-0.00", "0.00"), ("  -0.000", "   0.000"), ("-0.01", "-0.01"), ("-10", "-10")] {
+            assert_eq!(without_negative_zero(text.to_owned()), expected);
+        }
     }
 }

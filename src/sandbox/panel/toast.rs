@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 
 use super::super::Notice;
+use super::entry::take_refused;
 
 /// How long a notice stays, s.
 const SECONDS: f64 = 6.0;
@@ -12,8 +13,16 @@ pub(super) fn plugin(app: &mut App) {
     app.add_systems(EguiPrimaryContextPass, show);
 }
 
-fn show(mut contexts: EguiContexts, notice: Res<Notice>, clock: Res<Time<Real>>, mut until: Local<f64>) -> Result {
+fn show(
+    mut contexts: EguiContexts,
+    mut notice: ResMut<Notice>,
+    clock: Res<Time<Real>>,
+    mut until: Local<f64>,
+) -> Result {
     let now = clock.elapsed_secs_f64();
+    if let Some(reason) = take_refused(contexts.ctx_mut()?) {
+        *notice = Notice::Error(reason);
+    }
     if notice.is_changed() {
         *until = now + SECONDS;
     }

@@ -2,6 +2,7 @@
 
 use bevy_egui::egui;
 
+use super::entry::Entered;
 use crate::lab::vary::{Assignment, Value, Variation};
 use crate::physics::{SETTINGS, SolverSettings};
 use crate::scene::SceneInfo;
@@ -11,6 +12,7 @@ use crate::scene::SceneInfo;
 pub struct Typed {
     name: String,
     values: String,
+    entered: Entered,
     /// Why it cannot be had.
     pub problem: Option<String>,
 }
@@ -43,14 +45,20 @@ pub fn show(
         egui::ComboBox::from_id_salt(id).selected_text(shown).width(110.0).show_ui(ui, |ui| {
             for &name in names {
                 if ui.selectable_label(typed.name == name, name).clicked() && typed.name != name {
-                    *typed = Typed { name: name.to_owned(), values: suggest(name), problem: None };
+                    *typed = Typed { name: name.to_owned(), values: suggest(name), ..Typed::default() };
                     asked = true;
                 }
             }
         });
         if !typed.name.is_empty() {
+            let line_id = egui::Id::new(id).with("values");
+            if typed.problem.is_none() {
+                typed.entered.accept(ui.ctx(), line_id);
+            }
             let line = egui::TextEdit::singleline(&mut typed.values).desired_width(f32::INFINITY);
-            asked |= ui.add(line).on_hover_text(about).lost_focus();
+            let shown = ui.scope(|ui| typed.entered.show(ui, line_id, line).is_some());
+            shown.response.on_hover_text(about);
+            asked |= shown.inner;
         }
     });
     if let Some(problem) = &typed.problem {

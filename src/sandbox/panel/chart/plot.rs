@@ -71,7 +71,7 @@ impl PresentCost {
     }
 }
 
-/// Shapes and colours by method, as in the pictures of `plumb chart`.
+/// Shapes and colours by method, the colours all different.
 const MARKERS: [(MarkerShape, [u8; 3]); SERIES.len()] = [
     (MarkerShape::Circle, palette::SKY),
     (MarkerShape::Up, palette::VERMILION),
@@ -79,11 +79,11 @@ const MARKERS: [(MarkerShape, [u8; 3]); SERIES.len()] = [
     (MarkerShape::Cross, palette::PURPLE),
     (MarkerShape::Diamond, palette::ORANGE),
     (MarkerShape::Asterisk, palette::YELLOW),
-    (MarkerShape::Down, palette::SKY),
-    (MarkerShape::Left, palette::VERMILION),
-    (MarkerShape::Right, palette::GREEN),
-    (MarkerShape::Circle, palette::ORANGE),
-    (MarkerShape::Plus, palette::PURPLE),
+    (MarkerShape::Down, [128, 138, 255]),
+    (MarkerShape::Left, [255, 140, 150]),
+    (MarkerShape::Right, [150, 220, 90]),
+    (MarkerShape::Plus, [235; 3]),
+    (MarkerShape::Diamond, [165, 125, 85]),
 ];
 
 fn color([r, g, b]: [u8; 3]) -> egui::Color32 {
@@ -297,23 +297,34 @@ fn about(dot: &Dot) -> String {
     text
 }
 
-/// Lines at whole powers of ten, four or five of them; closer ones for a short range.
+/// Lines at whole powers of ten, four or five of them; in a short range at 2 and 5 times those too.
 fn powers(input: GridInput) -> Vec<GridMark> {
+    /// Decades in which lines at 1, 2 and 5 are as many as fit.
+    const SHORT: f64 = 2.5;
     let (low, high) = input.bounds;
     if !(high - low).is_finite() {
         return Vec::new();
+    }
+    if high - low < SHORT {
+        let decades = low.floor() as i64..=high.floor() as i64;
+        let marks = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|digit: f64| decade as f64 + digit.log10()));
+        let within = marks.filter(|value| (low..=high).contains(value));
+        return within.map(|value| GridMark { value, step_size: 2_f64.log10() }).collect();
     }
     let step_size = ((high - low) / 5.0).ceil().max(1.0);
     let (first, last) = ((low / step_size).ceil() as i64, (high / step_size).floor() as i64);
     (first..=last).map(|line| GridMark { value: line as f64 * step_size, step_size }).collect()
 }
 
+/// Of a mark of [`powers`].
 fn power(exponent: f64) -> String {
+    // A mark is rounded: a hair below a whole power is that power.
+    let decade = (exponent + 1e-9).floor();
     if (-2.0..=4.0).contains(&exponent) {
-        let digits = (-exponent).max(0.0) as usize;
+        let digits = (-decade).max(0.0) as usize;
         format!("{:.digits$}", 10_f64.powf(exponent))
     } else {
-        format!("1e{exponent}")
+        format!("{:.0}e{decade}", 10_f64.powf(exponent - decade))
     }
 }
 
@@ -321,6 +332,29 @@ fn power(exponent: f64) -> String {
 mod tests {
     use super::*;
     use bevy::prelude::default;
+
+    #[test]
+    fn short_and_long_ranges_have_marks_that_say_what_they_are() {
+        let texts = |low: f64, high: f64| -> Vec<String> {
+            let marks = powers(GridInput { bounds: (low, high), base_step_size: 0.0 });
+            marks.into_iter().map(|mark| power(mark.value)).collect()
+        };
+        assert_eq!(texts(-1.6, 0.4), ["0.05", "0.1", "0.2", "0.5", "1", "2"]);
+        assert_eq!(texts(1.2, 1.8), ["20", "50"]);
+        assert_eq!(texts(-9.4, -8.0), ["5e-10", "1e-9", "2e-9", "5e-9", "1e-8"]);
+        assert_eq!(texts(-8.0, 1.0), ["1e-8", "1e-6", "1e-4", "0.01", "1"]);
+    }
+
+    #[test]
+    fn no_two_methods_look_alike() {
+        for (place, (_, shade)) in MARKERS.iter().enumerate() {
+            for (_, other_shade) in &MARKERS[..place] {
+                let apart: i32 =
+                    shade.iter().zip(other_shade).map(|(a, b)| (i32::from(*a) - i32::from(*b)).abs()).sum();
+                assert!(apart > 60, "{shade:?} is near {other_shade:?}");
+            }
+        }
+    }
 
     #[test]
     fn a_pointer_means_the_nearest_point_and_of_those_in_one_place_the_topmost() {
