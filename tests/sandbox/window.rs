@@ -45,10 +45,12 @@ fn a_limb_is_dragged_in_a_real_window() {
     let colors = sandbox.screenshot().distinct_colors();
     assert!(colors > 1000, "sky, ground, bodies in light and shade, and the panel have only {colors} colors");
 
-    // Up and to the left, held there.
+    // Up and to the left, held there: by the point that was gripped, about which the limb turns as the trunk swings
+    // below it. That point may come to lie on its rim.
     let goal = start + Vec2::new(-40.0, -110.0);
+    let radius = sandbox.screenshot().red_radius();
     sandbox.drag(start, goal);
-    let held = sandbox.wait_for_spot(|spot| spot.distance(goal) < 30.0);
+    let held = sandbox.wait_for_spot(|spot| spot.distance(goal) < 1.25 * radius);
     assert!(held.is_some(), "the limb followed the pointer from {start} to {goal}; last seen at {:?}", sandbox.last);
 
     sandbox.xdotool(&["mouseup", "1"]);
@@ -262,17 +264,27 @@ impl Picture {
         })
     }
 
+    /// Of the disc that has as many pixels as are red.
+    fn red_radius(&self) -> f32 {
+        (self.red().count() as f32 / std::f32::consts::PI).sqrt()
+    }
+
     fn distinct_colors(&self) -> usize {
         self.pixels().map(|(_, color)| color).collect::<std::collections::HashSet<_>>().len()
     }
 
-    /// The middle of what is red, the panel at the right (330 of 800 pixels) not looked at.
-    fn red_spot(&self) -> Option<Vec2> {
+    /// The places of what is red, the panel at the right (334 of 800 pixels) not looked at.
+    fn red(&self) -> impl Iterator<Item = Vec2> {
         let panel = 0.5 * self.0.width() as f32;
-        let red = self.pixels().filter(|(place, [red, green, blue])| {
+        let red = self.pixels().filter(move |(place, [red, green, blue])| {
             place.x < panel && *red > 90 && f32::from(*red) > 2.0 * f32::from((*green).max(*blue))
         });
-        let (count, sum) = red.fold((0, Vec2::ZERO), |(count, sum), (place, _)| (count + 1, sum + place));
+        red.map(|(place, _)| place)
+    }
+
+    /// The middle of what is red.
+    fn red_spot(&self) -> Option<Vec2> {
+        let (count, sum) = self.red().fold((0, Vec2::ZERO), |(count, sum), place| (count + 1, sum + place));
         (count > 200).then(|| sum / count as f32)
     }
 }
