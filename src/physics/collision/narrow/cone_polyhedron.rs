@@ -38,7 +38,7 @@ const PER_EDGE: u32 = 4;
 pub(crate) fn touch(pair: &ShapePair<Cone, impl Polyhedron>, search: &mut PairSearch) -> Option<Overlap> {
     let cone_in_other = pair.b_in_a.inverse();
     let mut test = Test { pair, swapped: pair.swapped(&cone_in_other), axes: &mut search.axes };
-    let found = test.run(search.last, &mut search.edges[0]);
+    let found = test.run(search.last, &mut search.edges.of_a);
     search.near(found)?.take(pair, search, |least, clip| pair.smooth_point(least, clip))
 }
 
