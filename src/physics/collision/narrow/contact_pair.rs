@@ -16,7 +16,7 @@
 //! distance of the shapes, and equal to it wherever a face, a ball or a crossing of edges is
 //! nearest; where corners and edges pass beside each other see [`apart`](super::apart).
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::clipping::keep_touching_spread;
 pub(crate) use super::feature_sat::PairSearch;
@@ -59,9 +59,16 @@ fn touch_ranked(
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
     let (shape_a, shape_b) = (a.geometry.as_ref()?, b.geometry.as_ref()?);
+    let first = points.len();
+    if let (Geometry::Sphere { .. }, Geometry::Sphere { radius }) = (shape_a, shape_b) {
+        // Balls are the same in all axes: in those of the world nothing need be turned.
+        let b_in_a = &Frame { rotation: Matrix3::identity(), center: b.position - a.position };
+        let overlap = ball::touch(shape_a, a.radius, *radius, b_in_a, gap, &mut search.apart, points)?;
+        points[first..].iter_mut().for_each(|found| found.point += a.position);
+        return Some(overlap);
+    }
     let [axes_a, axes_b] = [a, b].map(|body| body.rotation.to_rotation_matrix().into_inner());
     let b_in_a = &Frame { rotation: axes_a.tr_mul(&axes_b), center: axes_a.tr_mul(&(b.position - a.position)) };
-    let first = points.len();
     let overlap = match (shape_a, shape_b) {
         (Geometry::HalfSpace, _) => {
             plane::touch(shape_b, b.radius, b_in_a, gap, &mut search.clip, &mut search.apart, points)?

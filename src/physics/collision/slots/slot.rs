@@ -86,19 +86,34 @@ impl Slot {
         self.found_at = None;
     }
 
-    /// Whether the manifold is good at another pose. That of bodies that touch is while they have hardly moved against
-    /// each other. Bodies that are apart have none while they cannot have come as near as one is looked for, nor where
-    /// they have hardly moved and do not come from beyond where it was looked for.
+    /// How far the bodies have moved against each other since the manifold was found, at most; none: it is to be found.
     #[inline]
-    pub(super) fn holds_at(&self, pose: &RelativePose, a: &Body, b: &Body, settings: &SolverSettings) -> bool {
-        let Some(found) = &self.found_at else { return false };
+    pub(super) fn moved(&self, pose: &RelativePose) -> Option<f64> {
+        self.found_at.as_ref().map(|found| found.moved(pose, self.reach))
+    }
+
+    /// Whether the manifold is good where the bodies have moved so far. That of bodies that touch is while they have
+    /// hardly moved against each other. Bodies that are apart have none while they cannot have come as near as one is
+    /// looked for, nor where they have hardly moved and do not come from beyond where it was looked for.
+    #[inline]
+    pub(super) fn holds_after(&self, moved: f64, a: &Body, b: &Body, settings: &SolverSettings) -> bool {
         let limit = RECYCLING_LIMIT * self.size;
-        let moved = found.moved(pose, self.reach);
         if self.touching {
             return moved <= limit;
         }
         moved + contact_gap(a, b, settings) <= self.apart
             || (moved <= limit && fastest_approach(a, b) * settings.step() <= self.found_within - limit)
+    }
+
+    /// How far apart the bodies are at least, m, where they have moved so far since the manifold was looked for; none if
+    /// they touch.
+    pub(super) fn apart_after(&self, moved: f64) -> Option<f64> {
+        (!self.touching).then_some(self.apart - moved)
+    }
+
+    /// Smaller bounding radius.
+    pub(super) fn size(&self) -> f64 {
+        self.size
     }
 
     /// From the centre of mass of A, world axes.
