@@ -87,7 +87,7 @@ fn place_at_hull(hull: &Hull, point: &Vector3<f64>, radius: f64, gap: f64) -> Pl
 }
 
 /// All in the half-plane of the axis and the point.
-fn place_at_cone(cone: &Cone, point: &Vector3<f64>, radius: f64) -> Place {
+pub(super) fn place_at_cone(cone: &Cone, point: &Vector3<f64>, radius: f64) -> Place {
     let [x, z] = unit_across(point);
     let across = point.x.hypot(point.z);
     let over_base = Place { normal: Cone::base_normal(), height: cone.base - point.y };
