@@ -126,7 +126,7 @@ pub(super) const APPROACH_STEPS: u32 = 6;
 /// Share of the distance that is enough of a lower bound of it. *speed*.
 pub(super) const APPROACH_SHARE: f64 = 0.8;
 /// Squared sine of the angle to an axis below which rounding counts in what is across it.
-pub(super) const NEAR_AXIS: f64 = 1e-12;
+pub(super) const NEAR_AXIS: f64 = 1e-4;
 /// Most steps of Newton's method around a flank's circle of normals; it takes about four.
 /// `cones::closed_forms_find_what_the_search_finds`, as all that follow here.
 pub(super) const FLANK_STEPS: u32 = 12;
