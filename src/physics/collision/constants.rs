@@ -155,8 +155,6 @@ pub(super) const SADDLE_GAP: f64 = 1e-3;
 pub(super) const CIRCLE_SAMPLES: usize = 24;
 /// Steps of the golden section: from two samples' distance to 1e-9 rad.
 pub(super) const GOLDEN_STEPS: u32 = 42;
-/// Steps of Newton's method from each start; most need five.
-pub(super) const NEWTON_STEPS: u32 = 12;
 /// Longest step of Newton's method, rad.
 pub(super) const LONGEST_TURN: f64 = 0.4;
 /// Sine to within which a normal is one of a flank's own.

@@ -29,6 +29,7 @@ use super::axis_code::AxisCode;
 use super::ball::place_at_cone;
 use super::cone_flank::{OfFlank, least_of_flank};
 use super::cone_rims::{self, RimsMeet};
+use super::cone_search;
 use super::placed_cone::PlacedCone;
 use super::{
     ClipBuffers, Cone, Feature, Found, Least, Overlap, PairSearch, Segment, ShapePair, edge_contact, unit_across,
@@ -159,6 +160,9 @@ impl Test<'_> {
         // What one flank leaves unknown, the lower limit that the other sets may settle.
         let mut known = [false; 2];
         for of_b in [0, 1, 0, 1] {
+            if nearest.is_distance {
+                return nearest;
+            }
             if known[of_b] {
                 continue;
             }
@@ -173,13 +177,14 @@ impl Test<'_> {
                 OfFlank::Unknown => known[of_b] = false,
             }
         }
-        if known != [true; 2] {
-            return self.searched(nearest);
+        for (of_b, (one, other, side)) in [(a, b, 1.0), (b, a, -1.0)].into_iter().enumerate() {
+            if !known[of_b] {
+                let (normal, depth) = cone_search::least_of_flank(one, other, self.axes);
+                let deepest = other.foremost(&-normal);
+                self.take(&mut nearest, one, normal * side, depth, &deepest, side);
+            }
         }
-        if nearest.is_distance {
-            return nearest;
-        }
-        if nearest.depth >= 0.0 && self.overlap_of_rims(&mut nearest, overlaps) {
+        if nearest.depth >= 0.0 && self.overlap_of_rims(&mut nearest, overlaps) || nearest.is_distance {
             return nearest;
         }
         if nearest.depth < 0.0 {
@@ -188,7 +193,14 @@ impl Test<'_> {
         if !nearest.is_distance {
             self.between_rims(&mut nearest);
         }
-        if nearest.is_distance { nearest } else { self.searched(nearest) }
+        if !nearest.is_distance {
+            for start in cone_search::around(a) {
+                if let Some(meet) = cone_rims::settle(a, b, start, self.axes) {
+                    self.take_rims(&mut nearest, &meet);
+                }
+            }
+        }
+        nearest
     }
 
     /// Takes the depth along a normal of `one`, out of A, if it is less: to the other's deepest point.
@@ -224,8 +236,7 @@ impl Test<'_> {
         let small = self.pair.scale.tolerance;
         let Some(meets) = cone_rims::overlaps(a, b, nearest.depth + small, self.axes) else { return false };
         for meet in meets.iter().flatten() {
-            let Some(normal) = meet.normal(small) else { return false };
-            self.take_between(nearest, normal, (meet.on_one - meet.on_other).norm());
+            self.take_rims(nearest, meet);
             overlaps = overlaps || meet.dip(a, b).is_some();
         }
         overlaps || [(a, b), (b, a)].into_iter().any(|(one, other)| other.axis_points().iter().any(|at| one.holds(at)))
@@ -244,23 +255,15 @@ impl Test<'_> {
     fn between_rims(&mut self, nearest: &mut Nearest) {
         let [a, b] = self.cones;
         let start = a.rim_direction(&nearest.normal);
-        let Some(meet) = cone_rims::settle(a, b, start, self.axes) else { return };
-        let RimsMeet { on_one, on_other, .. } = meet;
-        if let Some(normal) = meet.normal(self.pair.scale.tolerance) {
-            self.take_between(nearest, normal, (on_one - on_other).norm());
+        if let Some(meet) = cone_rims::settle(a, b, start, self.axes) {
+            self.take_rims(nearest, &meet);
         }
     }
 
-    /// By search, where nothing is proved.
-    fn searched(&mut self, mut nearest: Nearest) -> Nearest {
-        let (normal, depth) = self.pair.least_by_search(self.axes);
-        if depth < nearest.depth {
-            nearest = Nearest { normal, depth, ..nearest };
+    fn take_rims(&mut self, nearest: &mut Nearest, meet: &RimsMeet) {
+        if let Some(normal) = meet.normal(self.pair.scale.tolerance) {
+            self.take_between(nearest, normal, (meet.on_one - meet.on_other).norm());
         }
-        if nearest.depth < 0.0 {
-            self.at_apices(&mut nearest);
-        }
-        nearest
     }
 }
 

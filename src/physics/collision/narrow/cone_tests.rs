@@ -120,7 +120,7 @@ fn meeting(on_a: Vector3<f64>, on_b: Vector3<f64>, rotation: UnitQuaternion<f64>
 
 /// The least of all normals, by search: the bases', those across smooth surfaces and, of what is apart, at an apex.
 fn least_by_search(pair: &ShapePair<Cone, Cone>) -> (Vector3<f64>, f64) {
-    let mut best = pair.least_by_search(&mut 0);
+    let mut best = pair.least_by_search();
     let mut take = |normal: Vector3<f64>| {
         let depth = pair.depth_along(&normal);
         if depth < best.1 {
@@ -169,7 +169,7 @@ fn compare(pose: usize, count: u32, random: &mut Random) -> Tally {
         assert!(depth <= searched + slack, "{}", what());
         tally.pairs += 1;
         tally.axes += u64::from(axes);
-        tally.searched += u32::from(axes > 250);
+        tally.searched += u32::from(axes > 100);
         tally.overlapping += u32::from(depth > 0.0);
         tally.missed_by_search += u32::from(depth < searched - slack);
         tally.turned += u32::from(depth >= searched - slack && (normal - search_normal).norm() > 1e-4);

@@ -8,6 +8,8 @@ pub(super) mod clipping;
 mod cone;
 mod cone_cone;
 mod cone_flank;
+#[cfg(test)]
+mod cone_oracle;
 mod cone_polyhedron;
 mod cone_rims;
 mod cone_search;
