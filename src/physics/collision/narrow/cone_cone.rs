@@ -18,13 +18,12 @@
 //! to each other than the least so far. What is not proved is searched for
 //! ([`cone_search`](super::cone_search)): some cones that overlap by about their size, or are parallel.
 //!
-//! **Apart.** Most pairs that are near are apart by more than the gap. A few steps toward the nearest
-//! points of both (Gilbert 1966, on segments) find a direction that tells so, and a lower bound of the
-//! distance. They begin with the direction of the last step ([`AxisCode`]); of what is near, nothing
-//! depends on them.
+//! **Apart.** Most pairs that are near are apart by more than the gap, which takes a few steps to find
+//! ([`approach`](super::approach)). Of what is near, nothing depends on them.
 
 use nalgebra::Vector3;
 
+use super::approach::are_apart;
 use super::axis_code::AxisCode;
 use super::ball::place_at_cone;
 use super::cone_flank::{OfFlank, least_of_flank};
@@ -34,18 +33,19 @@ use super::placed_cone::PlacedCone;
 use super::{
     ClipBuffers, Cone, Feature, Found, Least, Overlap, PairSearch, Segment, ShapePair, edge_contact, unit_across,
 };
-use crate::physics::collision::constants::{APPROACH_SHARE, APPROACH_STEPS, ON_FLANK, SADDLE_GAP};
+use crate::physics::collision::constants::{ON_FLANK, SADDLE_GAP};
 use crate::physics::{ContactPoint, FeatureId};
 
 /// Tests two cones, B in A's axes; what was the last step's axis is tried first and replaced.
 /// Contact points are left in the clip buffers, in A's axes.
 pub(crate) fn touch(pair: &ShapePair<Cone, Cone>, search: &mut PairSearch) -> Option<Overlap> {
     let cones = [PlacedCone::upright(pair.a), PlacedCone::new(pair.b, pair.b_in_a)];
-    let mut test = Test { pair, cones: &cones, axes: &mut search.axes };
-    let found = match test.separation(search.last) {
-        Some(separated) => Err(separated),
-        None => test.run(),
-    };
+    let [a, b] = &cones;
+    let between = |normal: &Vector3<f64>| b.foremost(&-normal) - a.foremost(normal);
+    if are_apart(search, &pair.b_in_a.center, pair.scale.gap, between) {
+        return None;
+    }
+    let found = Test { pair, cones: &cones, axes: &mut search.axes }.run();
     match found {
         Ok(found) => found.take(pair, search, |least, clip| pair.smooth_point(least, clip)),
         Err(Separated { normal, distance }) => {
@@ -79,41 +79,6 @@ struct Nearest {
 }
 
 impl Test<'_> {
-    /// That they are apart by more than the gap, if a few steps toward their nearest points tell.
-    fn separation(&mut self, last: Option<Feature>) -> Option<Separated> {
-        let [a, b] = self.cones;
-        let gap = self.pair.scale.gap;
-        let start = match last {
-            Some(Feature::Smooth(code)) => AxisCode(code).axis(),
-            _ => self.pair.b_in_a.center.try_normalize(0.0)?,
-        };
-        let between = |n: &Vector3<f64>| b.foremost(&-n) - a.foremost(n);
-        let mut normal = start;
-        let mut nearest = between(&normal);
-        let mut best = Separated { normal, distance: normal.dot(&nearest) };
-        *self.axes += 1;
-        for _ in 0..APPROACH_STEPS {
-            let length = nearest.norm();
-            if length <= gap || best.distance.max(gap) >= APPROACH_SHARE * length {
-                break;
-            }
-            normal = nearest / length;
-            let next = between(&normal);
-            *self.axes += 1;
-            let distance = normal.dot(&next);
-            if distance > best.distance {
-                best = Separated { normal, distance };
-            }
-            let way = next - nearest;
-            let share = (-nearest.dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
-            if !(share > 0.0) {
-                break;
-            }
-            nearest += way * share;
-        }
-        self.pair.scale.separates(-best.distance).then_some(best)
-    }
-
     /// The overlap or separation.
     fn run(&mut self) -> Result<Found, Separated> {
         let scale = self.pair.scale;

@@ -71,7 +71,7 @@ impl RimsMeet {
         // Depths behind base and flank where the rim is nearest, and their growth along it.
         let depths = |point: &Vector3<f64>| {
             let base = (point - other.base).dot(&other.axis);
-            [base, other.flank_depth(&other.below(point))]
+            [base, other.flank_depth(point)]
         };
         let flank = other.flank_normal(&self.directions[1]);
         let growth = [self.tangents[0].dot(&other.axis), -self.tangents[0].dot(&flank)];

@@ -1,11 +1,11 @@
 //! The closed forms for cones against the search over all their normals.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::ball::place_at_cone;
-use super::{Cone, Convex, Frame, Scale, ShapePair};
+use super::{Cone, Convex, Cuboid, Frame, Polyhedron, Scale, ShapePair};
 use crate::physics::testing::Random;
 
 /// A cone, and the radius of the ball that holds it.
@@ -93,7 +93,13 @@ fn upright_or_not(random: &mut Random) -> UnitQuaternion<f64> {
 }
 
 /// Touching along a direction, apart, deep, or nearly touching.
-fn beside(a: &Cone, b: &Cone, rotation: UnitQuaternion<f64>, direction: Vector3<f64>, random: &mut Random) -> Frame {
+fn beside(
+    a: &Cone,
+    b: &impl Convex,
+    rotation: UnitQuaternion<f64>,
+    direction: Vector3<f64>,
+    random: &mut Random,
+) -> Frame {
     let rotation = rotation.to_rotation_matrix().into_inner();
     let reach = a.reach(&direction) + b.reach(&-rotation.tr_mul(&direction));
     let share = match random.index(7) {
@@ -203,4 +209,110 @@ fn closed_forms_find_what_the_search_finds() {
 #[ignore = "takes minutes"]
 fn closed_forms_find_what_the_search_finds_for_many() {
     compare_all(20_000);
+}
+
+/// The least depth around a circle of normals, by samples and golden section between them.
+fn least_around(circle: impl Fn(f64) -> Vector3<f64>, depth: impl Fn(&Vector3<f64>) -> f64) -> (Vector3<f64>, f64) {
+    const SAMPLES: usize = 64;
+    let at = |angle: f64| depth(&circle(angle));
+    let step = TAU / SAMPLES as f64;
+    let samples: Vec<f64> = (0..SAMPLES).map(|sample| at(step * sample as f64)).collect();
+    let mut best = (Vector3::zeros(), f64::INFINITY);
+    for sample in 0..SAMPLES {
+        let neighbours = [samples[(sample + SAMPLES - 1) % SAMPLES], samples[(sample + 1) % SAMPLES]];
+        if samples[sample] > neighbours[0] || samples[sample] > neighbours[1] {
+            continue;
+        }
+        let [mut low, mut high] = [-1.0, 1.0].map(|way| step * (sample as f64 + way));
+        while high - low > 1e-14 {
+            let third = (high - low) / 3.0;
+            if at(low + third) <= at(high - third) { high -= third } else { low += third }
+        }
+        if at(low) < best.1 {
+            best = (circle(low), at(low));
+        }
+    }
+    best
+}
+
+/// The least of all normals of a cone and a box, by search: across each edge, around the flank, along faces, and of
+/// what is apart, at a vertex or the apex.
+fn least_with_box_by_search(pair: &ShapePair<Cone, Cuboid>) -> (Vector3<f64>, f64) {
+    let &ShapePair { a: cone, b: other, b_in_a, .. } = pair;
+    let depth = |normal: &Vector3<f64>| pair.depth_along(normal);
+    let flank = |angle: f64| cone.flank_normal([angle.cos(), angle.sin()]);
+    let mut best = least_around(flank, depth);
+    let mut take = |(normal, depth): (Vector3<f64>, f64)| {
+        if depth < best.1 {
+            best = (normal, depth);
+        }
+    };
+    for edge in (0..other.edge_count()).map(|edge| other.edge(edge).placed(b_in_a, false)) {
+        let [x, y] = crate::physics::contact::tangents(&edge.direction);
+        take(least_around(|angle| x * angle.cos() + y * angle.sin(), depth));
+        let apex = cone.apex_point();
+        let nearest = edge.start + edge.direction * (apex - edge.start).dot(&edge.direction).clamp(0.0, edge.length);
+        if let Some(normal) = (nearest - apex).try_normalize(1e-12) {
+            take((normal, depth(&normal)));
+        }
+    }
+    for face in 0..other.face_count() {
+        let normal = pair.out_of_a(other.face(face).normal);
+        take((normal, depth(&normal)));
+    }
+    for vertex in 0..other.vertex_count() {
+        let normal = place_at_cone(cone, &b_in_a.place(&other.vertex(vertex)), 1.0).normal;
+        take((normal, depth(&normal)));
+    }
+    take((Cone::base_normal(), depth(&Cone::base_normal())));
+    best
+}
+
+fn compare_with_boxes(count: u32) {
+    let mut random = Random::new(98);
+    let mut overlapping = 0;
+    for trial in 0..count {
+        let (a, radius_a) = random_cone(&mut random);
+        let size = radius_a * 5_f64.powf(random.within(-1.0, 1.0));
+        let b = Cuboid { half: Vector3::from_fn(|_, _| size * random.within(0.1, 1.0)) };
+        let rotation = match trial % 4 {
+            0 => upright_or_not(&mut random),
+            1 => UnitQuaternion::from_scaled_axis(Vector3::z() * random.within(-PI, PI)),
+            _ => random.rotation(),
+        };
+        let direction = random.direction();
+        let mut frame = beside(&a, &b, rotation, direction, &mut random);
+        if trial % 3 == 0 {
+            // A corner, or a point of an edge, on the apex or the rim.
+            let on_a = if random.index(2) == 0 { a.apex_point() } else { a.rim_point([1.0, 0.0]) };
+            let corner = b.vertex(random.index(8));
+            let on_b = if random.index(2) == 0 { corner } else { corner.component_mul(&Vector3::new(0.3, 1.0, 1.0)) };
+            frame = meeting(on_a, on_b, rotation, &mut random);
+        }
+        let scale = Scale::new(radius_a, b.half.norm(), 1e3);
+        let pair = ShapePair { a: &a, b: &b, b_in_a: &frame, scale: &scale };
+        let (normal, depth) = pair.least();
+        let (search_normal, searched) = least_with_box_by_search(&pair);
+        let slack = 1e-9 * (radius_a + b.half.norm());
+        let what = || {
+            format!(
+                "{trial}: {a:?}, {b:?}, {frame:?}: {depth} along {normal:?}, search {searched} along {search_normal:?}"
+            )
+        };
+        assert!((depth - searched).abs() < 2.0 * slack, "{}", what());
+        assert!((pair.depth_along(&normal) - depth).abs() < 2.0 * slack, "{}: {}", pair.depth_along(&normal), what());
+        overlapping += u32::from(depth > 0.0);
+    }
+    assert!(overlapping * 4 > count && overlapping * 4 < 3 * count, "{overlapping}");
+}
+
+#[test]
+fn closed_forms_with_boxes_find_what_the_search_finds() {
+    compare_with_boxes(500);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn closed_forms_with_boxes_find_what_the_search_finds_for_many() {
+    compare_with_boxes(100_000);
 }

@@ -1,6 +1,7 @@
 //! Clipped contacts: a routine for each kind of pair of shapes, entered by [`contact_pair::touch`].
 
 mod apart;
+mod approach;
 mod axis_code;
 mod ball;
 mod boxes;

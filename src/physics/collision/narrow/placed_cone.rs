@@ -20,17 +20,6 @@ pub(crate) struct PlacedCone {
     pub cosine: f64,
 }
 
-/// A point under a cone's tip, as the flank sees it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Below {
-    /// From the apex, along the axis.
-    pub along: f64,
-    /// From the apex, across the axis.
-    pub across: Vector3<f64>,
-    /// Length of that.
-    pub distance: f64,
-}
-
 impl PlacedCone {
     pub fn new(cone: &Cone, frame: &Frame) -> Self {
         let axis = frame.rotation.column(1).into_owned();
@@ -94,16 +83,11 @@ impl PlacedCone {
         if self.apex.dot(direction) > on_rim.dot(direction) { self.apex } else { on_rim }
     }
 
-    pub fn below(&self, point: &Vector3<f64>) -> Below {
+    /// How deep a point lies behind the flank, extended downward without end.
+    pub fn flank_depth(&self, point: &Vector3<f64>) -> f64 {
         let arm = point - self.apex;
         let along = arm.dot(&self.axis);
-        let across = arm - self.axis * along;
-        Below { along, across, distance: across.norm() }
-    }
-
-    /// How deep a point lies behind the flank, extended downward without end.
-    pub fn flank_depth(&self, point: &Below) -> f64 {
-        -(self.sine * point.along + self.cosine * point.distance)
+        -(self.sine * along + self.cosine * (arm - self.axis * along).norm())
     }
 
     /// Whether it holds a point.
@@ -113,7 +97,7 @@ impl PlacedCone {
 
     /// Whether a point lies beyond no surface by more than a distance.
     pub fn holds_about(&self, point: &Vector3<f64>, distance: f64) -> bool {
-        (point - self.base).dot(&self.axis) >= -distance && self.flank_depth(&self.below(point)) >= -distance
+        (point - self.base).dot(&self.axis) >= -distance && self.flank_depth(point) >= -distance
     }
 
     /// Its apex, centre of mass and centre of the base.

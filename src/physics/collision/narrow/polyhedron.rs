@@ -165,6 +165,10 @@ pub(crate) trait Polyhedron: Convex {
     }
     fn vertex_count(&self) -> usize;
     fn vertex(&self, index: usize) -> Vector3<f64>;
+    /// The farthest vertex along a direction.
+    fn foremost(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        self.vertex(first_max((0..self.vertex_count()).map(|index| self.vertex(index).dot(direction))))
+    }
 }
 
 /// A box by its half extents. Faces are numbered +x, −x, +y, …; an edge by its axis and the signs
@@ -234,6 +238,10 @@ impl Polyhedron for Cuboid {
 
     fn vertex(&self, index: usize) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| sign_of_bit(index, axis) * self.half[axis])
+    }
+
+    fn foremost(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        self.half.zip_map(direction, f64::copysign)
     }
 }
 
