@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 use super::axis_code::AxisCode;
 use super::{Feature, PairSearch};
-use crate::physics::collision::constants::{APPROACH_SHARE, APPROACH_STEPS};
+use crate::physics::collision::constants::{APPROACH_SHARE, APPROACH_STEPS, APPROACH_TRIALS};
 
 /// That two shapes are apart by more than the gap, where that is found. Begins with the direction of the last step, or
 /// else from centre to centre, leaves one for the next step, and in `search.apart` how far apart they are at least.
@@ -29,9 +29,10 @@ pub(crate) fn are_apart(
     let mut nearest = between(&normal);
     let mut best = (normal.dot(&nearest), normal);
     search.axes += 1;
-    for _ in 0..APPROACH_STEPS {
+    for step in 0..APPROACH_STEPS {
         let length = nearest.norm();
-        if length <= gap || best.0.max(gap) >= APPROACH_SHARE * length {
+        let is_hopeless = step >= APPROACH_TRIALS && best.0 <= 0.0;
+        if is_hopeless || length <= gap || best.0.max(gap) >= APPROACH_SHARE * length {
             break;
         }
         normal = nearest / length;

@@ -187,7 +187,8 @@ impl Arc {
         let level = arm - b * height;
         let far = level.norm();
         let beyond = far - other.radius;
-        if height.hypot(beyond) - r * self.chord > limit {
+        let square = height * height + beyond * beyond;
+        if square.sqrt() - r * self.chord > limit {
             return OfArc::Above;
         }
         let way = 1.05 * self.chord; // the half angle, of its chord
@@ -205,7 +206,7 @@ impl Arc {
         if slope.abs() > way * (r * r + drop) {
             return OfArc::Above;
         }
-        let steep = climb.hypot(away) - way * (bends[0] + bends[1]);
+        let steep = (climb * climb + away * away).sqrt() - way * (bends[0] + bends[1]);
         if steep > 0.0 && steep * steep > drop { OfArc::OneBowl } else { OfArc::Unknown }
     }
 
@@ -236,7 +237,7 @@ fn arcs_near(one: &PlacedCone, other: &PlacedCone, limit: f64) -> Option<[Arc; 2
     };
     let ([c, s], [d, t]) = (at(limit), at(-limit));
     let (x, y) = (c + d, s + t);
-    let length = x.hypot(y);
+    let length = (x * x + y * y).sqrt();
     let [x, y] = if length > 0.0 { [x / length, y / length] } else { [0.0, 1.0] };
     let chord = (x - c).hypot(y - s).max((x - d).hypot(y - t)) + ARC_OVERLAP;
     Some([1.0, -1.0].map(|sign| Arc { middle: ahead * x + side * (sign * y), chord }))

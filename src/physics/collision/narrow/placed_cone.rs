@@ -46,13 +46,16 @@ impl PlacedCone {
     }
 
     /// Unit, across the axis, toward where a direction points; any if that is the axis.
+    #[inline]
     pub fn rim_direction(&self, direction: &Vector3<f64>) -> Vector3<f64> {
         let across = self.across(direction);
         let square = across.norm_squared();
-        if square > NEAR_AXIS * direction.norm_squared() {
-            return across / square.sqrt();
-        }
-        // Rounding left a part of it along the axis.
+        if square > NEAR_AXIS * direction.norm_squared() { across / square.sqrt() } else { self.rim_near_axis(&across) }
+    }
+
+    /// Of a direction that rounding has left partly along the axis.
+    #[cold]
+    fn rim_near_axis(&self, across: &Vector3<f64>) -> Vector3<f64> {
         let unit = across.try_normalize(0.0).map(|unit| self.across(&unit));
         unit.and_then(|unit| unit.try_normalize(0.5)).unwrap_or_else(|| tangents(&self.axis)[0])
     }
