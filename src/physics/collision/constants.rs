@@ -125,8 +125,6 @@ pub(super) const SQUARE_TILT: f64 = 1e-3;
 pub(super) const APPROACH_STEPS: u32 = 6;
 /// Steps after which they count as near if no direction yet separates them. *speed*.
 pub(super) const APPROACH_TRIALS: u32 = 2;
-/// Share of the distance that is enough of a lower bound of it. *speed*.
-pub(super) const APPROACH_SHARE: f64 = 0.8;
 /// Squared sine of the angle to an axis below which rounding counts in what is across it.
 pub(super) const NEAR_AXIS: f64 = 1e-4;
 /// Most steps of Newton's method around a flank's circle of normals; it takes about four.

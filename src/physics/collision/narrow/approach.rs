@@ -9,10 +9,11 @@ use nalgebra::Vector3;
 
 use super::axis_code::AxisCode;
 use super::{Feature, PairSearch};
-use crate::physics::collision::constants::{APPROACH_SHARE, APPROACH_STEPS, APPROACH_TRIALS};
+use crate::physics::collision::constants::{APPROACH_STEPS, APPROACH_TRIALS};
 
 /// That two shapes are apart by more than the gap, where that is found. Begins with the direction of the last step, or
-/// else from centre to centre, leaves one for the next step, and in `search.apart` how far apart they are at least.
+/// else from centre to centre, leaves one for the next step, and in `search.apart` how far apart they are at least. The
+/// first direction that tells is enough: a better one saves fewer tests than it costs.
 pub(crate) fn are_apart(
     search: &mut PairSearch,
     center: &Vector3<f64>,
@@ -27,29 +28,28 @@ pub(crate) fn are_apart(
         },
     };
     let mut nearest = between(&normal);
-    let mut best = (normal.dot(&nearest), normal);
+    let mut distance = normal.dot(&nearest);
+    let mut farthest = distance;
     search.axes += 1;
     for step in 0..APPROACH_STEPS {
         let length = nearest.norm();
-        let is_hopeless = step >= APPROACH_TRIALS && best.0 <= 0.0;
-        if is_hopeless || length <= gap || best.0.max(gap) >= APPROACH_SHARE * length {
+        let is_hopeless = step >= APPROACH_TRIALS && farthest <= 0.0;
+        if distance > gap || length <= gap || is_hopeless {
             break;
         }
         normal = nearest / length;
         let next = between(&normal);
+        distance = normal.dot(&next);
+        farthest = farthest.max(distance);
         search.axes += 1;
-        let distance = normal.dot(&next);
-        if distance > best.0 {
-            best = (distance, normal);
-        }
         let way = next - nearest;
         let share = -nearest.dot(&way) / way.norm_squared();
-        if !(share > 0.0) {
+        // Not a number where no step is left.
+        if share.is_nan() {
             break;
         }
-        nearest += way * share.min(1.0);
+        nearest += way * share.clamp(0.0, 1.0);
     }
-    let (distance, normal) = best;
     if distance <= gap {
         return false;
     }
