@@ -122,34 +122,8 @@ impl Test<'_> {
             overlaps |= one.holds(&deepest);
             self.take(&mut nearest, one, least.normal, least.depth, &deepest, side);
         }
-        // What one flank leaves unknown, the lower limit that the other sets may settle.
-        let mut known = [false; 2];
-        for of_b in [0, 1, 0, 1] {
-            if nearest.is_distance {
-                return nearest;
-            }
-            if known[of_b] {
-                continue;
-            }
-            let (one, other, side) = if of_b == 0 { (a, b, 1.0) } else { (b, a, -1.0) };
-            known[of_b] = true;
-            match least_of_flank(one, other, nearest.depth, self.pair.scale.tolerance, self.axes) {
-                OfFlank::Least { normal, depth, deepest } => {
-                    overlaps |= one.holds(&deepest);
-                    self.take(&mut nearest, one, normal * side, depth, &deepest, side);
-                }
-                OfFlank::Above(deep) => overlaps |= deep.is_some_and(|point| one.holds(&point)),
-                OfFlank::Unknown => known[of_b] = false,
-            }
-        }
-        for (of_b, (one, other, side)) in [(a, b, 1.0), (b, a, -1.0)].into_iter().enumerate() {
-            if !known[of_b] {
-                let (normal, depth) = cone_search::least_of_flank(one, other, self.axes);
-                let deepest = other.foremost(&-normal);
-                self.take(&mut nearest, one, normal * side, depth, &deepest, side);
-            }
-        }
-        if nearest.depth >= 0.0 && self.overlap_of_rims(&mut nearest, overlaps) || nearest.is_distance {
+        self.of_flanks(&mut nearest, &mut overlaps);
+        if nearest.is_distance || (nearest.depth >= 0.0 && self.overlap_of_rims(&mut nearest, overlaps)) {
             return nearest;
         }
         if nearest.depth < 0.0 {
@@ -166,6 +140,38 @@ impl Test<'_> {
             }
         }
         nearest
+    }
+
+    /// Takes the least of all normals of either flank, if it is less. Tells of points found in both cones.
+    fn of_flanks(&mut self, nearest: &mut Nearest, overlaps: &mut bool) {
+        let [a, b] = self.cones;
+        // What one flank leaves unknown, the lower limit that the other sets may settle.
+        let mut known = [false; 2];
+        for of_b in [0, 1, 0, 1] {
+            if nearest.is_distance {
+                return;
+            }
+            if known[of_b] {
+                continue;
+            }
+            let (one, other, side) = if of_b == 0 { (a, b, 1.0) } else { (b, a, -1.0) };
+            known[of_b] = true;
+            match least_of_flank(one, other, nearest.depth, self.pair.scale.tolerance, self.axes) {
+                OfFlank::Least { normal, depth, deepest } => {
+                    *overlaps |= one.holds(&deepest);
+                    self.take(nearest, one, normal * side, depth, &deepest, side);
+                }
+                OfFlank::Above(deep) => *overlaps |= deep.is_some_and(|point| one.holds(&point)),
+                OfFlank::Unknown => known[of_b] = false,
+            }
+        }
+        for (known, (one, other, side)) in known.into_iter().zip([(a, b, 1.0), (b, a, -1.0)]) {
+            if !known {
+                let (normal, depth) = cone_search::least_of_flank(one, other, self.axes);
+                let deepest = other.foremost(&-normal);
+                self.take(nearest, one, normal * side, depth, &deepest, side);
+            }
+        }
     }
 
     /// Takes the depth along a normal of `one`, out of A, if it is less: to the other's deepest point.
