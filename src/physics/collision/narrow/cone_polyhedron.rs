@@ -210,7 +210,9 @@ impl<P: Polyhedron> ShapePair<'_, Cone, P> {
 /// depths certain to be above `bound` may be left out.
 fn normals_across(cone: &Cone, edge: &Edge, bound: f64) -> [Option<Vector3<f64>>; PER_EDGE as usize] {
     let [one, other] = flanks_across(cone, edge);
-    let [near, far] = rims_across(cone, edge, bound);
+    // Where all of the arc is in the cap over the flank's circle, the apex is foremost, not the rim.
+    let is_over_apex = edge.normals.iter().all(|normal| normal.y > cone.sine);
+    let [near, far] = if is_over_apex { [None; 2] } else { rims_across(cone, edge, bound) };
     [one, other, near, far]
 }
 
