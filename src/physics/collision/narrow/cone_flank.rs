@@ -144,17 +144,14 @@ impl View {
         if self.height(&on_rim) >= limit {
             return Known::Above(Some(on_rim));
         }
-        match self.rim_saddle(limit, small, axes) {
-            Some(Saddle { toward, on_rim }) => {
-                let depth = self.depth(&toward, &on_rim);
-                if depth >= limit {
-                    return Known::Above(Some(on_rim));
-                }
-                if self.depth(&toward, &self.apex) <= depth {
-                    return Known::Least { toward, depth, deepest: on_rim };
-                }
+        if let Some(Saddle { toward, on_rim }) = self.rim_saddle(limit, small, axes) {
+            let depth = self.depth(&toward, &on_rim);
+            if depth >= limit {
+                return Known::Above(Some(on_rim));
             }
-            None => {}
+            if self.depth(&toward, &self.apex) <= depth {
+                return Known::Least { toward, depth, deepest: on_rim };
+            }
         }
         *axes += 1;
         let (mut least, mut lowest) = (None, limit);
@@ -221,7 +218,7 @@ impl View {
         let [tilt, along] = self.tilt;
         let ahead = -(self.other_sine + self.sine * along) / (self.cosine * tilt);
         let beside = 1.0 - ahead * ahead;
-        if !(tilt > 0.0 && beside >= 0.0) {
+        if tilt <= 0.0 || beside < 0.0 {
             return [None, None];
         }
         [beside.sqrt(), -beside.sqrt()].map(|beside| {
@@ -257,7 +254,7 @@ impl View {
             }
             let distance = deepest.across.norm();
             let cosine = (-limit - self.sine * deepest.along) / (self.cosine * distance);
-            if !(cosine < 1.0) {
+            if cosine >= 1.0 || cosine.is_nan() {
                 return true;
             }
             let cosine = cosine.max(-1.0);
