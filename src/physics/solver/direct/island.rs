@@ -12,6 +12,7 @@ use super::constants::{
 use super::contact::DirectContact;
 use super::dual::DualSystem;
 use super::joint::{DirectJoint, SoftLaw};
+use super::reduced::{ReducedTrees, change_of};
 use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, body_vector, halves};
 use super::snapshot::Snapshot;
 use super::world::World;
@@ -53,14 +54,21 @@ pub(crate) struct DirectIsland {
     pub(super) joints: Vec<u32>,
     /// How many joints hold a point at a point.
     pub(super) points: usize,
-    /// Of contacts, then joints: both bodies' places among the members.
+    /// Which of its joints have rows, first those that hold a point at a point.
+    pub(super) row_points: Vec<u32>,
+    pub(super) row_others: Vec<u32>,
+    /// Of contacts, then joints that have rows: both bodies' places among the members.
     ends: Vec<[Option<u32>; 2]>,
     analysis: Analysis,
     pub(super) elimination: Elimination,
     /// Whether it was solved here in the last step, at rest or in motion.
     pub is_solved: bool,
+    /// How often it was factored since somebody last took the count.
+    pub factorisations: u32,
     /// Whether the iterations of the last substep in motion ended.
     pub(super) has_converged: bool,
+    /// Whether its contacts go on from substep to substep in its step in motion.
+    pub(super) is_steady: bool,
     /// Whether its last solve was in motion.
     pub(super) moves: bool,
     /// Whether some contact may bounce in its step in motion.
@@ -79,16 +87,18 @@ pub(crate) struct DirectIsland {
     pub(super) momentum: Vec<BodyVector>,
     pub(super) velocity: Vec<BodyVector>,
     /// Velocity of the iteration before.
-    before: Vec<BodyVector>,
-    /// Velocity that corrects position errors besides.
+    pub(super) before: Vec<BodyVector>,
+    /// Velocity that corrects position errors besides, and its sum over several corrections.
     pub(super) correction: Vec<BodyVector>,
+    pub(super) shifts: Vec<BodyVector>,
     /// Of contacts, then joints: the relative motion of the iteration before, and how far to the one at hand.
     lines: Vec<(Twist<f64>, Twist<f64>)>,
     pub(super) contact_rows: Vec<DirectContact>,
     pub(super) joint_rows: Vec<DirectJoint>,
     pub(super) any_rows: Vec<AnyJoint>,
-    /// Rows of one joint.
-    scratch: Vec<JointRow<f64>>,
+    /// Rows of one joint, and how often those of joints were made.
+    pub(super) scratch: Vec<JointRow<f64>>,
+    made: u32,
     /// Whether the rows of contacts are those of the step before.
     pub(super) has_rows: bool,
     /// The rows that the factor was made of, contacts first; empty: there is none.
@@ -99,7 +109,10 @@ pub(crate) struct DirectIsland {
     pub(super) inertias: Vec<(f64, Matrix3<f64>)>,
     /// The impulses of its joints as unknowns, where it has no contacts and some joint holds more than a point.
     pub(super) dual: Option<Box<DualSystem>>,
-    /// The same beside contacts, by which its joints are put together in the poses once all was solved for.
+    /// Where it has contacts, too: the trees of its joints.
+    pub(super) reduced: Option<Box<ReducedTrees>>,
+    /// Where these have too many coordinates: the system by which its joints are put together in the poses once all was
+    /// solved for.
     pub(super) posture: Option<Box<DualSystem>>,
     /// Bodies that do not move here but touch or hold it, global indices.
     pub(super) partners: Vec<u32>,
@@ -119,12 +132,46 @@ impl DirectIsland {
     pub(super) fn is_analysed(&mut self, world: &impl World, time: f64) -> bool {
         if self.analysis == Analysis::Due {
             self.analysis = self.analyse(world);
-            let is_wanted = self.points < self.joints.len();
+            let has_contacts = !self.contacts.is_empty();
+            let may_reduce = has_contacts && self.analysis == Analysis::Done;
+            let reduced = may_reduce.then(|| ReducedTrees::new(world, &self.members, &self.joints, &self.elimination));
+            self.reduced = reduced.flatten().map(Box::new);
+            let is_wanted = self.points < self.joints.len() && self.reduced.is_none();
             let parts = [&self.members[..], &self.partners, &self.joints];
             let system = is_wanted.then(|| DualSystem::new(world, time, parts, DUAL_PRODUCTS)).flatten().map(Box::new);
-            (self.dual, self.posture) = if self.contacts.is_empty() { (system, None) } else { (None, system) };
+            (self.dual, self.posture) = if has_contacts { (None, system) } else { (system, None) };
+            self.allot_rows(world);
         }
         self.analysis == Analysis::Done
+    }
+
+    /// Whether its joints hold more than points, and are put together in the poses.
+    pub(super) fn holds_more_than_points(&self) -> bool {
+        self.posture.is_some() || self.reduced.is_some() && self.points < self.joints.len()
+    }
+
+    /// Finds out which joints have rows.
+    fn allot_rows(&mut self, world: &impl World) {
+        let has_rows = |&joint: &u32| self.reduced.as_ref().is_none_or(|reduced| !reduced.holds(joint as usize));
+        let points = self.points as u32;
+        let row_points: Vec<u32> = (0..points).filter(has_rows).collect();
+        let row_others: Vec<u32> = (points..self.joints.len() as u32).filter(has_rows).collect();
+        let local = |body: u32| self.members.binary_search(&body).ok().map(|local| local as u32);
+        self.ends.truncate(self.contacts.len());
+        let with_rows = row_points.iter().chain(&row_others).map(|&joint| world.joint(self.joints[joint as usize]));
+        self.ends.extend(with_rows.map(|joint| [joint.a, joint.b].map(local)));
+        self.joint_rows.clear();
+        self.joint_rows.resize(row_points.len(), DirectJoint::default());
+        self.any_rows.clear();
+        self.any_rows.resize(row_others.len(), AnyJoint::default());
+        let ends = &self.ends[self.contacts.len() + row_points.len()..];
+        if let Some(reduced) = &self.reduced {
+            for ((rows, &joint), ends) in self.any_rows.iter_mut().zip(&row_others).zip(ends) {
+                rows.link = reduced.link_between(world.joint(self.joints[joint as usize]), ends);
+            }
+        }
+        self.blocks.resize(self.ends.len(), RowBlocks::default());
+        (self.row_points, self.row_others) = (row_points, row_others);
     }
 
     fn analyse(&mut self, world: &impl World) -> Analysis {
@@ -148,9 +195,6 @@ impl DirectIsland {
         self.inertias.resize(count, (0.0, Matrix3::zeros()));
         self.contact_rows.resize(self.contacts.len(), DirectContact::default());
         self.points = self.joints.partition_point(|&joint| world.joint(joint).definition.is_ball());
-        self.joint_rows.resize(self.points, DirectJoint::default());
-        self.any_rows.resize(self.joints.len() - self.points, AnyJoint::default());
-        self.blocks.resize(self.ends.len(), RowBlocks::default());
         Analysis::Done
     }
 
@@ -181,7 +225,11 @@ impl DirectIsland {
             return dual.row_count as u32;
         }
         let of_joints: usize = self.any_rows.iter().map(AnyJoint::rows).sum();
-        (of_contacts + 3 * self.points + of_joints) as u32
+        let of_trees = match &self.reduced {
+            Some(reduced) => reduced.rows(),
+            None => 0,
+        };
+        (of_contacts + 3 * self.joint_rows.len() + of_joints + of_trees) as u32
     }
 
     /// Has it look again at what its joints are and between which bodies.
@@ -246,31 +294,29 @@ impl DirectIsland {
         mut resume: impl FnMut(&mut DirectJoint, &DirectJoint, &Joint),
     ) {
         let ends = &self.ends[self.contacts.len()..];
-        for ((rows, &joint), ends) in self.joint_rows.iter_mut().zip(&self.joints).zip(ends) {
-            let joint = world.joint(joint);
+        for ((rows, &joint), ends) in self.joint_rows.iter_mut().zip(&self.row_points).zip(ends) {
+            let joint = world.joint(self.joints[joint as usize]);
             let before = std::mem::replace(rows, joint_rows(world, joint, ends, h));
             resume(rows, &before, joint);
         }
     }
 
-    /// Makes the rows of all other joints at that time, s, for `h`, s, and hands each on with those before; `ahead` is how
-    /// far into it they are to turn with their bodies, s, the third span the approach from which limits bounce, m/s.
-    pub(super) fn make_any_rows(
-        &mut self,
-        world: &impl World,
-        time: f64,
-        spans: [f64; 3],
-        mut resume: impl FnMut(&mut AnyJoint, &AnyJoint),
-    ) {
-        let joints = self.joints[self.points..].iter().zip(&self.ends[self.contacts.len() + self.points..]);
-        for (rows, (&joint, ends)) in self.any_rows.iter_mut().zip(joints) {
-            let joint = world.joint(joint);
+    /// Makes the rows of all other joints at that time, s, for `h`, s; `ahead` is how far into it they are to turn with
+    /// their bodies, s, the third span the approach from which limits bounce, m/s. `keeps`: which are active stays, and
+    /// limits that are far away are not looked at.
+    pub(super) fn make_any_rows(&mut self, world: &impl World, time: f64, spans: [f64; 3], keeps: bool) {
+        self.made = self.made.wrapping_add(1);
+        let ends = &self.ends[self.contacts.len() + self.row_points.len()..];
+        for ((rows, &joint), ends) in self.any_rows.iter_mut().zip(&self.row_others).zip(ends) {
+            if keeps && rows.is_idle() {
+                continue;
+            }
+            let joint = world.joint(self.joints[joint as usize]);
             let bodies = [world.body(joint.a), world.body(joint.b)];
             self.scratch.clear();
             joint.definition.rows_at(&bodies.map(BodyState::of), time, &mut self.scratch);
-            let now = AnyJoint::new(joint, &self.scratch, bodies, ends, spans);
-            let before = std::mem::replace(rows, now);
-            resume(rows, &before);
+            rows.made = self.made;
+            rows.renew(joint, &self.scratch, bodies, ends, spans, keeps);
         }
     }
 
@@ -286,14 +332,16 @@ impl DirectIsland {
             }
             std::mem::swap(&mut self.velocity, &mut self.before);
             self.velocity.copy_from_slice(&self.momentum);
-            let Self { contact_rows, joint_rows, any_rows, elimination, velocity, matrix, .. } = self;
+            let Self { contact_rows, joint_rows, any_rows, elimination, velocity, .. } = self;
             for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
-                apply(elimination, velocity, rows, &rows.impulse_at_rest());
+                if !rows.is_idle() {
+                    apply(elimination, velocity, rows, &rows.impulse_at_rest());
+                }
             });
-            matrix.solve(elimination, &mut velocity[..]);
+            self.solve_by_factor(|island| &mut island.velocity);
             let share = if iteration == 0 { 1.0 } else { self.search_line() };
             let Self { contact_rows, joint_rows, any_rows, elimination, velocity, before, .. } = self;
-            for rows in &mut *any_rows {
+            for rows in any_rows.iter_mut().filter(|rows| !rows.is_idle()) {
                 rows.carry(&relative_motion(elimination, velocity, rows, &rows.prescribed), share);
             }
             if share < 1.0 {
@@ -313,6 +361,16 @@ impl DirectIsland {
             }
         }
         false
+    }
+
+    /// From momenta to velocities by the factor at hand.
+    fn solve_by_factor(&mut self, of: impl Fn(&mut Self) -> &mut Vec<BodyVector>) {
+        let mut vectors = std::mem::take(of(self));
+        match &mut self.reduced {
+            Some(reduced) => reduced.solve(&mut vectors),
+            None => self.matrix.solve(&self.elimination, &mut vectors[..]),
+        }
+        *of(self) = vectors;
     }
 
     /// Whether it has more energy than its bodies would have alone. Contacts and joints only take energy, so that some row
@@ -373,15 +431,19 @@ impl DirectIsland {
         let Self { contact_rows, joint_rows, any_rows, elimination, velocity, before, lines, .. } = self;
         lines.clear();
         for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
-            let [from, to] =
-                [&*before, &*velocity].map(|velocity| relative_motion(elimination, velocity, rows, rows.prescribed()));
-            lines.push((from, to.plus(&from, -1.0)));
+            if !rows.is_idle() {
+                let [from, to] = [&*before, &*velocity]
+                    .map(|velocity| relative_motion(elimination, velocity, rows, rows.prescribed()));
+                lines.push((from, to.plus(&from, -1.0)));
+            }
         });
         level(|share| {
             let (mut given, mut lines) = (0.0, lines.iter());
             for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
-                let (from, line) = lines.next().expect("each constraint has one");
-                given += line.dot(&rows.impulse_at(&from.plus(line, share)));
+                if !rows.is_idle() {
+                    let (from, line) = lines.next().expect("each constraint has one");
+                    given += line.dot(&rows.impulse_at(&from.plus(line, share)));
+                }
             });
             start + share * growth - given
         })
@@ -389,8 +451,8 @@ impl DirectIsland {
 
     /// Factors the matrix of the active rows, unless the factor at hand will do.
     fn factor(&mut self) -> bool {
-        let Self { matrix, contact_rows, joint_rows, any_rows, elimination, ends, factored, inertias, blocks, .. } =
-            self;
+        let Self { matrix, reduced, contact_rows, joint_rows, any_rows, .. } = self;
+        let Self { elimination, ends, factored, inertias, blocks, factorisations, .. } = self;
         let (mut then, mut is_same) = (factored.iter(), factored.len() == ends.len());
         for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
             is_same = is_same && then.next().is_some_and(|then| rows.key().is_nearly(then));
@@ -398,30 +460,45 @@ impl DirectIsland {
         if is_same {
             return true;
         }
+        *factorisations += 1;
         factored.clear();
-        matrix.clear(elimination);
-        for (body, (mass, inertia)) in inertias.iter().enumerate() {
-            let mut block = matrix.diagonal_mut::<6>(elimination.place(body as u32) as usize);
-            block.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::from_diagonal_element(*mass));
-            block.fixed_view_mut::<3, 3>(3, 3).copy_from(inertia);
-        }
         for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
             let key = rows.key();
             blocks[factored.len()].update(&key, || rows.blocks());
             factored.push(key);
         });
-        for (held, [a, b]) in blocks.iter().zip(&*ends) {
-            for (body, block) in [(a, &held.own[0]), (b, &held.own[1])] {
-                if let Some(body) = *body {
-                    let mut own = matrix.diagonal_mut::<6>(elimination.place(body) as usize);
-                    own += block;
+        let acting = blocks.iter().zip(&*ends).filter(|(held, _)| held.acts);
+        let is_positive = match reduced {
+            Some(reduced) => {
+                reduced.begin(inertias);
+                acting.for_each(|(held, ends)| reduced.add_rows(held, ends));
+                reduced.assemble();
+                for (rows, link) in any_rows.iter().filter_map(|rows| Some((rows, rows.link?))) {
+                    rows.turning_rows().for_each(|(row, penalty)| reduced.add_turning(link, &row, penalty));
                 }
+                reduced.factor()
             }
-            if let (Some(a), Some(b)) = (*a, *b) {
-                matrix.add(elimination.block(a, b), &held.across);
+            None => {
+                matrix.clear(elimination);
+                for (body, (mass, inertia)) in inertias.iter().enumerate() {
+                    let mut block = matrix.diagonal_mut::<6>(elimination.place(body as u32) as usize);
+                    block.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::from_diagonal_element(*mass));
+                    block.fixed_view_mut::<3, 3>(3, 3).copy_from(inertia);
+                }
+                for (held, [a, b]) in acting {
+                    for (body, block) in [(a, &held.own[0]), (b, &held.own[1])] {
+                        if let Some(body) = *body {
+                            let mut own = matrix.diagonal_mut::<6>(elimination.place(body) as usize);
+                            own += block;
+                        }
+                    }
+                    if let (Some(a), Some(b)) = (*a, *b) {
+                        matrix.add(elimination.block(a, b), &held.across);
+                    }
+                }
+                matrix.factor(elimination)
             }
-        }
-        let is_positive = matrix.factor(elimination);
+        };
         if !is_positive {
             factored.clear();
         }
@@ -430,18 +507,45 @@ impl DirectIsland {
 
     /// Solves for the velocity that corrects position errors.
     pub(super) fn correct(&mut self, rates: &Correction) {
-        let Self { contact_rows, joint_rows, any_rows, elimination, correction, matrix, factored, .. } = self;
-        correction.fill(BodyVector::zeros());
+        self.correction.fill(BodyVector::zeros());
+        let closes = self.reduced.as_mut().is_some_and(|reduced| reduced.close(|gap| rates.of_gap(gap)));
+        self.apply_corrections(rates, true);
+        if closes || self.correction.iter().any(|vector| *vector != BodyVector::zeros()) {
+            self.solve_by_factor(|island| &mut island.correction);
+        }
+    }
+
+    /// Adds the impulses that correct position errors, those of contacts only where that is wanted.
+    pub(super) fn apply_corrections(&mut self, rates: &Correction, with_contacts: bool) {
+        let Self { contact_rows, joint_rows, any_rows, elimination, correction, factored, .. } = self;
         // A row that corrects must be in the factor.
-        let mut keys = factored.iter();
-        for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
-            if let Some(key) = keys.next() {
+        let contacts = if with_contacts { &contact_rows[..] } else { &[] };
+        let mut keys = factored.iter().skip(contact_rows.len() - contacts.len());
+        for_each_constraint!((contacts, &*joint_rows, &*any_rows), |rows| {
+            if let Some(key) = keys.next()
+                && !rows.is_idle()
+            {
                 apply(elimination, correction, rows, &rows.correction(key, rates));
             }
         });
-        if correction.iter().any(|vector| *vector != BodyVector::zeros()) {
-            matrix.solve(elimination, &mut correction[..]);
+    }
+
+    /// Finds what the joints of trees carried.
+    pub(super) fn find_loads(&mut self) {
+        let Self { reduced, contact_rows, joint_rows, any_rows, elimination, .. } = self;
+        let Self { before, velocity, momentum, inertias, factored, .. } = self;
+        let Some(reduced) = reduced.as_mut().filter(|_| !factored.is_empty()) else { return };
+        for (local, inertia) in inertias.iter().enumerate() {
+            let place = elimination.place(local as u32) as usize;
+            before[place] = change_of(inertia, &velocity[place], &momentum[place]);
         }
+        for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
+            if !rows.is_idle() {
+                let impulse = rows.impulse();
+                apply(elimination, before, rows, &Wrench::zero().plus(&impulse, -1.0));
+            }
+        });
+        reduced.find_loads(before);
     }
 
     /// Impulses of a contact, divided by `scale`, N·s.
@@ -451,14 +555,22 @@ impl DirectIsland {
 
     /// Writes what a joint carried in `h`, s.
     pub fn store_joint(&self, index: usize, joint: &mut Joint, h: f64) {
-        joint.is_doubtful = self.moves && self.posture.is_some() && !self.has_converged;
+        joint.is_doubtful = self.moves && self.holds_more_than_points() && !self.has_converged;
         if let Some(dual) = self.dual.as_ref().filter(|_| self.moves) {
             dual.store(self.joints[index], joint);
             return;
         }
-        match index.checked_sub(self.points) {
-            None => joint.force = self.joint_rows[index].impulse / h,
-            Some(index) => self.any_rows[index].store(joint, h),
+        if let Some(reduced) = self.reduced.as_ref().filter(|reduced| reduced.holds(index)) {
+            reduced.store(index, joint, h);
+            return;
+        }
+        let own = index as u32;
+        match self.row_points.binary_search(&own) {
+            Ok(row) => joint.force = self.joint_rows[row].impulse / h,
+            Err(_) => {
+                let row = self.row_others.binary_search(&own).expect("what is no link has rows");
+                self.any_rows[row].store(joint, h);
+            }
         }
     }
 }
@@ -567,7 +679,7 @@ fn inverse_mass_at(body: &Body, side: &Side) -> Matrix3<f64> {
 }
 
 /// Adds an impulse of rows on B, and its reaction on A.
-fn apply(elimination: &Elimination, vectors: &mut [BodyVector], rows: &impl Rows, impulse: &Wrench<f64>) {
+pub(super) fn apply(elimination: &Elimination, vectors: &mut [BodyVector], rows: &impl Rows, impulse: &Wrench<f64>) {
     let [a, b] = rows.sides();
     if let Some(body) = a.body {
         vectors[elimination.place(body) as usize] -= rows.wrench_on(0, impulse);

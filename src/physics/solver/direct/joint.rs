@@ -89,6 +89,7 @@ impl Rows for DirectJoint {
     fn key(&self) -> RowKey {
         let none = Vector3::zeros();
         RowKey {
+            made: 0,
             penalty: self.penalty,
             arms: self.sides.map(|side| side.arm),
             normal: none,
@@ -108,6 +109,10 @@ impl Rows for DirectJoint {
                 RowBlocks::at_arms(&self.sides, |x, y| stiffness.between(x, y))
             }
         }
+    }
+
+    fn impulse(&self) -> Wrench<f64> {
+        Wrench { linear: self.impulse, angular: Vector3::zeros() }
     }
 
     fn impulse_at_rest(&self) -> Wrench<f64> {

@@ -30,6 +30,7 @@ mod dual;
 mod island;
 mod joint;
 mod motion;
+mod reduced;
 mod rest;
 mod rows;
 mod snapshot;
