@@ -154,13 +154,3 @@ pub(super) const BOUND_ROUNDING: f64 = 1e-9;
 /// Rims nearer to the centre and further from it than these, m, count as there: a body without a shape has none, one that
 /// is huge is not to be held to moves that nobody sees.
 pub(super) const RIMS: [f64; 2] = [0.1, 10.0];
-
-/// Temporary.
-pub(super) fn experiment(index: usize, usual: f64) -> f64 {
-    static VALUES: std::sync::OnceLock<Vec<f64>> = std::sync::OnceLock::new();
-    let values = VALUES.get_or_init(|| {
-        let text = std::env::var("PLUMB_X").unwrap_or_default();
-        text.split(',').map(|word| word.parse().unwrap_or(f64::NAN)).collect()
-    });
-    values.get(index).copied().filter(|value| !value.is_nan()).unwrap_or(usual)
-}

@@ -6,7 +6,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{ARM_CHANGE, BOUNCE_PENALTY, SLIDING_TOLERANCE, STEADY_LOAD, TOUCHING};
-use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, Stiffness, bits};
+use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, Stiffness, bits, prescribed};
+use super::world::World;
 use crate::physics::collision::{ContactState, POINTS};
 use crate::physics::constraint::row::{Twist, Wrench};
 use crate::physics::contact::rebound;
@@ -63,6 +64,23 @@ pub(super) struct DirectContact {
 }
 
 impl DirectContact {
+    /// Of a slot between members of these places, with impulses taken `scale` times.
+    pub fn of(world: &impl World, slot: u32, ends: &[Option<u32>; 2], scale: f64) -> Self {
+        let (state, slot) = (world.state(slot), world.slot(slot));
+        let bodies = [slot.pair.a, slot.pair.b].map(|body| world.body(body));
+        let [a, b] = bodies;
+        let origin = slot.origin_in_world(a);
+        let offset = b.position - a.position + slot.ahead - origin;
+        let turns = bodies.map(|body| body.rotation.to_rotation_matrix().into_inner());
+        let mut contact = Self::new(state, &turns, &offset, [f64::from(slot.restitution), scale]);
+        contact.sides[0].arm += origin;
+        for (side, body) in contact.sides.iter_mut().zip(ends) {
+            side.body = *body;
+        }
+        contact.prescribed = prescribed(&contact.sides, bodies, contact.sides.map(|side| side.arm));
+        contact
+    }
+
     /// From the state of a contact, with what turns A's and B's axes into the world's, and `offset` the centre of B
     /// less the origin of A's axes, from which A's arms count, and its restitution. Impulses are taken `scale` times.
     pub fn new(

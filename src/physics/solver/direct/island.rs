@@ -6,22 +6,20 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::any_joint::AnyJoint;
 use super::constants::{
-    DUAL_PRODUCTS, ENERGY_ROUNDING, IMPULSE_TOLERANCE, JOINT_PENALTY, LINE_SEARCH_POINTS, LINE_SEARCH_SLOPE,
-    REST_PRODUCTS,
+    DUAL_PRODUCTS, ENERGY_ROUNDING, IMPULSE_TOLERANCE, LINE_SEARCH_POINTS, LINE_SEARCH_SLOPE, REST_PRODUCTS,
 };
 use super::contact::DirectContact;
 use super::dual::DualSystem;
-use super::joint::{DirectJoint, SoftLaw};
+use super::joint::DirectJoint;
 use super::reduced::{ReducedTrees, change_of};
-use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, body_vector, halves};
+use super::rows::{Correction, RowBlocks, RowKey, Rows, body_vector, halves};
 use super::snapshot::Snapshot;
 use super::world::World;
-use crate::physics::body::{Body, world_inverse_inertia};
+use crate::physics::body::Body;
 use crate::physics::constraint::row::{Twist, Wrench};
-use crate::physics::joint::{BodyState, Joint, JointRow, Softness};
+use crate::physics::joint::{BodyState, Joint, JointRow};
 use crate::physics::lanes::Record;
 use crate::physics::solver::linear::{BlockLdl, BodyVector, Elimination, Inverse};
-use crate::physics::solver::soft_terms::{SoftTerms, UNLIMITED};
 use crate::physics::solver::substeps::Intervals;
 
 /// Does the same to the rows of each constraint of an island: contacts, then points held at points, then other joints.
@@ -265,7 +263,7 @@ impl DirectIsland {
             if stays(world.body(pair.a)) || stays(world.body(pair.b)) {
                 continue;
             }
-            let before = std::mem::replace(rows, contact_rows(world, slot, ends, scale));
+            let before = std::mem::replace(rows, DirectContact::of(world, slot, ends, scale));
             (rows.penalty, rows.per_step) = (penalty * mass, 1.0 / h);
             resume(rows, &before);
         }
@@ -296,7 +294,7 @@ impl DirectIsland {
         let ends = &self.ends[self.contacts.len()..];
         for ((rows, &joint), ends) in self.joint_rows.iter_mut().zip(&self.row_points).zip(ends) {
             let joint = world.joint(self.joints[joint as usize]);
-            let before = std::mem::replace(rows, joint_rows(world, joint, ends, h));
+            let before = std::mem::replace(rows, DirectJoint::of(world, joint, ends, h));
             resume(rows, &before, joint);
         }
     }
@@ -616,66 +614,6 @@ pub(super) fn energies<'p>(
         free += linear.norm_squared() / mass + angular.dot(&spin);
     }
     [kinetic, free]
-}
-
-/// The relative motion that sides without a member give.
-fn prescribed(sides: &[Side; 2], bodies: [&Body; 2], arms: [Vector3<f64>; 2]) -> Twist<f64> {
-    let [a, b] = [0, 1].map(|side| match sides[side].body {
-        Some(_) => Twist::zero(),
-        None => Twist { linear: bodies[side].point_velocity(&arms[side]), angular: bodies[side].angular },
-    });
-    b.plus(&a, -1.0)
-}
-
-fn contact_rows(world: &impl World, slot: u32, ends: &[Option<u32>; 2], scale: f64) -> DirectContact {
-    let (state, slot) = (world.state(slot), world.slot(slot));
-    let bodies = [slot.pair.a, slot.pair.b].map(|body| world.body(body));
-    let [a, b] = bodies;
-    let origin = slot.origin_in_world(a);
-    let offset = b.position - a.position + slot.ahead - origin;
-    let turns = bodies.map(|body| body.rotation.to_rotation_matrix().into_inner());
-    let mut contact = DirectContact::new(state, &turns, &offset, [f64::from(slot.restitution), scale]);
-    contact.sides[0].arm += origin;
-    for (side, body) in contact.sides.iter_mut().zip(ends) {
-        side.body = *body;
-    }
-    contact.prescribed = prescribed(&contact.sides, bodies, contact.sides.map(|side| side.arm));
-    contact
-}
-
-fn joint_rows(world: &impl World, joint: &Joint, ends: &[Option<u32>; 2], h: f64) -> DirectJoint {
-    let bodies = [world.body(joint.a), world.body(joint.b)];
-    let anchors = joint.anchors();
-    let arms = [bodies[0].rotation * anchors[0], bodies[1].rotation * anchors[1]];
-    let sides = [0, 1].map(|side| Side { body: ends[side], arm: arms[side] });
-    let separation = bodies[1].position - bodies[0].position + arms[1] - arms[0];
-    let softness = joint.softness().map(|Softness { frequency, damping_ratio, max_force }| {
-        // As sweeps take it: of the pair's own mass.
-        let terms = SoftTerms::<f64>::new(frequency, damping_ratio, UNLIMITED, 0.0, h);
-        let inverse_mass: Matrix3<f64> = (0..2).map(|side| inverse_mass_at(bodies[side], &sides[side])).sum();
-        let mass = inverse_mass.try_inverse().unwrap_or_else(Matrix3::zeros);
-        SoftLaw::new(mass * (terms.mass / terms.impulse), separation * terms.rate, max_force * h)
-    });
-    let masses = (0..2).filter(|&side| sides[side].body.is_some()).map(|side| bodies[side].mass);
-    DirectJoint {
-        penalty: JOINT_PENALTY * masses.fold(f64::INFINITY, f64::min),
-        softness,
-        sides,
-        prescribed: prescribed(&sides, bodies, arms),
-        separation,
-        expected: joint.force * h,
-        impulse: Vector3::zeros(),
-    }
-}
-
-/// Velocity at the arm of a body for an impulse there.
-fn inverse_mass_at(body: &Body, side: &Side) -> Matrix3<f64> {
-    if side.body.is_none() {
-        return Matrix3::zeros();
-    }
-    let arm = side.arm.cross_matrix();
-    let inverse_inertia = world_inverse_inertia(&body.inverse_inertia_body, &body.rotation, &body.rotation_freedom);
-    Matrix3::from_diagonal(&body.inverse_mass) - arm * inverse_inertia * arm
 }
 
 /// Adds an impulse of rows on B, and its reaction on A.

@@ -6,8 +6,10 @@
 //! (M + h²K_δ + Σ JᵀρJ) v = M v₀ + h f + Σ Jᵀ (λ̂ − ρ b), b = ½ h J̇v₀ for joints,
 //!
 //! M with the geometric stiffness that the step cannot resolve ([`StiffnessShares`]), so that poses end on the joints to
-//! second order; what is left of gaps is corrected by the same factor in the positions alone. Where joints hold more than
-//! points, or have limits, their gaps are then closed by Newton's method on the poses, the nearest way by masses
+//! second order; what is left of gaps is corrected by the same factor in the positions alone. Where joints make trees,
+//! the velocities are in the coordinates that these leave free ([`reduced`](super::reduced)), and gaps are closed by the
+//! same factor at the end of the substep. Where trees have too many coordinates and joints hold more than points, or have
+//! limits, their gaps are then closed by Newton's method on the poses, the nearest way by masses
 //! ([`DualSystem::project`](super::dual::DualSystem::project)). Contacts keep the geometry of the start of the step, as
 //! in sweeps, unless a body turns far ([`Substeps`]) and none of the two is round: where a wheel touches does not turn
 //! with it. Where active-set iterations do not end they are left as they stand: a row too many or too few for a substep
@@ -80,7 +82,6 @@ impl DirectIsland {
             let far = match self.dual.is_some() || self.holds_more_than_points() {
                 false => MOTION_TURN,
                 true if is_driven || is_new => -1.0,
-                true if self.is_steady && self.reduced.is_some() => super::constants::experiment(0, 0.0),
                 true => 0.0,
             };
             self.intervals = terms.substeps.for_bodies(self.members.iter().map(|&member| world.body(member)), far);

@@ -82,6 +82,15 @@ impl Side {
     }
 }
 
+/// The relative motion that sides without a member give.
+pub(super) fn prescribed(sides: &[Side; 2], bodies: [&Body; 2], arms: [Vector3<f64>; 2]) -> Twist<f64> {
+    let [a, b] = [0, 1].map(|side| match sides[side].body {
+        Some(_) => Twist::zero(),
+        None => Twist { linear: bodies[side].point_velocity(&arms[side]), angular: bodies[side].angular },
+    });
+    b.plus(&a, -1.0)
+}
+
 /// Share of J̇V that a substep of length `h`, s, takes in: less where a body turns so far in it that what is of second
 /// order in its turn no longer tells where it gets to, and would feed it energy instead.
 pub(super) fn curving_share(bodies: [&Body; 2], h: f64) -> f64 {
