@@ -78,7 +78,10 @@ impl DirectIsland {
                 let body = world.body(member);
                 body.linear.norm() + body.angular.norm() * body.radius < STEADY_SPEED
             };
-            self.is_steady = self.members.iter().all(is_slow);
+            // What springs, motors and hands pull starts its iterations far from where they end.
+            let is_soft = self.joints.iter().any(|&joint| world.joint(joint).definition.is_soft());
+            let is_held = self.partners.iter().any(|&partner| world.body(partner).kind == RigidBody::Kinematic);
+            self.is_steady = !(is_driven || is_soft || is_held) && self.members.iter().all(is_slow);
             let far = match self.dual.is_some() || self.holds_more_than_points() {
                 false => MOTION_TURN,
                 true if is_driven || is_new => -1.0,
