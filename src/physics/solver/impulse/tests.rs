@@ -298,15 +298,16 @@ fn changes_in_updates(arm: Vector3<f64>) -> [f64; 2] {
     block.ends = [std::array::from_fn(|lane| lane as u32), std::array::from_fn(|lane| lane as u32 + 8)];
     let mut before = velocities::<WideF32x8>(&mut group, &bodies);
     [1, 2].map(|updates| {
-        let shared = group.share();
-        let mut pairs = pairs(&shared, block.ends);
-        if updates == 1 {
-            block.take_in(&inputs, &pairs);
+        {
+            let shared = group.share();
+            let mut pairs = pairs(&shared, block.ends);
+            if updates == 1 {
+                block.take_in(&inputs, &pairs);
+            }
+            for _ in 0..updates {
+                block.solve(&mut pairs, &SoftTerms::rigid(0.0, UNLIMITED, 0.0, 1.0), Sweep::Relax);
+            }
         }
-        for _ in 0..updates {
-            block.solve(&mut pairs, &SoftTerms::rigid(0.0, UNLIMITED, 0.0, 1.0), Sweep::Relax);
-        }
-        drop(pairs);
         let after = velocities::<WideF32x8>(&mut group, &bodies);
         let change =
             before.iter().zip(&after).map(|(b, a)| (a.linear - b.linear).norm().max((a.angular - b.angular).norm()));
