@@ -10,7 +10,8 @@
 //! - **Force-level rows, all others**: 0. The normal across a gap between bodies that pass beside each other would stop
 //!   them.
 //! - **Contacts that last**: [`SPECULATIVE_MARGIN`] of the smaller radius, and what both can close in the step. The
-//!   manifold is used until the pair has moved against each other.
+//!   manifold is used until the pair has moved against each other. Where something may stop one of the two within the
+//!   step, what the other moves ([`gap_if_stopped`]).
 //! - **`exact`**: the same margin of each radius, and what each can move in the step, forces included. What is in reach
 //!   goes by another step than what is not, and that must be known before.
 
@@ -38,6 +39,16 @@ pub(super) fn contact_gap(a: &Body, b: &Body, settings: &SolverSettings) -> f64 
     }
     let normal = a.rotation * Vector3::y();
     ((a.linear - b.linear).dot(&normal).max(0.0) + b.angular.norm() * b.radius) * h
+}
+
+/// The gap within which two bodies that move along with each other may meet in a step in which something stops one of
+/// them, m, where contacts last; none where they hardly move, or where it is no more than [`contact_gap`].
+pub(super) fn gap_if_stopped(a: &Body, b: &Body, settings: &SolverSettings) -> Option<f64> {
+    let fastest = a.linear.norm_squared().max(b.linear.norm_squared());
+    let (h, margin) = (settings.step(), SPECULATIVE_MARGIN * a.radius.min(b.radius));
+    let moves = fastest * h * h > margin * margin && fastest > (a.linear - b.linear).norm_squared();
+    let is_pair = a.is_dynamic() && b.is_dynamic();
+    (moves && is_pair).then(|| margin + (fastest.sqrt() + turning_speed(a) + turning_speed(b)) * h)
 }
 
 /// A body's own part of the gap of force-level and exact methods, m: those of two bodies together are no less than the

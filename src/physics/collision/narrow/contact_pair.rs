@@ -26,7 +26,8 @@ use super::{
 use crate::physics::{Body, ContactPoint, Geometry};
 
 /// Adds the contact points of two bodies in world axes, if they touch or are apart by no more than
-/// the gap, m. With a gap of zero no depth is negative.
+/// the gap, m. With a gap of zero no depth is negative. Of bodies that are farther apart, leaves in `search.apart` by how
+/// much at least.
 pub(crate) fn touch(
     a: &Body,
     b: &Body,
@@ -40,6 +41,7 @@ pub(crate) fn touch(
         Geometry::Cuboid { .. } | Geometry::Hull(_) => 2,
         Geometry::Sphere { .. } => 3,
     };
+    search.apart = gap;
     // Half-spaces come first, then cones, and balls last.
     if rank(a.geometry.as_ref()?) <= rank(b.geometry.as_ref()?) {
         touch_ranked(a, b, gap, search, points)
@@ -61,8 +63,12 @@ fn touch_ranked(
     let b_in_a = &Frame { rotation: axes_a.tr_mul(&axes_b), center: axes_a.tr_mul(&(b.position - a.position)) };
     let first = points.len();
     let overlap = match (shape_a, shape_b) {
-        (Geometry::HalfSpace, _) => plane::touch(shape_b, b.radius, b_in_a, gap, &mut search.clip, points)?,
-        (_, Geometry::Sphere { radius }) => ball::touch(shape_a, a.radius, *radius, b_in_a, gap, points)?,
+        (Geometry::HalfSpace, _) => {
+            plane::touch(shape_b, b.radius, b_in_a, gap, &mut search.clip, &mut search.apart, points)?
+        }
+        (_, Geometry::Sphere { radius }) => {
+            ball::touch(shape_a, a.radius, *radius, b_in_a, gap, &mut search.apart, points)?
+        }
         _ => {
             let scale = &Scale::new(a.radius, b.radius, gap);
             macro_rules! tested {

@@ -11,6 +11,7 @@ use crate::physics::collision::broad::near_pairs::NearPairs;
 use crate::physics::collision::broad::pair_slots::PairSlot;
 use crate::physics::collision::constants::SLOTS_A_CHUNK;
 use crate::physics::collision::continuous::fast_pair::FastPair;
+use crate::physics::collision::gap::{contact_gap, gap_if_stopped};
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Pair};
 use crate::physics::collision::narrow::contact_pair::PairSearch;
 use crate::physics::collision::narrow::feature_sat::Feature;
@@ -36,7 +37,7 @@ pub(crate) struct ContactGraph {
     /// Counts every change of which pairs touch.
     pub version: u64,
     /// Counts updates.
-    updates: u64,
+    pub(super) updates: u64,
     /// Whether any slot's `has_started` may be out of date.
     pub starts_changed: bool,
     /// The slots that a step looks at: not those of pairs in which nothing awake can be moved.
@@ -84,6 +85,8 @@ pub(in crate::physics::collision) struct Finder {
     manifolds: i64,
     point_count: i64,
     fast: Vec<FastPair>,
+    /// Slots of bodies that move along with each other, in case something stops one of them.
+    pub(super) together: Vec<u32>,
 }
 
 /// Takes in which pairs are near and finds their contacts.
@@ -116,9 +119,11 @@ pub(in crate::physics::collision) fn update_graph(
         .enumerate();
     let work = slots.map(|(chunk, ((slots, states), finder))| {
         let active = active.words(chunk * SLOTS_A_CHUNK, SLOTS_A_CHUNK);
-        Chunk { slots, states, active, update, joined: &joints.joined, finder }
+        let first = (chunk * SLOTS_A_CHUNK) as u32;
+        Chunk { slots, states, active, first, update, joined: &joints.joined, finder }
     });
     for_each_of(settings.threads, work, |mut chunk| chunk.update(&bodies.list, &settings));
+    graph.find_behind_impacts(&bodies.list, &joints.joined, &settings, &mut finders);
     stats.axes_tested = 0;
     graph.fast.clear();
     for finder in finders.iter_mut() {
@@ -270,6 +275,8 @@ struct Chunk<'a> {
     slots: &'a mut [Slot],
     states: &'a mut [ContactState],
     active: &'a [u64],
+    /// Index of the first.
+    first: u32,
     /// Which one of the graph's this is.
     update: u64,
     /// The bodies that joints hold.
@@ -279,21 +286,40 @@ struct Chunk<'a> {
 
 impl Chunk<'_> {
     fn update(&mut self, bodies: &[Body], settings: &SolverSettings) {
-        let Finder { search, points, changed, manifolds, point_count, fast } = &mut *self.finder;
         for index in ones(self.active) {
             let (slot, state) = (&mut self.slots[index as usize], &mut self.states[index as usize]);
             let (a, b) = (&bodies[slot.pair.a as usize], &bodies[slot.pair.b as usize]);
             let pose = RelativePose::of(a, b);
-            if slot.holds_at(&pose, a, b, settings) {
-                continue;
+            if !slot.holds_at(&pose, a, b, settings) {
+                let place = (pose, contact_gap(a, b, settings));
+                self.finder.find([a, b], place, (slot, state), self.update, self.joined, settings);
             }
-            slot.found_in = self.update;
-            points.clear();
-            let (touched, had) = (slot.touching, state.geometry.point_count());
-            fast.extend(slot.find(pose, state, a, b, self.joined, settings, search, points));
-            *changed |= slot.touching != touched;
-            *manifolds += i64::from(slot.touching) - i64::from(touched);
-            *point_count += state.geometry.point_count() as i64 - had as i64;
+            if let Some(gap) = gap_if_stopped(a, b, settings)
+                && slot.may_meet(&pose, gap)
+            {
+                self.finder.together.push(self.first + index);
+            }
         }
+    }
+}
+
+impl Finder {
+    /// Finds the manifold of a slot within a gap, m, in that of the graph's updates.
+    pub(super) fn find(
+        &mut self,
+        [a, b]: [&Body; 2],
+        place: (RelativePose, f64),
+        (slot, state): (&mut Slot, &mut ContactState),
+        update: u64,
+        joined: &BitSet,
+        settings: &SolverSettings,
+    ) {
+        slot.found_in = update;
+        self.points.clear();
+        let (touched, had) = (slot.touching, state.geometry.point_count());
+        self.fast.extend(slot.find(place, state, a, b, joined, settings, &mut self.search, &mut self.points));
+        self.changed |= slot.touching != touched;
+        self.manifolds += i64::from(slot.touching) - i64::from(touched);
+        self.point_count += state.geometry.point_count() as i64 - had as i64;
     }
 }

@@ -5,12 +5,15 @@
 /// lies, below what one sees (`resting`).
 pub(super) const REST_SPEED: f64 = 0.05;
 
-/// Products of blocks in a factorisation up to which an island is solved at rest: a wall of a hundred bodies. Noticed by
-/// the clock alone.
-pub(super) const REST_PRODUCTS: usize = 4_000;
+/// Products of blocks in a factorisation up to which an island is solved at rest: a wall of two hundred bodies, which one
+/// substep of one sweep does not hold (`pyramid 20`). Noticed by the clock.
+pub(super) const REST_PRODUCTS: usize = 20_000;
 
 /// Products of blocks in a factorisation up to which an island is solved in motion. Noticed by the clock alone.
 pub(super) const MOTION_PRODUCTS: usize = 1_000;
+
+/// The same of an island of contacts alone, whose loads are heavy: a wall of a hundred bodies. Noticed by the clock alone.
+pub(super) const LOADED_PRODUCTS: usize = 4_000;
 
 /// Penalty of rows of contacts over the mass of the island, at rest: what moves in a step then is 1e-4 of what would
 /// without the rows, and nothing once their impulses are right. The pivot of a body when its contacts are eliminated
@@ -21,6 +24,13 @@ pub(super) const REST_CONTACT_PENALTY: f64 = 1e4;
 /// substep; what rests is exact, as the rows act about the impulses of before. With much more, active-set iterations do
 /// not end (`joints_and_contacts`).
 pub(super) const MOTION_CONTACT_PENALTY: f64 = 3.0;
+
+/// The same of an island of contacts alone, whose loads are heavy or go a long way: through a column of n it is as soft as
+/// an n-th (`boulder`, `column`).
+pub(super) const LOADED_CONTACT_PENALTY: f64 = 100.0;
+
+/// Mass of a body over that of one that bears it from which on sweeps do not pass the load on in time (`slab`, `column`).
+pub(super) const HEAVY_LOAD: f64 = 8.0;
 
 /// Penalty of a contact that bounces over that of one that does not: it is to part as it should in a single substep
 /// (`joints_and_contacts`).
@@ -52,10 +62,21 @@ pub(super) const UNCHANGED_SPEED: f64 = 1e-6;
 /// Impulse that is too small to iterate again for, over the weight of a body in a step (`resting`).
 pub(super) const IMPULSE_TOLERANCE: f64 = 1e-3;
 
+/// Impulse over the mean of the momenta of bodies that is lost in their rounding, where some are much heavier than others
+/// (`boulder`, `sandwich`).
+pub(super) const IMPULSE_ROUNDING: f64 = 1e-7;
+
 /// Share of the slope at its start at which a line search ends, and points that it tries at most: each costs a small
 /// part of a factorisation. Noticed by the number of iterations alone.
 pub(super) const LINE_SEARCH_SLOPE: f64 = 0.01;
-pub(super) const LINE_SEARCH_POINTS: usize = 8;
+pub(super) const LINE_SEARCH_POINTS: usize = 32;
+
+/// Speed of a body over that of the fastest before, from which on iterations that did not end are not believed
+/// (`wrecking_ball`).
+pub(super) const BELIEVED_SPEED: f64 = 1.2;
+
+/// Steps for which an island whose iterations were not believed is swept. Noticed by the clock alone.
+pub(super) const DOUBTFUL_STEPS: u32 = 8;
 
 /// Kinetic energy over that without rows which rounding does not explain.
 pub(super) const ENERGY_ROUNDING: f64 = 1.001;

@@ -55,6 +55,8 @@ pub(super) struct DirectContact {
     is_twisting: bool,
     /// Bound of friction, N·s: μ times the normal impulse.
     limit: f64,
+    /// Whether iterations leave it as it is.
+    pub holds_limit: bool,
     /// Where it slides: a unit along the tangents across the friction, times the root of how much of the
     /// stiffness is left across it.
     across: [f64; 2],
@@ -138,6 +140,18 @@ impl DirectContact {
             bounces |= point.rebound > 0.0;
         }
         self.penalty = if bounces { BOUNCE_PENALTY * penalty } else { penalty };
+    }
+
+    /// Takes its impulses for zero.
+    pub fn forget(&mut self) {
+        self.points[..self.count].iter_mut().for_each(|point| point.impulse = 0.0);
+        self.friction = [0.0; 3];
+    }
+
+    /// Bounds friction by the normal impulses at hand. That of a row that is not active yet is not known.
+    pub fn renew_limit(&mut self) {
+        let load: f64 = self.points[..self.count].iter().map(|point| point.impulse).sum();
+        self.limit = self.coefficient * load;
     }
 
     /// How many points it has.
@@ -286,9 +300,9 @@ impl Rows for DirectContact {
         if self.coefficient == 0.0 {
             return holds;
         }
-        // The impulse of a row that is not active yet is not known.
-        let load: f64 = self.points[..self.count].iter().map(|point| point.impulse).sum();
-        self.limit = self.coefficient * load;
+        if !self.holds_limit {
+            self.renew_limit();
+        }
         let trial = self.friction_if_stuck(motion);
         let friction = self.bounded(trial);
         let bound = |most: f64, slips: bool| if slips { most } else { most + tolerance };

@@ -6,8 +6,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::any_joint::AnyJoint;
 use super::constants::{
-    DUAL_PRODUCTS, ENERGY_ROUNDING, IMPULSE_TOLERANCE, JOINT_PENALTY, LINE_SEARCH_POINTS, LINE_SEARCH_SLOPE,
-    REST_PRODUCTS,
+    DUAL_PRODUCTS, ENERGY_ROUNDING, IMPULSE_ROUNDING, IMPULSE_TOLERANCE, JOINT_PENALTY, LINE_SEARCH_POINTS,
+    LINE_SEARCH_SLOPE, REST_PRODUCTS,
 };
 use super::contact::DirectContact;
 use super::dual::DualSystem;
@@ -30,6 +30,24 @@ macro_rules! for_each_constraint {
         for $rows in $points $work
         for $rows in $joints $work
     };
+}
+
+/// Impulses that are too small to iterate again for: what they do to the lighter body of a row counts, and one that is
+/// lost in the rounding of the island's momentum does not.
+#[derive(Clone, Copy, Debug)]
+struct Tolerance {
+    /// m/s.
+    speed: f64,
+    /// N·s.
+    least: f64,
+}
+
+impl Tolerance {
+    /// Of rows between members of these masses, N·s.
+    fn of(&self, sides: &[Side; 2], inertias: &[(f64, Matrix3<f64>)]) -> f64 {
+        let masses = sides.iter().filter_map(|side| Some(inertias[side.body? as usize].0));
+        (self.speed * masses.fold(f64::INFINITY, f64::min)).max(self.least)
+    }
 }
 
 /// What is known of how an island can be factored.
@@ -57,6 +75,12 @@ pub(crate) struct DirectIsland {
     ends: Vec<[Option<u32>; 2]>,
     analysis: Analysis,
     pub(super) elimination: Elimination,
+    /// Whether sweeps would not pass its loads on in time; none: not asked for yet.
+    pub(super) is_hard: Option<bool>,
+    /// Whether what the last substep in motion ended with is to be believed, and steps left for which it is swept where
+    /// it was not.
+    pub(super) is_believed: bool,
+    pub(super) doubtful_steps: u32,
     /// Whether it was solved here in the last step, at rest or in motion.
     pub is_solved: bool,
     /// Whether the iterations of the last substep in motion ended.
@@ -277,8 +301,8 @@ impl DirectIsland {
     /// Active-set iterations: Newton's method on which rows are active. Whether it found out within so many: the fewer
     /// where the last can be gone on from.
     pub(super) fn iterate(&mut self, counts: RangeInclusive<usize>) -> bool {
-        let momentum: f64 = self.momentum.iter().map(|vector| vector.fixed_rows::<3>(0).norm()).sum();
-        let tolerance = IMPULSE_TOLERANCE * momentum / self.members.len() as f64;
+        let tolerance = self.tolerance();
+        self.contact_rows.iter_mut().for_each(|rows| rows.holds_limit = false);
         for iteration in 0..*counts.end() {
             if !self.factor() {
                 self.velocity.iter_mut().for_each(|vector| vector.fill(0.0));
@@ -292,7 +316,8 @@ impl DirectIsland {
             });
             matrix.solve(elimination, &mut velocity[..]);
             let share = if iteration == 0 { 1.0 } else { self.search_line() };
-            let Self { contact_rows, joint_rows, any_rows, elimination, velocity, before, .. } = self;
+            let is_loaded = self.is_loaded();
+            let Self { contact_rows, joint_rows, any_rows, elimination, velocity, before, inertias, .. } = self;
             for rows in &mut *any_rows {
                 rows.carry(&relative_motion(elimination, velocity, rows, &rows.prescribed), share);
             }
@@ -303,9 +328,13 @@ impl DirectIsland {
             let mut holds = share == 1.0;
             for_each_constraint!((&mut *contact_rows, &mut *joint_rows, &mut *any_rows), |rows| {
                 let motion = relative_motion(elimination, velocity, rows, rows.prescribed());
+                let tolerance = tolerance.of(rows.sides(), inertias);
                 holds &= rows.take(&motion, tolerance);
             });
-            if holds {
+            contact_rows.iter_mut().for_each(|rows| rows.holds_limit = is_loaded);
+            if (holds || self.is_loaded() && share == 1.0 && iteration > 0 && self.has_settled(tolerance.speed))
+                && (!self.is_loaded() || self.renew_limits(&tolerance))
+            {
                 return true;
             }
             if iteration + 1 >= *counts.start() && !self.has_gained() {
@@ -313,6 +342,47 @@ impl DirectIsland {
             }
         }
         false
+    }
+
+    /// Bounds friction by the normal impulses found with the bounds so far. Whether all rows still hold then.
+    ///
+    /// A bound that followed each iteration would make the function that they minimize another one each time, and where
+    /// friction bears much they would not end.
+    fn renew_limits(&mut self, tolerance: &Tolerance) -> bool {
+        let Self { contact_rows, elimination, velocity, inertias, .. } = self;
+        let mut holds = true;
+        for rows in contact_rows {
+            rows.renew_limit();
+            let motion = relative_motion(elimination, velocity, rows, &rows.prescribed);
+            let tolerance = tolerance.of(&rows.sides, inertias);
+            holds &= rows.take(&motion, tolerance);
+            rows.holds_limit = true;
+        }
+        holds
+    }
+
+    /// Whether it is of contacts alone and in motion: its loads are such that sweeps would not pass them on in time.
+    pub(super) fn is_loaded(&self) -> bool {
+        self.joints.is_empty() && self.moves
+    }
+
+    /// Whether no body's velocity has changed in the iteration by more than that, m/s, centre and rim together.
+    fn has_settled(&self, speed: f64) -> bool {
+        let changed = |(local, (mass, inertia)): (usize, &(f64, Matrix3<f64>))| {
+            let place = self.place(local);
+            rim_speed(&(self.velocity[place] - self.before[place]), *mass, inertia)
+        };
+        self.inertias.iter().enumerate().map(changed).fold(0.0, f64::max) <= speed
+    }
+
+    /// Which impulses are too small to iterate again for.
+    fn tolerance(&self) -> Tolerance {
+        let momentum: f64 = self.momentum.iter().map(|vector| vector.fixed_rows::<3>(0).norm()).sum();
+        let mass: f64 = self.inertias.iter().map(|(mass, _)| mass).sum();
+        Tolerance {
+            speed: IMPULSE_TOLERANCE * momentum / mass,
+            least: IMPULSE_ROUNDING * momentum / self.members.len() as f64,
+        }
     }
 
     /// Whether it has more energy than its bodies would have alone. Contacts and joints only take energy, so that some row
@@ -481,6 +551,12 @@ pub(super) fn level(slope: impl Fn(f64) -> f64) -> f64 {
         if now.1 > 0.0 { high = now } else { low = now }
     }
     if low.0 > 0.0 { low.0 } else { high.0 }
+}
+
+/// Speed of a body of that mass and inertia, of its centre and about it together, m/s.
+pub(super) fn rim_speed(velocity: &BodyVector, mass: f64, inertia: &Matrix3<f64>) -> f64 {
+    let (linear, angular) = halves(velocity);
+    linear.norm() + angular.norm() * (inertia.trace() / (3.0 * mass)).sqrt()
 }
 
 /// M v + h f.

@@ -1,4 +1,4 @@
-//! Islands with joints in motion: the same direct solve, substep by substep.
+//! Islands in motion with joints, or with loads that are heavy: the same direct solve, substep by substep.
 //!
 //! Sweeps pass the load of a limb on from joint to joint, and what is light under it is thrown about. So islands
 //! with joints are solved here in motion, too, contacts and all, with the geometry that joints have in each substep:
@@ -13,15 +13,25 @@
 //! with it. Where active-set iterations do not end they are left as they stand: a row too many or too few for a substep
 //! is corrected in the next. With limits, they go on for longer while the bodies have more energy than there can be, and
 //! what is left of that is taken back.
+//!
+//! *Heavy loads.* A sweep stops what comes to a light body by as much as the light one weighs: a load of r times its mass
+//! takes r sweeps, and sinks as long. So islands of contacts alone in which a body bears another [`HEAVY_LOAD`] times
+//! heavier are solved here, too. Their rows are stiffer, as through a column of n each gives a share: what is left of a
+//! speed after a substep is 1/(1 + ρ/(n M)). Friction is bounded by what was found with the bounds before, and the bounds
+//! are renewed when that has ended: while they are given the function of the velocities is convex, and Newton's method
+//! with a line search finds its least. Where it does not within its iterations and bodies come out faster than any came,
+//! what is light would be thrown about: the step is for the sweeps, and so are some after it.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{
-    DEPTH_CORRECTION, GAP_CORRECTION, LONG_ITERATIONS, MOTION_CONTACT_PENALTY, MOTION_ITERATIONS, MOTION_PRODUCTS,
-    MOTION_TURN, SHORT_ITERATIONS,
+    BELIEVED_SPEED, DEPTH_CORRECTION, DOUBTFUL_STEPS, GAP_CORRECTION, HEAVY_LOAD, LOADED_CONTACT_PENALTY,
+    LOADED_PRODUCTS, LONG_ITERATIONS, MOTION_CONTACT_PENALTY, MOTION_ITERATIONS, MOTION_PRODUCTS, MOTION_TURN,
+    SHORT_ITERATIONS,
 };
+use super::contact::DirectContact;
 use super::dual::{DualTerms, move_to};
-use super::island::{DirectIsland, momentum_of, relative_motion};
+use super::island::{DirectIsland, momentum_of, relative_motion, rim_speed};
 use super::rows::{Correction, body_vector, curving_share, halves};
 use super::world::{World, moves_freely, world_inertia};
 use crate::physics::Geometry;
@@ -83,7 +93,14 @@ impl DirectIsland {
     }
 
     fn can_set_off(&mut self, world: &impl World, terms: &MotionTerms) -> bool {
-        if self.joints.is_empty() || !self.members.iter().all(|&member| moves_freely(world.body(member))) {
+        if self.joints.is_empty() && !self.is_hard(world) {
+            return false;
+        }
+        if self.doubtful_steps > 0 {
+            self.doubtful_steps -= 1;
+            return false;
+        }
+        if !self.members.iter().all(|&member| moves_freely(world.body(member))) {
             return false;
         }
         let bounces = |&slot: &u32| {
@@ -94,8 +111,43 @@ impl DirectIsland {
         // What holds points alone bounces as well by sweeps, which do not stand limits that are hit.
         self.bounces = self.contacts.iter().any(bounces);
         self.is_analysed(world, terms.time)
-            && (!self.bounces || self.posture.is_some())
-            && (self.dual.is_some() || self.elimination.products() <= MOTION_PRODUCTS)
+            && (!self.bounces || self.posture.is_some() || self.joints.is_empty())
+            && (self.dual.is_some() || self.elimination.products() <= self.most_products())
+    }
+
+    /// Products of blocks up to which it is solved in motion.
+    fn most_products(&self) -> usize {
+        if self.joints.is_empty() { LOADED_PRODUCTS } else { MOTION_PRODUCTS }
+    }
+
+    /// Whether sweeps would not pass the loads of its contacts on in time: some body that something else touches, too, has
+    /// to bear one much heavier.
+    fn is_hard(&mut self, world: &impl World) -> bool {
+        if let Some(is_hard) = self.is_hard {
+            return is_hard;
+        }
+        let local = |body: u32| self.members.binary_search(&body).ok();
+        let mut touched = vec![0; self.members.len()];
+        let mut heaviest = vec![0.0_f64; self.members.len()];
+        for &slot in &self.contacts {
+            let pair = world.slot(slot).pair;
+            for (body, other) in [(pair.a, pair.b), (pair.b, pair.a)] {
+                let Some(place) = local(body) else { continue };
+                touched[place] += 1;
+                if local(other).is_some() {
+                    heaviest[place] = heaviest[place].max(world.body(other).mass);
+                }
+            }
+        }
+        let mut loads = self.members.iter().zip(touched.iter().zip(&heaviest));
+        let is_hard =
+            loads.any(|(&member, (&touched, &load))| touched > 1 && load > HEAVY_LOAD * world.body(member).mass);
+        *self.is_hard.insert(is_hard)
+    }
+
+    /// Penalty of its contacts over its mass.
+    fn contact_penalty(&self) -> f64 {
+        if self.joints.is_empty() { LOADED_CONTACT_PENALTY } else { MOTION_CONTACT_PENALTY }
     }
 
     /// Into what its step is cut.
@@ -108,8 +160,18 @@ impl DirectIsland {
         &self.partners
     }
 
-    /// Solves for the substep of that index: velocities and impulses, and the correction of position errors.
-    pub fn substep(&mut self, world: &impl World, terms: &MotionTerms, substep: u32) {
+    /// Solves for the substep of that index: velocities and impulses, and the correction of position errors. Whether what
+    /// came out is to be believed; if not, the step is for the sweeps, as are some after it.
+    pub fn substep(&mut self, world: &impl World, terms: &MotionTerms, substep: u32) -> bool {
+        self.is_believed = true;
+        self.solve_substep(world, terms, substep);
+        if !self.is_believed {
+            self.doubtful_steps = DOUBTFUL_STEPS;
+        }
+        self.is_believed
+    }
+
+    fn solve_substep(&mut self, world: &impl World, terms: &MotionTerms, substep: u32) {
         let Intervals { h, replaces, turns_far, .. } = self.intervals;
         let (time, is_first) = (terms.time + h * f64::from(substep), substep == 0);
         self.has_rows = false;
@@ -122,10 +184,10 @@ impl DirectIsland {
         if is_first || turns_far {
             // What is round rolls: its contact does not turn with it.
             let stays = |body: &Body| !is_first && body.geometry.as_ref().is_some_and(Geometry::is_round);
-            self.make_contact_rows(world, [h, replaces, MOTION_CONTACT_PENALTY], stays, |_, _| {});
+            self.make_contact_rows(world, [h, replaces, self.contact_penalty()], stays, |_, _| {});
         }
         if self.bounces {
-            self.bounce(world, terms.restitution_speed, MOTION_CONTACT_PENALTY);
+            self.bounce(world, terms.restitution_speed, self.contact_penalty());
         }
         self.make_joint_rows(world, h, |rows, before, joint| match (&mut rows.softness, &before.softness) {
             (Some(now), Some(before)) if !is_first => now.resume(before),
@@ -142,12 +204,24 @@ impl DirectIsland {
         });
         self.take_momenta(world, h);
         self.factored.clear();
-        let least = if self.has_converged { MOTION_ITERATIONS } else { SHORT_ITERATIONS };
-        let has_limits = self.posture.is_some();
-        self.has_converged = self.iterate(least..=if has_limits { LONG_ITERATIONS } else { MOTION_ITERATIONS });
+        // Where limbs hit their limits what is left wrong would throw them about, and where much is heavy what is light.
+        let is_loaded = self.is_loaded();
+        let is_patient = is_loaded || self.posture.is_some();
+        let most = if is_patient { LONG_ITERATIONS } else { MOTION_ITERATIONS };
+        let least = match self.has_converged {
+            _ if is_loaded => most,
+            true => MOTION_ITERATIONS,
+            false => SHORT_ITERATIONS,
+        };
+        self.has_converged = self.iterate(least..=most);
         let is_given = |&partner: &u32| world.body(partner).kind == RigidBody::Kinematic;
-        if has_limits && !self.has_converged && !self.partners.iter().any(is_given) {
+        if is_patient && (is_loaded || !self.has_converged) && !self.partners.iter().any(is_given) {
             self.take_back_gain();
+        }
+        if is_loaded && !self.has_converged {
+            // What was not found is nothing to go on from.
+            self.contact_rows.iter_mut().for_each(DirectContact::forget);
+            self.is_believed = !self.slow_down();
         }
         if self.factored.is_empty() {
             self.correction.fill(BodyVector::zeros());
@@ -156,6 +230,24 @@ impl DirectIsland {
         let rates = [DEPTH_CORRECTION / h, GAP_CORRECTION / h];
         self.correct(&Correction { rates, speeds: [terms.correction_speed; 2] });
         self.put_together(world, time, terms.correction_speed, h);
+    }
+
+    /// Takes from bodies what they have of speed beyond that with which the fastest came, for where the iterations did
+    /// not end. Whether any had.
+    fn slow_down(&mut self) -> bool {
+        let Self { inertias, elimination, velocity, momentum, .. } = self;
+        let places = (0..inertias.len()).map(|local| elimination.place(local as u32) as usize);
+        let speed = |place: usize, mass: f64| momentum[place].fixed_rows::<3>(0).norm() / mass;
+        let fastest = places.clone().zip(&*inertias).map(|(place, (mass, _))| speed(place, *mass)).fold(0.0, f64::max);
+        let mut had = false;
+        for (place, (mass, inertia)) in places.zip(&*inertias) {
+            let now = rim_speed(&velocity[place], *mass, inertia);
+            if now > BELIEVED_SPEED * fastest {
+                velocity[place] *= fastest / now;
+                had = true;
+            }
+        }
+        had
     }
 
     /// Closes what the substep left of gaps of joints, in the poses alone.

@@ -255,10 +255,15 @@ impl<S: Scalar + Default> ClaimedBody<'_, '_, S> {
         self.set(velocity, now);
     }
 
-    /// Positions follow velocities.
+    /// Positions follow velocities. What no impulse touched has moved freely, and goes by the mean of its velocities:
+    /// its energy stays.
     pub fn drift(&mut self, h: S) {
-        let SharedBodies { velocity, displacement, .. } = *self.bodies;
-        let (mut moved, velocity) = (self.get(displacement), self.get(velocity));
+        let SharedBodies { velocity, displacement, start, kick, .. } = *self.bodies;
+        let (mut moved, mut velocity, start) = (self.get(displacement), self.get(velocity), self.get(start));
+        if velocity == start {
+            let (kick, half) = (self.get(kick), S::of(0.5));
+            (0..WIDTH).for_each(|lane| velocity.0[lane] -= kick.0[lane] * half);
+        }
         (0..WIDTH).for_each(|lane| moved.0[lane] += velocity.0[lane] * h);
         self.set(displacement, moved);
     }

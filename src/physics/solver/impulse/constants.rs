@@ -5,6 +5,14 @@
 /// friction of a manifold agree: columns rock a third as much (`standing`: `stack 30`).
 pub(super) const CONTACT_ROUNDS: usize = 2;
 
+/// Sweeps over the contacts that bounce before each substep: an impact that is passed on goes as many bodies far, and
+/// the rest of it in the next (`cradle`, `spheres`).
+pub(super) const IMPACT_SWEEPS: u32 = 10;
+
+/// Updates of the points of a manifold in one update of its impact, in which they are to agree (`methods`: a box that
+/// lands flat).
+pub(super) const IMPACT_ROUNDS: usize = 6;
+
 /// W, the whitening of what constraints do not move. A power of two rounds nothing, and squared it is lost beside any
 /// inverse inertia in `f32`. Noticed by `impulse::tests`.
 pub(super) const UNMOVED_WHITENING: f64 = 1.0 / (1_u64 << 40) as f64;

@@ -23,10 +23,11 @@
 use nalgebra::{SimdBool, Vector3};
 
 use super::bodies::{ClaimedPairs, Ends, Frames};
-use super::constants::CONTACT_ROUNDS;
+use super::constants::{CONTACT_ROUNDS, IMPACT_ROUNDS};
 use super::pair::Pair;
 use super::stage::Sweep;
 use crate::physics::collision::{ContactGeometry, GEOMETRY, POINTS};
+use crate::physics::contact::rebound;
 use crate::physics::lanes::{Lanes, READ_ONLY, Record, WIDTH, add_scaled, dot, inverse, vector};
 use crate::physics::scalar::Scalar;
 use crate::physics::solver::soft_terms::{Projection, SoftTerms};
@@ -325,30 +326,78 @@ impl<L: Lanes> ContactBlock<L> {
         friction.update(pair, &self.tangents, self.coefficient * load);
     }
 
-    /// How fast each point's surfaces come together, m/s.
-    pub fn approach(&self, pairs: &ClaimedPairs<L>) -> [L; POINTS] {
-        let pair = self.velocities(pairs);
-        let approach = dot(&self.normal, &pair.linear());
-        self.points.map(|point| -pair.row(approach, &point.angular))
-    }
-
     /// The impulse of each point, N·s.
     pub fn normal_impulses(&self) -> [L; POINTS] {
         self.points.map(|point| point.impulse)
     }
 
-    /// Gives points the separating speed asked for (none: 0 or less) if they have less.
-    pub fn restitute(&mut self, pairs: &mut ClaimedPairs<L>, speeds: &[L; POINTS]) {
-        let mut pair = self.velocities(pairs);
+    /// The impact of points that come together within the substep, of length h, s, faster than `least`, m/s: each parts at
+    /// its `restitution` times that speed, with friction of what it then pushes. Returns the impulses, N·s.
+    ///
+    /// An impulse p on points at relative velocities v changes the energy by p·(v + v′)/2, v′ those after it: at
+    /// restitution 1 by nothing. What points that do not agree yet would gain is scaled out of p.
+    pub fn bounce(&mut self, pairs: &mut ClaimedPairs<L>, restitution: L, [least, h]: [L; 2]) -> [L; WIDTH] {
         let zero = L::zero();
-        for (point, &wanted) in self.points[..self.point_count].iter_mut().zip(speeds) {
-            let speed = pair.row(dot(&self.normal, &pair.linear()), &point.angular);
-            let change = (point.mass * (wanted - speed)).simd_max(-point.impulse).select(wanted.simd_gt(zero), zero);
-            point.impulse += change;
-            pair.apply_linear(&(self.normal * change));
-            pair.apply_angular(&point.angular, change);
+        let before = self.velocities(pairs);
+        let moved = Pair::new(pairs.displacements(), &self.inverse_mass);
+        let (approach, shift) = (dot(&self.normal, &before.linear()), dot(&self.normal, &moved.linear()));
+        let (mut speeds, mut rebounds) = ([zero; POINTS], [zero; POINTS]);
+        let mut any = false;
+        for (index, point) in self.points[..self.point_count].iter().enumerate() {
+            let speed = before.row(approach, &point.angular);
+            let separation = moved.row(point.separation + shift, &point.angular);
+            let meets = (point.mass * (separation + speed * h)).simd_lt(zero);
+            speeds[index] = speed;
+            rebounds[index] = rebound(restitution, -speed, least).select(meets, zero);
+            any |= rebounds[index].simd_gt(zero).any();
+        }
+        if !any {
+            return [zero; WIDTH];
+        }
+        let (impulses, mut pair) = self.meet(&before, &rebounds);
+        let (mut given, mut growth) = (zero, zero);
+        let after = dot(&self.normal, &pair.linear());
+        for (index, point) in self.points[..self.point_count].iter().enumerate() {
+            given -= impulses[index] * speeds[index];
+            growth += impulses[index] * (pair.row(after, &point.angular) - speeds[index]);
+        }
+        let share = (given * L::of(2.0) * inverse(growth)).simd_clamp(zero, L::one());
+        let impulses = impulses.map(|impulse| impulse * share);
+        pair = before;
+        let load = impulses.iter().fold(zero, |sum, &impulse| sum + impulse);
+        pair.apply_linear(&(self.normal * load));
+        for (point, &impulse) in self.points[..self.point_count].iter().zip(&impulses) {
+            pair.apply_angular(&point.angular, impulse);
+        }
+        let mut rubbed = [zero; 3];
+        if let Some(friction) = &mut self.friction {
+            let kept = (friction.impulse, friction.torsion_impulse);
+            (friction.impulse, friction.torsion_impulse) = ([zero; 2], zero);
+            friction.update(&mut pair, &self.tangents, self.coefficient * load);
+            rubbed = [friction.impulse[0], friction.impulse[1], friction.torsion_impulse];
+            (friction.impulse, friction.torsion_impulse) = kept;
         }
         pairs.set_velocities(pair.records());
+        let [p, q, r, s] = impulses;
+        let [x, y, torsion] = rubbed;
+        [p, q, r, s, x, y, torsion, zero]
+    }
+
+    /// Impulses of points that are to part at these speeds, 0 for those that do not meet, and the velocities after them.
+    fn meet(&self, before: &Pair<L>, rebounds: &[L; POINTS]) -> ([L; POINTS], Pair<L>) {
+        let zero = L::zero();
+        let (mut impulses, mut pair) = ([zero; POINTS], before.clone());
+        for _ in 0..IMPACT_ROUNDS {
+            for (index, point) in self.points[..self.point_count].iter().enumerate() {
+                let speed = pair.row(dot(&self.normal, &pair.linear()), &point.angular);
+                let wanted = point.mass * (rebounds[index] - speed);
+                let change = wanted.simd_max(-impulses[index]).select(rebounds[index].simd_gt(zero), zero);
+                impulses[index] += change;
+                pair.apply_linear(&(self.normal * change));
+                pair.apply_angular(&point.angular, change);
+            }
+        }
+        (impulses, pair)
     }
 
     /// The impulses of each pair, to be kept for the next step.

@@ -119,8 +119,6 @@ unsafe fn solve_in_motion(
         return false;
     }
     let (world, Intervals { count, h, replaces, .. }) = (view.world, island.intervals());
-    counts.row_updates += island.rows() * count;
-    counts.rows += island.rows();
     for substep in 0..count {
         view.moved.clear();
         for &partner in island.partners() {
@@ -131,7 +129,10 @@ unsafe fn solve_in_motion(
                 view.moved.push((partner, body));
             }
         }
-        island.substep(view, terms, substep);
+        if !island.substep(view, terms, substep) && substep == 0 {
+            view.moved.clear();
+            return false;
+        }
         // SAFETY: these are the island's alone, and what was read of them is not held any more.
         unsafe {
             for (local, &member) in island.members().iter().enumerate() {
@@ -144,6 +145,8 @@ unsafe fn solve_in_motion(
         island.carry_on(h);
     }
     view.moved.clear();
+    counts.row_updates += island.rows() * count;
+    counts.rows += island.rows();
     island.remember_motion(view);
     true
 }

@@ -163,7 +163,8 @@ impl<L: Lanes> GroupsOf<L> {
             let plan = Plan {
                 substeps: settings.substeps,
                 iterations: settings.iterations,
-                records: records || group.may_bounce,
+                bounces: group.may_bounce,
+                records,
                 turn: group.turn(&bodies.list, settings.step()),
             };
             let colors = group.colors();

@@ -3,7 +3,8 @@
 //!
 //! Each substep: forces and the last impulses → a sweep with soft terms → positions → a sweep without. The springs
 //! correct position errors with no more stiffness than a sweep can follow; the second sweep, *relax*, takes the
-//! velocity that they add out again, so that it adds no energy. Restitution comes last.
+//! velocity that they add out again, so that it adds no energy. Impacts come first, pair by pair, before forces act
+//! ([`ContactBlock::bounce`](super::contact::ContactBlock::bounce)): they lose what restitution says, and gain nothing.
 //!
 //! Contacts solve friction in the second sweep only, except where surfaces come together in the step: the motion that
 //! springs cause is no slip. Nor may softness make what is high lean: the springs of an interface resist tilting with

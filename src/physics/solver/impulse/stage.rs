@@ -2,6 +2,7 @@
 //! done in any order and on any thread. What each stage does to bodies and constraints is in [`super::walk`].
 
 use super::coloring::Color;
+use super::constants::IMPACT_SWEEPS;
 use crate::physics::contact::restitution_threshold;
 use crate::physics::lanes::Lanes;
 use crate::physics::settings::SolverSettings;
@@ -43,7 +44,7 @@ pub(crate) enum Stage {
     SolveFriction(Color),
     /// One update of the contacts with a normal impulse, until their surfaces neither part nor approach.
     SolveVelocities(Color),
-    /// The impulses of this substep are recorded, for restitution and for whoever reads forces.
+    /// The impulses of this substep are recorded, for whoever reads forces.
     Record(Color),
     /// Positions follow velocities.
     Drift,
@@ -51,8 +52,8 @@ pub(crate) enum Stage {
     Project(Color),
     /// What constraints added to the velocities is remembered; drag acts.
     EndSubstep,
-    /// Points that came fast part again.
-    Restitution(Color),
+    /// Points that come together fast within the substep part again.
+    Impact(Color),
     /// Bodies are written back.
     Scatter,
     /// Impulses are written back.
@@ -71,7 +72,7 @@ impl Stage {
             | Self::SolveVelocities(color)
             | Self::Record(color)
             | Self::Project(color)
-            | Self::Restitution(color)
+            | Self::Impact(color)
             | Self::Store(color) => Some(color),
             Self::FreeMotion
             | Self::Trees
@@ -117,13 +118,15 @@ impl<L: Lanes> GroupTerms<L> {
     }
 }
 
-/// The frame of a step that all methods share: bodies are taken in, rows made, forces act, the method's own stages,
-/// restitution, everything is written back. These are the numbers that a group's stages depend on.
+/// The frame of a step that all methods share: bodies are taken in, rows made; in each substep impacts, forces, the
+/// method's own stages; everything is written back. These are the numbers that a group's stages depend on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
     pub substeps: u32,
     pub iterations: u32,
-    /// Whether some contact may bounce, or forces are read.
+    /// Whether some contact may bounce.
+    pub bounces: bool,
+    /// Whether forces are read.
     pub records: bool,
     /// How far a body turns at most in the step, rad; none where no joint is swept.
     pub turn: Option<f64>,
@@ -153,14 +156,15 @@ impl Plan {
         stages.push(Stage::Gather { substeps, done });
         stages.extend(colors.clone().map(|color| Stage::Prepare { color, done }));
         for index in 0..substeps {
+            for _ in 0..if self.bounces { IMPACT_SWEEPS } else { 0 } {
+                let contacts = colors.clone().filter(|color| matches!(color, Color::Contacts(_)));
+                stages.extend(contacts.map(Stage::Impact));
+            }
             substep(index == 0, stages);
             if self.records {
                 stages.extend(colors.clone().map(Stage::Record));
             }
             stages.push(Stage::EndSubstep);
-        }
-        if self.records {
-            stages.extend(colors.clone().map(Stage::Restitution));
         }
         stages.push(Stage::Scatter);
         stages.extend(colors.map(Stage::Store));

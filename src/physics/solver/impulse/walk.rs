@@ -356,9 +356,7 @@ impl<L: Lanes> Walk<'_, L> {
                         let slot = contacts.clone().nth(lane).map(|contact| contact.slot);
                         slot.map_or(0.0, |slot| f64::from(self.world.slots[slot as usize].restitution))
                     };
-                    let approach = || block.approach(&pairs);
-                    *self.restitutions.element(index) =
-                        Restitution::new(restitution, self.terms.restitution_speed, approach);
+                    *self.restitutions.element(index) = Restitution::new(restitution);
                 }
                 Stage::WarmStart(_) => block.warm_start(&mut pairs),
                 Stage::Solve { sweep, .. } => block.solve(&mut pairs, &self.terms.contact, sweep),
@@ -373,18 +371,22 @@ impl<L: Lanes> Walk<'_, L> {
                     }
                 }
                 Stage::Record(_) => {
-                    if let Some(restitution) = self.restitutions.element(index) {
-                        restitution.record(&block.normal_impulses());
-                    }
-                    if self.world.totals.is_some() {
-                        for (total, now) in self.totals.element(index).iter_mut().zip(block.impulses()) {
+                    let totals = self.totals.element(index);
+                    let mut add = |impulses: [ContactImpulses; WIDTH]| {
+                        for (total, now) in totals.iter_mut().zip(impulses) {
                             total.0.iter_mut().zip(now.0).for_each(|(total, now)| *total += now);
                         }
+                    };
+                    add(block.impulses());
+                    if let Some(restitution) = self.restitutions.element(index) {
+                        add(L::give(std::mem::replace(&mut restitution.impacts, [L::zero(); WIDTH])));
                     }
                 }
-                Stage::Restitution(_) => {
-                    if let Some(restitution) = self.restitutions.get(index) {
-                        block.restitute(&mut pairs, &restitution.speeds_of_loaded());
+                Stage::Impact(_) => {
+                    if let Some(Restitution { coefficient, impacts }) = self.restitutions.element(index) {
+                        let GroupTerms { h, restitution_speed, .. } = *self.terms;
+                        let now = block.bounce(&mut pairs, *coefficient, [restitution_speed, h].map(L::of));
+                        impacts.iter_mut().zip(now).for_each(|(sum, now)| *sum += now);
                     }
                 }
                 Stage::Store(_) => {
