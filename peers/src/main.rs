@@ -5,7 +5,6 @@ mod engine;
 mod joint;
 mod load;
 mod metrics;
-mod overlap;
 mod plan;
 mod precision;
 mod record;

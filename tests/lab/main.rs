@@ -4,7 +4,6 @@ mod accurate;
 mod accurate_contact;
 mod command_line;
 mod export;
-mod heavy;
 mod joint_errors;
 mod joint_metrics;
 mod machines;

@@ -12,7 +12,6 @@ mod gravity;
 mod grid;
 mod hanging;
 mod heap;
-mod heavy;
 mod hinged;
 mod limbs;
 mod linkages;
@@ -29,7 +28,7 @@ mod tower;
 use super::SceneInfo;
 
 /// Every built-in scene, the start scene first.
-pub(super) static ALL: [SceneInfo; 40] = [
+pub(super) static ALL: [SceneInfo; 37] = [
     limbs::LIMBS,
     hanging::PENDULUM,
     hanging::RODS,
@@ -50,9 +49,6 @@ pub(super) static ALL: [SceneInfo; 40] = [
     stacking::PYRAMID,
     stacking::PYRAMIDS,
     stacking::SANDWICH,
-    heavy::SLAB,
-    heavy::COLUMN,
-    heavy::BOULDER,
     standing::ARCH,
     standing::CARD_HOUSE,
     dominoes::DOMINOES,

@@ -29,11 +29,11 @@ struct Boxes<'t> {
 
 /// Tests two boxes and leaves their contact points in the clip buffers, in A's axes.
 pub(crate) fn touch(pair: &ShapePair<Cuboid, Cuboid>, search: &mut PairSearch) -> Option<Overlap> {
-    let PairSearch { clip: buffers, axes, apart, .. } = search;
+    let PairSearch { clip: buffers, axes, .. } = search;
     let b_in_a = pair.b_in_a;
     let center_in_b = b_in_a.enter(&b_in_a.center);
     let boxes = Boxes { pair, magnitudes: b_in_a.rotation.abs(), center_in_b };
-    let (depth, axis) = boxes.least_overlap(axes).map_err(|depth| *apart = -depth).ok()?;
+    let (depth, axis) = boxes.least_overlap(axes)?;
     let depth = pair.scale.rounded(depth);
     let normal = boxes.normal(axis);
     let overlap = Overlap { normal, depth };
@@ -62,21 +62,22 @@ pub(crate) fn touch(pair: &ShapePair<Cuboid, Cuboid>, search: &mut PairSearch) -
 }
 
 impl Boxes<'_> {
-    /// The least depth, faces of A before those of B before edges; an error if an axis separates by
-    /// more than the gap, with its depth.
-    fn least_overlap(&self, axes: &mut u32) -> Result<(f64, Axis), f64> {
+    /// The least depth, faces of A before those of B before edges; none if an axis separates by
+    /// more than the gap.
+    fn least_overlap(&self, axes: &mut u32) -> Option<(f64, Axis)> {
         let &ShapePair { a, b, b_in_a, scale } = self.pair;
         let (a, b) = (&a.half, &b.half);
         let of_a = a + self.magnitudes * b - b_in_a.center.abs();
         let face_a = of_a.imin();
         *axes += 3;
+        if scale.separates(of_a[face_a]) {
+            return None;
+        }
         let of_b = b + self.magnitudes.tr_mul(a) - self.center_in_b.abs();
         let face_b = of_b.imin();
         *axes += 3;
-        // The farther they are found to be, the longer nobody need look again.
-        let of_faces = of_a[face_a].min(of_b[face_b]);
-        if scale.separates(of_faces) {
-            return Err(of_faces);
+        if scale.separates(of_b[face_b]) {
+            return None;
         }
         let mut least = (of_a[face_a], Axis::OfA(face_a));
         if of_b[face_b] < scale.limit(least.0) {
@@ -98,7 +99,7 @@ impl Boxes<'_> {
                 }
                 let depth = depth / squared_sine.sqrt();
                 if scale.separates(depth) {
-                    return Err(depth);
+                    return None;
                 }
                 if depth < limit {
                     limit = depth;
@@ -106,7 +107,7 @@ impl Boxes<'_> {
                 }
             }
         }
-        Ok(least)
+        Some(least)
     }
 
     /// The depth across an edge of each, times the sine of the angle between them.
