@@ -63,7 +63,7 @@ pub(crate) fn fastest_approach(a: &Body, b: &Body) -> f64 {
 }
 
 /// Greatest speed that turning gives a point of the body, m/s.
-pub(super) fn turning_speed(body: &Body) -> f64 {
+pub(crate) fn turning_speed(body: &Body) -> f64 {
     body.angular.norm() * body.radius.min(LONGEST_ARM)
 }
 

@@ -330,19 +330,22 @@ impl DirectIsland {
         }))
     }
 
-    /// Slows all down alike to the energy that the bodies would have alone, with what springs and motors give: for where
-    /// the iterations did not end. Rows that hold still do.
-    pub(super) fn take_back_gain(&mut self) {
+    /// Slows all down alike to the most energy that the bodies can have: what they would have alone, what springs and
+    /// motors give, and what supports give that move at `speed`, m/s, which is no more than all bodies thrown ahead of
+    /// them at twice that. For where the iterations did not end; rows that hold still do.
+    pub(super) fn take_back_gain(&mut self, speed: f64) {
         let [kinetic, free] = self.energies();
-        let Self { joint_rows, any_rows, elimination, velocity, .. } = self;
+        let Self { joint_rows, any_rows, elimination, velocity, inertias, .. } = self;
         let mut given = 0.0;
+        // Work on the members alone: what a hand gives that moves is in it.
         for rows in joint_rows.iter().filter(|rows| rows.softness.is_some()) {
-            given += rows.impulse.dot(&relative_motion(elimination, velocity, rows, &rows.prescribed).linear).max(0.0);
+            given += rows.impulse.dot(&relative_motion(elimination, velocity, rows, &Twist::zero()).linear).max(0.0);
         }
         for rows in &*any_rows {
-            given += rows.given(&relative_motion(elimination, velocity, rows, &rows.prescribed));
+            given += rows.given(&relative_motion(elimination, velocity, rows, &Twist::zero()));
         }
-        let most = ENERGY_ROUNDING * free + 2.0 * given;
+        let mass: f64 = inertias.iter().map(|(mass, _)| mass).sum();
+        let most = ((ENERGY_ROUNDING * free + 2.0 * given).sqrt() + 2.0 * speed * mass.sqrt()).powi(2);
         if kinetic <= most {
             return;
         }

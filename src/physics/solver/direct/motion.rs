@@ -27,7 +27,7 @@ use super::world::{World, moves_freely, world_inertia};
 use crate::physics::Geometry;
 use crate::physics::body::free_rotation::turn_freely;
 use crate::physics::body::{Body, RigidBody};
-use crate::physics::collision::fastest_approach;
+use crate::physics::collision::{fastest_approach, turning_speed};
 use crate::physics::constraint::row::Twist;
 use crate::physics::contact::{rebound, restitution_threshold};
 use crate::physics::joint::Joint;
@@ -145,9 +145,8 @@ impl DirectIsland {
         let least = if self.has_converged { MOTION_ITERATIONS } else { SHORT_ITERATIONS };
         let has_limits = self.posture.is_some();
         self.has_converged = self.iterate(least..=if has_limits { LONG_ITERATIONS } else { MOTION_ITERATIONS });
-        let is_given = |&partner: &u32| world.body(partner).kind == RigidBody::Kinematic;
-        if has_limits && !self.has_converged && !self.partners.iter().any(is_given) {
-            self.take_back_gain();
+        if has_limits && !self.has_converged {
+            self.take_back_gain(self.fastest_support(world));
         }
         if self.factored.is_empty() {
             self.correction.fill(BodyVector::zeros());
@@ -156,6 +155,16 @@ impl DirectIsland {
         let rates = [DEPTH_CORRECTION / h, GAP_CORRECTION / h];
         self.correct(&Correction { rates, speeds: [terms.correction_speed; 2] });
         self.put_together(world, time, terms.correction_speed, h);
+    }
+
+    /// Greatest speed of a point of what moves it by contacts or joints that do not give, m/s.
+    fn fastest_support(&self, world: &impl World) -> f64 {
+        let of_contacts = self.contacts.iter().map(|&slot| world.slot(slot).pair).map(|pair| [pair.a, pair.b]);
+        let joints = self.joints.iter().map(|&joint| world.joint(joint));
+        let of_joints = joints.filter(|joint| joint.softness().is_none()).map(|joint| [joint.a, joint.b]);
+        let supports = of_contacts.chain(of_joints).flatten().map(|body| world.body(body));
+        let moving = supports.filter(|body| body.kind == RigidBody::Kinematic);
+        moving.map(|body| body.linear.norm() + turning_speed(body)).fold(0.0, f64::max)
     }
 
     /// Closes what the substep left of gaps of joints, in the poses alone.
