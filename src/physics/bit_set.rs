@@ -49,6 +49,17 @@ impl BitSet {
         ones(&self.words)
     }
 
+    /// What is in it and in another, ascending.
+    pub fn both(&self, other: &Self) -> impl Iterator<Item = u32> + Clone {
+        walk(self.words.iter().zip(&other.words).map(|(word, other)| word & other))
+    }
+
+    /// What is in it and in one of two others, ascending.
+    pub fn with_either(&self, one: &Self, other: &Self) -> impl Iterator<Item = u32> + Clone {
+        let word = |set: &Self, place: usize| set.words.get(place).copied().unwrap_or(0);
+        walk(self.words.iter().enumerate().map(move |(place, own)| own & (word(one, place) | word(other, place))))
+    }
+
     /// What of 0..count is not in it, ascending.
     pub fn absent(&self, count: u32) -> impl Iterator<Item = u32> + Clone + '_ {
         let words = (0..count.div_ceil(u64::BITS)).map(move |place| {

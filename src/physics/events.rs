@@ -64,13 +64,16 @@ fn report_starts_and_ends(mut graph: ResMut<ContactGraph>, mut teller: Teller) {
     let all = std::mem::take(&mut graph.starts_changed);
     let mut changed = std::mem::take(&mut graph.fell_asleep);
     if all {
-        changed.extend(graph.active());
+        changed.extend(graph.touching_or_started());
     }
     for index in changed.drain(..) {
-        let (slot, state) = (&mut graph.slots[index as usize], &graph.states[index as usize]);
-        let pushes = slot.touching && state.pushes();
-        let Some(entities) = slot.entities.filter(|_| pushes != slot.has_started) else { continue };
-        slot.has_started = pushes;
+        // What does not touch has no impulse.
+        let pushes = graph.states[index as usize].pushes();
+        if pushes == graph.started.contains(index) {
+            continue;
+        }
+        let Some(entities) = graph.slots[index as usize].entities else { continue };
+        graph.started.set(index, pushes);
         let (a, b) = ordered(entities);
         if pushes { teller.start(a, b) } else { teller.end(a, b) }
     }

@@ -26,10 +26,16 @@ pub(super) const STEPS_AHEAD: f64 = 4.0;
 
 // Contacts that last, in slots.
 
-/// Share of the smaller bounding radius by which a pair may move before its manifold is found anew. Points that move
-/// along with their bodies are right to first order; the square of this is what they miss.
+/// Share of the smaller bounding radius by which a pair with a curved surface may move before its manifold is found
+/// anew. Where a ball touches does not turn with it: by so much the points lag behind, which is the arm at which they
+/// push. `slide_roll`, `cones`, *speed*.
+pub(super) const ROUND_RECYCLING: f64 = 1e-3;
+
+/// Likewise of a pair of polyhedra, or one on a plane: corners and edges turn with their bodies, and points that move
+/// along with them are right to first order; half the square of this is what they miss. No more than
+/// [`SPECULATIVE_MARGIN`]: what was beyond that margin and has no point cannot touch before the manifold is found anew.
 /// `lasting_contacts::lasting_contacts_are_those_that_a_search_from_nothing_finds`, *speed*.
-pub(super) const RECYCLING_LIMIT: f64 = 1e-3;
+pub(super) const FLAT_RECYCLING: f64 = SPECULATIVE_MARGIN;
 
 /// Share of the smaller bounding radius within which a point without a namesake takes over from an old one: as far as
 /// a corner's name jumps where edges lie on edges. `at_rest::a_column_of_a_hundred_stands_for_a_minute`.

@@ -40,8 +40,12 @@ pub(crate) struct ContactGraph {
     pub version: u64,
     /// Counts updates.
     updates: u64,
-    /// Whether any slot's `has_started` may be out of date.
+    /// Slots of which [`ContactStarted`](crate::physics::ContactStarted) was sent, and the end not yet.
+    pub started: BitSet,
+    /// Whether that may be out of date.
     pub starts_changed: bool,
+    /// Slots with contact points.
+    touching: BitSet,
     /// The slots that a step looks at: not those of pairs in which nothing awake can be moved.
     active: BitSet,
     /// Slots of pairs that fell asleep in this step.
@@ -81,8 +85,8 @@ pub(crate) struct Recording {
 pub(in crate::physics::collision) struct Finder {
     search: PairSearch,
     points: Vec<ContactPoint>,
-    /// Whether any pair began or ceased to touch.
-    changed: bool,
+    /// Slots that began or ceased to touch.
+    turned: Vec<u32>,
     /// Change of the number of touching pairs, and of their points.
     manifolds: i64,
     point_count: i64,
@@ -122,16 +126,19 @@ pub(in crate::physics::collision) fn update_graph(
         .enumerate();
     let work = slots.map(|(chunk, (((slots, states), watches), finder))| {
         let active = active.words(chunk * SLOTS_A_CHUNK, SLOTS_A_CHUNK);
-        Chunk { slots, states, watches, active, update, travels, joined: &joints.joined, finder }
+        let first = (chunk * SLOTS_A_CHUNK) as u32;
+        Chunk { first, slots, states, watches, active, update, travels, joined: &joints.joined, finder }
     });
     for_each_of(settings.threads, work, |mut chunk| chunk.update(&bodies.list, &settings));
     stats.axes_tested = 0;
     graph.fast.clear();
     for finder in finders.iter_mut() {
         stats.axes_tested += u64::from(std::mem::take(&mut finder.search.axes));
-        let changed = std::mem::take(&mut finder.changed);
-        graph.version += u64::from(changed);
-        graph.starts_changed |= changed;
+        graph.version += u64::from(!finder.turned.is_empty());
+        graph.starts_changed |= !finder.turned.is_empty();
+        for slot in finder.turned.drain(..) {
+            graph.touching.set(slot, graph.slots[slot as usize].touching);
+        }
         graph.manifolds += std::mem::take(&mut finder.manifolds);
         graph.point_count += std::mem::take(&mut finder.point_count);
         graph.fast.append(&mut finder.fast);
@@ -175,8 +182,13 @@ impl ContactGraph {
 
     /// The pairs that touch and are looked at, by slot, ascending.
     pub fn touching(&self) -> impl Iterator<Item = (u32, (u32, u32))> + Clone + '_ {
-        let touching = self.active.iter().filter(|&slot| self.slots[slot as usize].touching);
-        touching.map(|slot| (slot, (self.slots[slot as usize].pair.a, self.slots[slot as usize].pair.b)))
+        let pair = |slot: u32| self.watches[slot as usize].pair();
+        self.active.both(&self.touching).map(move |slot| (slot, (pair(slot).a, pair(slot).b)))
+    }
+
+    /// Of the slots that a step looks at, those with contact points and those of which a start was told, ascending.
+    pub fn touching_or_started(&self) -> impl Iterator<Item = u32> + Clone + '_ {
+        self.active.with_either(&self.touching, &self.started)
     }
 
     /// Contact points of slots that are looked at.
@@ -249,9 +261,11 @@ impl ContactGraph {
                     self.manifolds -= 1;
                     self.point_count -= self.states[*index as usize].geometry.point_count() as i64;
                 }
-                if slot.has_started {
+                if self.started.contains(*index) {
                     self.parted.extend(slot.entities);
+                    self.started.set(*index, false);
                 }
+                self.touching.set(*index, false);
                 *slot = Slot::default();
                 self.states[*index as usize] = ContactState::default();
             }
@@ -278,6 +292,7 @@ impl ContactGraph {
 
 /// A run of slots.
 struct Chunk<'a> {
+    first: u32,
     slots: &'a mut [Slot],
     states: &'a mut [ContactState],
     watches: &'a mut [Watch],
@@ -292,7 +307,7 @@ struct Chunk<'a> {
 
 impl Chunk<'_> {
     fn update(&mut self, bodies: &[Body], settings: &SolverSettings) {
-        let Finder { search, points, changed, manifolds, point_count, fast } = &mut *self.finder;
+        let Finder { search, points, turned, manifolds, point_count, fast } = &mut *self.finder;
         for index in ones(self.active) {
             let watch = &mut self.watches[index as usize];
             if watch.holds(self.travels) {
@@ -304,15 +319,15 @@ impl Chunk<'_> {
             if let Some(moved) = slot.moved(&pose)
                 && slot.holds_after(moved, a, b, settings)
             {
-                watch.begin(slot.apart_after(moved), slot.size(), self.travels);
+                watch.begin(slot.known_after(moved), slot.size(), self.travels);
                 continue;
             }
             slot.found_in = self.update;
             points.clear();
             let (touched, had) = (slot.touching, state.geometry.point_count());
             fast.extend(slot.find(pose, state, a, b, self.joined, settings, search, points));
-            watch.begin(slot.apart_after(0.0), slot.size(), self.travels);
-            *changed |= slot.touching != touched;
+            watch.begin(slot.known_after(0.0), slot.size(), self.travels);
+            turned.extend((slot.touching != touched).then_some(self.first + index));
             *manifolds += i64::from(slot.touching) - i64::from(touched);
             *point_count += state.geometry.point_count() as i64 - had as i64;
         }

@@ -4,9 +4,10 @@ use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::record::{ContactGeometry, ContactState, POINTS};
+use super::watch::Known;
 use crate::physics::bit_set::BitSet;
 use crate::physics::body::{Body, RigidBody};
-use crate::physics::collision::constants::{RECYCLING_LIMIT, SUCCESSION_REACH};
+use crate::physics::collision::constants::{FLAT_RECYCLING, ROUND_RECYCLING, SUCCESSION_REACH};
 use crate::physics::collision::continuous::fast_pair::FastPair;
 use crate::physics::collision::continuous::time_of_impact::{self, Course, Impact};
 use crate::physics::collision::gap::{contact_gap, fastest_approach};
@@ -15,6 +16,7 @@ use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
 use crate::physics::collision::narrow::feature_sat::Feature;
 use crate::physics::contact::{predecessors, surface, tangents};
 use crate::physics::settings::SolverSettings;
+use crate::physics::shape::Geometry;
 
 /// How B lies to A, in A's axes.
 #[derive(Clone, Copy, Debug)]
@@ -46,8 +48,6 @@ pub(crate) struct Slot {
     pub pair: Pair,
     /// Whether there are contact points.
     pub touching: bool,
-    /// Whether [`ContactStarted`](crate::physics::ContactStarted) was sent, and the end not yet.
-    pub has_started: bool,
     /// None: there is no pair.
     pub entities: Option<(Entity, Entity)>,
     pub restitution: f32,
@@ -67,6 +67,8 @@ pub(crate) struct Slot {
     axis: Option<Feature>,
     /// Smaller bounding radius.
     size: f64,
+    /// By how much the bodies may move against each other until the manifold is found anew, m.
+    recycling: f64,
     /// Bounding radius of B.
     reach: f64,
     /// Origin of A's axes for this contact, from its centre of mass: none, or near B where A is static, since it may be
@@ -77,8 +79,10 @@ pub(crate) struct Slot {
 impl Slot {
     /// Of a new pair, whose manifold is not known.
     pub(super) fn new(pair: Pair, a: &Body, b: &Body) -> Self {
-        let entities = Some((a.entity, b.entity));
-        Self { pair, entities, size: a.radius.min(b.radius), reach: b.radius, ..Self::default() }
+        let is_round = |body: &Body| body.geometry.as_ref().is_some_and(Geometry::is_round);
+        let share = if is_round(a) || is_round(b) { ROUND_RECYCLING } else { FLAT_RECYCLING };
+        let (entities, size) = (Some((a.entity, b.entity)), a.radius.min(b.radius));
+        Self { pair, entities, size, recycling: share * size, reach: b.radius, ..Self::default() }
     }
 
     /// Has the manifold found anew.
@@ -97,18 +101,21 @@ impl Slot {
     /// looked for, nor where they have hardly moved and do not come from beyond where it was looked for.
     #[inline]
     pub(super) fn holds_after(&self, moved: f64, a: &Body, b: &Body, settings: &SolverSettings) -> bool {
-        let limit = RECYCLING_LIMIT * self.size;
         if self.touching {
-            return moved <= limit;
+            return moved <= self.recycling;
         }
+        let limit = ROUND_RECYCLING * self.size;
         moved + contact_gap(a, b, settings) <= self.apart
             || (moved <= limit && fastest_approach(a, b) * settings.step() <= self.found_within - limit)
     }
 
-    /// How far apart the bodies are at least, m, where they have moved so far since the manifold was looked for; none if
-    /// they touch.
-    pub(super) fn apart_after(&self, moved: f64) -> Option<f64> {
-        (!self.touching).then_some(self.apart - moved)
+    /// What is known of the pair where the bodies have moved so far since the manifold was looked for.
+    pub(super) fn known_after(&self, moved: f64) -> Known {
+        match (self.touching, &self.found_at) {
+            (false, _) => Known::Apart(self.apart - moved),
+            (true, Some(_)) => Known::Manifold(self.recycling - moved),
+            (true, None) => Known::Nothing,
+        }
     }
 
     /// Smaller bounding radius.

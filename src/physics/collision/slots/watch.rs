@@ -8,7 +8,11 @@
 //!
 //! whose right side is a number of the pair. The gap is a margin and what the two can close in the step, which is no more
 //! than what each can move: sₐ and that together are a number of the body. So most pairs of a heap, which are near each
-//! other and do not touch, cost a step 16 bytes and an addition.
+//! other and do not touch, cost a step 24 bytes and an addition.
+//!
+//! Of bodies that touch the manifold is kept until they have moved against each other by some way
+//! ([`Slot`](super::slot::Slot)), which is no more than what the two have gone: what lies still costs no more than what
+//! is apart.
 //!
 //! Bodies that fly side by side use up their way without coming nearer. Then the pair is looked at, and how they have
 //! moved against each other tells how much of d is left.
@@ -41,52 +45,63 @@ impl Seen {
     }
 }
 
+/// How far the points of a body have gone at most, m.
+#[derive(Clone, Copy, Debug, Default)]
+struct Way {
+    /// Since the body was first seen.
+    gone: f64,
+    /// That, and what they can move in the step at the body's velocities.
+    ahead: f64,
+}
+
 /// How far each body has gone.
 #[derive(Default)]
 pub(super) struct Travels {
     seen: Vec<Seen>,
-    /// m, since the body was first seen.
-    gone: Vec<f64>,
-    /// That, and what the body can move in the step at its velocities.
-    ahead: Vec<f64>,
+    ways: Vec<Way>,
 }
 
 impl Travels {
     /// Forgets all bodies: their indices changed.
     pub fn clear(&mut self) {
         self.seen.clear();
-        self.gone.clear();
-        self.ahead.clear();
+        self.ways.clear();
     }
 
     /// Follows the bodies to where they are now, before a step of h, s.
     pub fn follow(&mut self, bodies: &Bodies, h: f64) {
         let known = self.seen.len();
         self.seen.extend(bodies.list.iter().skip(known).map(Seen::of));
-        self.gone.resize(self.seen.len(), 0.0);
-        self.ahead.resize(self.seen.len(), 0.0);
+        self.ways.resize(self.seen.len(), Way::default());
         for index in bodies.awake() {
             let (index, body) = (index as usize, &bodies.list[index as usize]);
-            self.gone[index] += self.seen[index].way_to(body);
+            let way = &mut self.ways[index];
+            way.gone += self.seen[index].way_to(body);
+            way.ahead = way.gone + (body.linear.norm() + turning_speed(body)) * h;
             self.seen[index] = Seen::of(body);
-            self.ahead[index] = self.gone[index] + (body.linear.norm() + turning_speed(body)) * h;
         }
     }
 }
 
-/// One pair, as long as it is apart.
+/// One pair, as long as what is known of it holds: that it is apart, or of one that touches, its manifold.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Watch {
     a: u32,
     b: u32,
-    /// The sum of what the two have gone, and can move, up to which they are apart by more than the gap, m.
+    /// The sum of what the two have gone, of bodies that are apart with what they can move, up to which it holds, m.
     until: f64,
+    touches: bool,
 }
 
 impl Watch {
     /// Of a pair of which nothing is known.
     pub fn new(Pair { a, b }: Pair) -> Self {
-        Self { a, b, until: f64::NEG_INFINITY }
+        Self { a, b, until: f64::NEG_INFINITY, touches: false }
+    }
+
+    /// Whose it is.
+    pub fn pair(&self) -> Pair {
+        Pair { a: self.a, b: self.b }
     }
 
     /// Has the pair looked at.
@@ -94,16 +109,31 @@ impl Watch {
         self.until = f64::NEG_INFINITY;
     }
 
-    /// Whether the pair is apart by more than the gap for certain.
+    /// Whether the pair is apart by more than the gap for certain, or its manifold as good as when it was found.
     #[inline]
     pub fn holds(&self, travels: &Travels) -> bool {
-        travels.ahead[self.a as usize] + travels.ahead[self.b as usize] <= self.until
+        let [a, b] = [self.a, self.b].map(|body| travels.ways[body as usize]);
+        let way = if self.touches { a.gone + b.gone } else { a.ahead + b.ahead };
+        way <= self.until
     }
 
-    /// Takes in how far apart the bodies are at least, m; none, if they may touch. `size` is the smaller bounding radius.
-    pub fn begin(&mut self, apart: Option<f64>, size: f64, travels: &Travels) {
-        let margin = SPECULATIVE_MARGIN * size;
-        let gone = travels.gone[self.a as usize] + travels.gone[self.b as usize];
-        self.until = apart.map_or(f64::NEG_INFINITY, |apart| gone + apart - margin);
+    /// Takes in what is known of the pair; `size` is the smaller bounding radius.
+    pub fn begin(&mut self, known: Known, size: f64, travels: &Travels) {
+        let gone = travels.ways[self.a as usize].gone + travels.ways[self.b as usize].gone;
+        (self.touches, self.until) = match known {
+            Known::Nothing => (false, f64::NEG_INFINITY),
+            Known::Apart(distance) => (false, gone + distance - SPECULATIVE_MARGIN * size),
+            Known::Manifold(left) => (true, gone + left),
+        };
     }
+}
+
+/// What is known of a pair that was looked at.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Known {
+    Nothing,
+    /// It is apart by so much at least, m.
+    Apart(f64),
+    /// It has a manifold that is good until the bodies have moved against each other by so much more, m.
+    Manifold(f64),
 }

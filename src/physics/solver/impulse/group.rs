@@ -20,6 +20,7 @@ use crate::physics::disjoint_sets::DisjointSets;
 use crate::physics::island::Islands;
 use crate::physics::joint::{Joint, Joints};
 use crate::physics::lanes::{Lanes, READ_ONLY, WIDTH};
+use crate::physics::refill::Refill;
 use crate::physics::scalar::Scalar;
 use crate::physics::settings::{Method, SolverSettings};
 use crate::physics::solver::direct::DirectIsland;
@@ -185,6 +186,8 @@ pub(crate) struct Group<L: Lanes> {
     pub(super) joint_colors: Coloring,
     pub(super) contact_colors: Coloring,
     pairs: Vec<(u32, u32)>,
+    /// Of each contact.
+    point_counts: Vec<usize>,
     pub(super) bodies: GroupBodies<L::Scalar>,
     /// Of points held at points, and of other joints: numbered one after the other.
     pub(super) joint_blocks: Vec<JointBlock<L>>,
@@ -417,9 +420,9 @@ impl<L: Lanes> Group<L> {
         self.pairs.extend(self.contacts.iter().map(|contact| (contact.a, contact.b)));
         self.contact_colors.set(count, &self.pairs, [free, self.pairs.len() - free], L::COUNT);
         // A block takes as many rows as the most of its manifolds have points.
-        let contacts = &self.contacts;
-        let points = |contact: u32| states[contacts[contact as usize].slot as usize].geometry.point_count() as u32;
-        self.contact_colors.sort_colors(points);
+        let Self { contacts, point_counts, .. } = self;
+        point_counts.refill(contacts.iter().map(|contact| states[contact.slot as usize].geometry.point_count()));
+        self.contact_colors.sort_colors(|contact| self.point_counts[contact as usize]);
     }
 
     /// How far a body turns at most in a `step`, s, rad; none where no joint is swept.

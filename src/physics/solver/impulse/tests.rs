@@ -28,7 +28,7 @@ fn colours_share_no_body_and_hold_every_constraint_once() {
     }));
     let mut coloring = Coloring::default();
     coloring.set(41, &pairs, [150, pairs.len() - 150], 8);
-    let key = |constraint: u32| constraint % 5;
+    let key = |constraint: u32| (constraint % 5) as usize;
     coloring.sort_colors(key);
     let mut order = coloring.order.clone();
     order.sort_unstable();

@@ -4,6 +4,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::contact::ContactImpulses;
+use crate::physics::bit_set::BitSet;
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::{ContactGraph, ContactState, Slot};
 use crate::physics::joint::{Joint, Joints};
@@ -22,6 +23,8 @@ pub(super) struct SharedWorld<'a> {
     pub slots: &'a [Slot],
     /// Impulses of each contact over a step; none unless somebody reads them.
     pub totals: Option<Shared<'a, ContactImpulses>>,
+    /// Slots whose bodies pushed each other in the last step.
+    started: &'a BitSet,
     starts_changed: &'a AtomicBool,
 }
 
@@ -41,6 +44,7 @@ impl SharedWorld<'_> {
             states: Shared::new(&mut graph.states, of_states),
             slots: &graph.slots,
             totals: graph.recording.as_mut().map(|recording| Shared::new(&mut recording.totals, of_totals)),
+            started: &graph.started,
             starts_changed: &starts_changed,
         });
         graph.starts_changed |= starts_changed.into_inner();
@@ -54,7 +58,7 @@ impl SharedWorld<'_> {
         // SAFETY: as the caller promises.
         let state = unsafe { self.states.element(slot as usize) };
         state.impulses = impulses;
-        if state.pushes() != self.slots[slot as usize].has_started {
+        if state.pushes() != self.started.contains(slot) {
             self.starts_changed.store(true, Ordering::Relaxed);
         }
     }
