@@ -6,6 +6,7 @@ mod arrows;
 mod articulated;
 mod at_rest;
 mod bounded_rows;
+mod bouncing;
 mod breaking;
 mod classic;
 mod cones;

@@ -34,7 +34,7 @@ pub(crate) use manifold::{ContactPoint, Contacts, FeatureId, Manifold, Pair};
 pub(crate) use narrow::contact_pair::{PairSearch, touch};
 pub use probe::PlacedCollider;
 pub(crate) use slots::graph::{ContactGraph, GONE};
-pub(crate) use slots::record::{ContactGeometry, ContactState, GEOMETRY, POINTS};
+pub(crate) use slots::record::{ContactGeometry, ContactState, GEOMETRY, IMPACT, POINTS};
 pub(crate) use slots::slot::Slot;
 
 use bevy::prelude::*;

@@ -5,7 +5,8 @@
 //! fast pair (see [`time_of_impact`]) the path that was taken is followed after the solve, with the *core* of each fast
 //! body in its place: the shape with half of its thickness taken off. The path has constant velocities up to the first
 //! impact of either body, as it was found, and constant velocities again from there to the pose after the solve. Where
-//! a core touches, the body is held back: its approach goes out of its velocity, and the next step finds a contact.
+//! a core touches, the body is held back: its approach goes out of its velocity, or comes back as its restitution says,
+//! and the next step finds a contact.
 //! Bodies on joints make no fast pairs: one held back by itself would tear its joints open, and what closes them again
 //! would throw it.
 
@@ -15,6 +16,7 @@ use super::fast_pair::FastPair;
 use super::time_of_impact::{self, Course, Impact, advanced, inner_radius};
 use crate::physics::collision::constants::CORE_SHARE;
 use crate::physics::collision::narrow::contact_pair::PairSearch;
+use crate::physics::contact::{rebound, restitution_threshold};
 use crate::physics::{Bodies, Body, ContactGraph, ContactPoint, Geometry, Pair, SolverSettings, world_inverse_inertia};
 
 /// The body with its core for its shape.
@@ -69,7 +71,7 @@ pub(crate) fn hold_back(
         let course = time_of_impact::course(&one, &other, h - since, &mut search, &mut points);
         if let Course::Impact(impact) = course {
             hold(&mut bodies.list, pair, &paths, fast, impact.time);
-            stop(&mut bodies.list, pair, &impact, &points);
+            stop(&mut bodies.list, pair, &impact, &points, restitution_threshold(&settings));
         }
     }
 }
@@ -92,9 +94,9 @@ fn hold(bodies: &mut [Body], pair: [usize; 2], paths: &[Body; 2], fast: [bool; 2
     }
 }
 
-/// Takes the approach out of two bodies where they met, by an impulse along the normal at the first point: what is left
-/// of it would push soft contacts in by as much as a core is thick.
-fn stop(bodies: &mut [Body], pair: [usize; 2], impact: &Impact, points: &[ContactPoint]) {
+/// Takes the approach out of two bodies where they met, by an impulse along the normal at the first point, or has them
+/// bounce from over the `threshold`, m/s: what is left of it would push soft contacts in by as much as a core is thick.
+fn stop(bodies: &mut [Body], pair: [usize; 2], impact: &Impact, points: &[ContactPoint], threshold: f64) {
     let (Some(point), n) = (points.first(), impact.overlap.normal) else { return };
     let arms = impact.at.map(|center| point.point - center);
     let turning = |one: usize| {
@@ -105,7 +107,9 @@ fn stop(bodies: &mut [Body], pair: [usize; 2], impact: &Impact, points: &[Contac
     let give: f64 = (0..2).map(|one| n.dot(&(pushes[one] + turns[one].cross(&arms[one])))).sum();
     let [a, b] = std::array::from_fn(|one| bodies[pair[one]].point_velocity(&arms[one]).dot(&n));
     if a > b && give > 0.0 {
-        for (one, impulse) in [(a - b) / -give, (a - b) / give].into_iter().enumerate() {
+        let restitution = bodies[pair[0]].material.pair(bodies[pair[1]].material).restitution;
+        let change = (a - b + rebound(restitution, a - b, threshold)) / give;
+        for (one, impulse) in [-change, change].into_iter().enumerate() {
             bodies[pair[one]].linear += pushes[one] * impulse;
             bodies[pair[one]].angular += turns[one] * impulse;
         }

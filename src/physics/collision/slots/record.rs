@@ -7,6 +7,9 @@ use crate::physics::lanes::{Record, WIDTH};
 /// Most points of a manifold.
 pub(crate) const POINTS: usize = 4;
 
+/// Place, among the impulses of a contact, of the normal impulse of its impacts in the step.
+pub(crate) const IMPACT: usize = POINTS + 3;
+
 /// Records that hold the geometry of one pair's contact.
 pub(crate) const GEOMETRY: usize = 4;
 
@@ -71,13 +74,13 @@ impl ContactGeometry {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ContactState {
     pub geometry: ContactGeometry,
-    /// Four points, two tangents, twist, N·s of a substep.
+    /// Four points, two tangents, twist, N·s of a substep; at [`IMPACT`] the normal impulse of the step's impacts.
     pub impulses: Record<f32>,
 }
 
 impl ContactState {
     /// Whether the bodies pushed each other in the last step.
     pub fn pushes(&self) -> bool {
-        self.impulses.0[..POINTS].iter().any(|&impulse| impulse > 0.0)
+        self.impulses.0[..POINTS].iter().chain(&self.impulses.0[IMPACT..]).any(|&impulse| impulse > 0.0)
     }
 }

@@ -206,15 +206,15 @@ impl<S: Scalar + Default> ClaimedBody<'_, '_, S> {
     }
 
     /// Takes a body in, for a `step` of substeps of length `h`. What turning in the step does to the angular
-    /// velocity of a body that is not round is done at once.
-    pub fn gather(&mut self, body: &Body, step: f64, h: f64) {
+    /// velocity of a body that is not round is done at once, but where `freely`: then it is for the end of the step.
+    pub fn gather(&mut self, body: &Body, step: f64, h: f64, freely: bool) {
         let (to_spin, to_psi) = whitening(body);
         let linear_kick = body.inverse_mass.component_mul(&body.force) * h;
         let angular_kick =
             if body.kind == RigidBody::Dynamic { to_spin.tr_mul(&body.torque) * h } else { Vector3::zeros() };
         let turns_fast = body.angular.norm() * step > GYROSCOPIC_TURN;
         let Body { rotation, angular, inverse_inertia_body, rotation_freedom, .. } = body;
-        let turned = if turns_fast {
+        let turned = if turns_fast || freely {
             None
         } else {
             free_rotation(rotation, angular, inverse_inertia_body, rotation_freedom, step)
@@ -263,6 +263,18 @@ impl<S: Scalar + Default> ClaimedBody<'_, '_, S> {
         self.set(displacement, moved);
     }
 
+    /// The same where bodies bounce: what no impulse touched in the substep moves freely, and goes by the mean of its
+    /// velocities, which keeps its energy.
+    pub fn drift_freely(&mut self, h: S) {
+        let SharedBodies { velocity, displacement, start, kick, .. } = *self.bodies;
+        if self.get(velocity) == self.get(start) {
+            let (mut moved, kick, half) = (self.get(displacement), self.get(kick), S::of(0.5 * h.to_f64()));
+            (0..WIDTH).for_each(|lane| moved.0[lane] -= kick.0[lane] * half);
+            self.set(displacement, moved);
+        }
+        self.drift(h);
+    }
+
     /// Remembers what this substep's impulses added, then drag acts.
     pub fn end_substep(&mut self) {
         let SharedBodies { velocity, start, keep, carried, .. } = *self.bodies;
@@ -276,8 +288,9 @@ impl<S: Scalar + Default> ClaimedBody<'_, '_, S> {
         self.set(velocity, now);
     }
 
-    /// Writes the state at the end of the step to a body.
-    pub fn scatter(&self, body: &mut Body) {
+    /// Writes the state at the end of the step to a body. For `freely` so many intervals of a length, s, what turns keeps
+    /// its energy: its angular velocity in its own axes is that after free rotation.
+    pub fn scatter(&self, body: &mut Body, freely: Option<(u32, f64)>) {
         let (velocity, moved) = (self.get(self.bodies.velocity), self.get(self.bodies.displacement));
         let to_spin = self.get(self.bodies.whitening);
         let half = |record: &Record<S>, first: usize| Vector3::from_fn(|axis, _| record.0[first + axis].to_f64());
@@ -285,7 +298,18 @@ impl<S: Scalar + Default> ClaimedBody<'_, '_, S> {
         body.linear = half(&velocity, 0);
         body.angular = to_spin * half(&velocity, 3);
         body.has_stepped = true;
+        let own = freely.and_then(|(count, h)| {
+            let Body { angular, rotation, inverse_inertia_body, rotation_freedom, .. } = body;
+            let mut turned = (*angular, *rotation);
+            for _ in 0..count {
+                turned = free_rotation(&turned.1, &turned.0, inverse_inertia_body, rotation_freedom, h)?;
+            }
+            Some(turned.1.inverse_transform_vector(&turned.0))
+        });
         body.advance(&half(&moved, 0), &(to_spin * half(&moved, 3)));
+        if let Some(own) = own {
+            body.angular = body.rotation * own;
+        }
     }
 }
 

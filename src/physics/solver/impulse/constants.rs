@@ -5,6 +5,14 @@
 /// friction of a manifold agree: columns rock a third as much (`standing`: `stack 30`).
 pub(super) const CONTACT_ROUNDS: usize = 2;
 
+/// Most sweeps over the contacts that bounce before a substep: an impact is passed on by at least as many bodies, the rest
+/// is taken away (`bouncing`: a row of balls; `cradle`).
+pub(super) const IMPACT_SWEEPS: u32 = 10;
+
+/// Updates of the points of a manifold in one update of its impact, after which they are to agree (`bouncing`: a box that
+/// lands flat).
+pub(super) const IMPACT_ROUNDS: usize = 6;
+
 /// Share of its effect that a contact's push has by turning a body, below which it counts as one through the centre:
 /// rounding of what balls have. Noticed by `impulse::tests`.
 pub(super) const CENTRAL: f64 = 1e-10;

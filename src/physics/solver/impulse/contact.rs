@@ -33,10 +33,11 @@ use crate::physics::solver::soft_terms::{Projection, SoftTerms};
 
 /// One point of each pair.
 #[derive(Clone, Copy, Debug)]
-struct Point<L: Lanes> {
-    angular: [Vector3<L>; 2],
-    separation: L,
-    mass: L,
+pub(super) struct Point<L: Lanes> {
+    pub angular: [Vector3<L>; 2],
+    pub separation: L,
+    /// Effective mass.
+    pub mass: L,
     /// Effective mass when relaxed: 0 where the surfaces are still apart.
     relaxed_mass: L,
     impulse: L,
@@ -56,7 +57,7 @@ struct SoftRow<L> {
 
 /// Friction of the manifold.
 #[derive(Clone, Copy, Debug)]
-struct Friction<L: Lanes> {
+pub(super) struct Friction<L: Lanes> {
     /// Of both tangents.
     angular: [[Vector3<L>; 2]; 2],
     /// Inverse of the 2 × 2 block: xx, xy, yy.
@@ -73,19 +74,23 @@ struct Friction<L: Lanes> {
 #[derive(Clone, Debug)]
 pub(crate) struct ContactBlock<L: Lanes> {
     pub ends: Ends,
-    normal: Vector3<L>,
-    tangents: [Vector3<L>; 2],
-    inverse_mass: [Vector3<L>; 2],
-    coefficient: L,
-    points: [Point<L>; POINTS],
-    point_count: usize,
+    pub(super) normal: Vector3<L>,
+    pub(super) tangents: [Vector3<L>; 2],
+    pub(super) inverse_mass: [Vector3<L>; 2],
+    /// μ of each pair.
+    pub(super) coefficient: L,
+    pub(super) points: [Point<L>; POINTS],
+    pub(super) point_count: usize,
     /// Updates of points and friction in one update of the block.
     rounds: usize,
-    friction: Option<Friction<L>>,
+    pub(super) friction: Option<Friction<L>>,
 }
 
-/// Impulses of a contact: four points, two tangents, torsion, N·s.
+/// Impulses of a contact: four points, two tangents, torsion, and the normal impulse of impacts, N·s.
 pub(crate) type ContactImpulses = Record<f32>;
+
+/// The same of the pairs of a block.
+pub(super) type Impulses<L> = [L; WIDTH];
 
 /// The contact of one pair, as its lane takes it in.
 #[derive(Clone, Copy, Debug)]
@@ -172,7 +177,7 @@ impl<L: Lanes> ContactBlock<L> {
         self.inverse_mass = [of_a.inverse_mass, of_b.inverse_mass];
     }
 
-    fn velocities(&self, pairs: &ClaimedPairs<L>) -> Pair<L> {
+    pub(super) fn velocities(&self, pairs: &ClaimedPairs<L>) -> Pair<L> {
         Pair::new(pairs.velocities(), &self.inverse_mass)
     }
 
@@ -243,8 +248,7 @@ impl<L: Lanes> ContactBlock<L> {
     pub fn solve_friction(&mut self, pairs: &mut ClaimedPairs<L>) {
         let mut pair = self.velocities(pairs);
         if let Some(friction) = &mut self.friction {
-            friction.impulse = [L::zero(); 2];
-            friction.torsion_impulse = L::zero();
+            friction.forget();
         }
         self.update_friction(&mut pair);
         pairs.set_velocities(pair.records());
@@ -334,39 +338,11 @@ impl<L: Lanes> ContactBlock<L> {
         friction.update(pair, &self.tangents, self.coefficient * load, self.point_count > 1);
     }
 
-    /// How fast each point's surfaces come together, m/s.
-    pub fn approach(&self, pairs: &ClaimedPairs<L>) -> [L; POINTS] {
-        let pair = self.velocities(pairs);
-        let approach = dot(&self.normal, &pair.linear());
-        self.points.map(|point| -pair.row(approach, &point.angular))
-    }
-
-    /// The impulse of each point, N·s.
-    pub fn normal_impulses(&self) -> [L; POINTS] {
-        self.points.map(|point| point.impulse)
-    }
-
-    /// Gives points the separating speed asked for (none: 0 or less) if they have less.
-    pub fn restitute(&mut self, pairs: &mut ClaimedPairs<L>, speeds: &[L; POINTS]) {
-        let mut pair = self.velocities(pairs);
-        let zero = L::zero();
-        for (point, &wanted) in self.points[..self.point_count].iter_mut().zip(speeds) {
-            let speed = pair.row(dot(&self.normal, &pair.linear()), &point.angular);
-            let change = (point.mass * (wanted - speed)).simd_max(-point.impulse).select(wanted.simd_gt(zero), zero);
-            point.impulse += change;
-            pair.apply_linear(&(self.normal * change));
-            pair.apply_angular(&point.angular, change);
-        }
-        pairs.set_velocities(pair.records());
-    }
-
-    /// The impulses of each pair, to be kept for the next step.
-    pub fn impulses(&self) -> [ContactImpulses; WIDTH] {
-        let zero = L::zero();
-        let friction = self.friction.as_ref();
-        let [x, y, torsion] = friction.map_or([zero; 3], |f| [f.impulse[0], f.impulse[1], f.torsion_impulse]);
-        let [p, q, r, s] = self.normal_impulses();
-        L::give([p, q, r, s, x, y, torsion, zero])
+    /// The impulses of each pair, to be kept for the next step, with those of its impacts.
+    pub fn impulses(&self, of_impacts: L) -> [ContactImpulses; WIDTH] {
+        let [x, y, torsion] = self.friction.as_ref().map_or([L::zero(); 3], Friction::impulses);
+        let [p, q, r, s] = self.points.map(|point| point.impulse);
+        L::give([p, q, r, s, x, y, torsion, of_impacts])
     }
 }
 
@@ -401,9 +377,21 @@ impl<L: Lanes> Friction<L> {
         }
     }
 
+    /// Starts from zero.
+    pub fn forget(&mut self) {
+        self.impulse = [L::zero(); 2];
+        self.torsion_impulse = L::zero();
+    }
+
+    /// Along both tangents, and torsion.
+    pub fn impulses(&self) -> [L; 3] {
+        let [x, y] = self.impulse;
+        [x, y, self.torsion_impulse]
+    }
+
     /// One update, for that limit on the tangential impulse, N·s.
     #[inline(always)]
-    fn update(&mut self, pair: &mut Pair<L>, tangents: &[Vector3<L>; 2], limit: L, twists: bool) {
+    pub fn update(&mut self, pair: &mut Pair<L>, tangents: &[Vector3<L>; 2], limit: L, twists: bool) {
         if twists {
             let spin = pair.spin(&self.torsion);
             let most = limit * self.radius;

@@ -9,19 +9,18 @@ use super::bodies::GroupBodies;
 use super::coloring::Coloring;
 use super::constants::{DIRECT_BODIES, PARALLEL_BLOCKS};
 use super::contact::{ContactBlock, ContactImpulses};
+use super::impact::Restitution;
 use super::joint::{Directions, JointBlock};
 use super::method;
 use super::stage::Stage;
 use super::tree::TreeStep;
 use crate::physics::body::{Bodies, Body};
-use crate::physics::collision::{ContactGraph, ContactState, POINTS};
-use crate::physics::contact::rebound;
+use crate::physics::collision::{ContactGraph, ContactState};
 use crate::physics::disjoint_sets::DisjointSets;
 use crate::physics::island::Islands;
 use crate::physics::joint::{Joint, Joints};
 use crate::physics::lanes::{Lanes, READ_ONLY, WIDTH};
 use crate::physics::refill::Refill;
-use crate::physics::scalar::Scalar;
 use crate::physics::settings::{Method, SolverSettings};
 use crate::physics::solver::direct::DirectIsland;
 use crate::physics::solver::joint_tree::{Partition, partition};
@@ -61,38 +60,6 @@ pub(super) struct GroupContact {
     pub slot: u32,
     pub a: u32,
     pub b: u32,
-}
-
-/// What a block of contacts of which some bounce remembers of the step.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Restitution<L> {
-    /// Separating speed that each point is to have, m/s; 0 for those that come slowly.
-    speeds: [L; POINTS],
-    /// The largest impulse of each in a substep, N·s.
-    peak: [L; POINTS],
-}
-
-impl<L: Lanes> Restitution<L> {
-    /// None where no lane's coefficient of `restitution` is over 0; `least` is the approach, m/s, from which points
-    /// bounce, and `approach` tells how fast each point's surfaces come together.
-    pub fn new(restitution: impl Fn(usize) -> f64, least: f64, approach: impl Fn() -> [L; POINTS]) -> Option<Self> {
-        if (0..L::COUNT).all(|lane| restitution(lane) == 0.0) {
-            return None;
-        }
-        let share = L::each(|lane| <L::Scalar as Scalar>::of(restitution(lane)));
-        let speeds = approach().map(|speed| rebound(share, speed, L::of(least)));
-        Some(Self { speeds, peak: [L::zero(); POINTS] })
-    }
-
-    /// Takes in the normal impulses of a substep.
-    pub fn record(&mut self, impulses: &[L; POINTS]) {
-        self.peak = std::array::from_fn(|point| self.peak[point].simd_max(impulses[point]));
-    }
-
-    /// Separating speeds, 0 for points that had no impulse.
-    pub fn speeds_of_loaded(&self) -> [L; POINTS] {
-        std::array::from_fn(|point| self.speeds[point].select(self.peak[point].simd_gt(L::zero()), L::zero()))
-    }
 }
 
 /// What moves a body of the group.

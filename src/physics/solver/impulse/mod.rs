@@ -2,7 +2,7 @@
 //! system that takes all groups through a step. A method is a list of stages.
 //!
 //! From the bottom: [`coloring`] which constraints may be solved side by side; [`bodies`] whitened velocities, and
-//! [`pair`] those of a block; [`contact`], [`joint`] the kernels; [`tree`] trees of joints, solved exactly; [`stage`]
+//! [`pair`] those of a block; [`contact`], [`joint`] the kernels, [`impact`] what bounces; [`tree`] trees of joints, solved exactly; [`stage`]
 //! what a step is made of; [`soft_step`], [`sequential_impulses`], [`xpbd`] the methods, and [`method`] which is which;
 //! [`group`] what belongs together; [`world`] what groups share; [`walk`] what each stage does to a group;
 //! [`direct_islands`] what needs no sweeps.
@@ -31,6 +31,7 @@ mod constants;
 mod contact;
 mod direct_islands;
 mod group;
+mod impact;
 mod joint;
 mod method;
 mod pair;
@@ -163,7 +164,8 @@ impl<L: Lanes> GroupsOf<L> {
             let plan = Plan {
                 substeps: settings.substeps,
                 iterations: settings.iterations,
-                records: records || group.may_bounce,
+                bounces: group.may_bounce && settings.restitution_speed.is_some(),
+                records,
                 turn: group.turn(&bodies.list, settings.step()),
             };
             let colors = group.colors();

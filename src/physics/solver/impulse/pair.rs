@@ -8,6 +8,7 @@ use super::bodies::PairRecords;
 use crate::physics::lanes::{Lanes, add_scaled, dot, vector};
 
 /// Motions of the bodies A and B of each pair.
+#[derive(Clone)]
 pub(super) struct Pair<L: Lanes> {
     linear: [Vector3<L>; 2],
     angular: [Vector3<L>; 2],

@@ -53,17 +53,17 @@ pub(crate) fn stages(plan: &Plan, colors: impl Iterator<Item = Color> + Clone, s
         plan.interval(interval, colors.clone(), stages, |is_first, stages| {
             plan.begin(is_first, colors.clone(), stages);
             plan.sweeps(Sweep::SoftWithFriction, colors.clone(), stages);
-            stages.push(Stage::Drift);
+            plan.drift(stages);
             if !turns {
                 project(stages);
             }
         });
         if turns {
             let done = interval.0 + 1;
-            stages.push(Stage::Gather { substeps: 0, done });
+            stages.push(Stage::Gather { substeps: 0, done, freely: false });
             stages.extend(colors.clone().map(|color| Stage::Prepare { color, done }));
             project(stages);
-            stages.push(Stage::Scatter);
+            stages.push(Stage::Scatter { substeps: 0, freely: false });
         }
     }
 }

@@ -3,7 +3,7 @@
 //!
 //! Each substep: forces and the last impulses → a sweep with soft terms → positions → a sweep without. The springs
 //! correct position errors with no more stiffness than a sweep can follow; the second sweep, *relax*, takes the
-//! velocity that they add out again, so that it adds no energy. Restitution comes last.
+//! velocity that they add out again, so that it adds no energy. Impacts come first, before forces act ([`super::impact`]).
 //!
 //! Contacts solve friction in the second sweep only, except where surfaces come together in the step: the motion that
 //! springs cause is no slip. Nor may softness make what is high lean: the springs of an interface resist tilting with
@@ -38,7 +38,7 @@ pub(crate) fn stages(plan: &Plan, colors: impl Iterator<Item = Color> + Clone, s
         plan.interval(interval, colors.clone(), stages, |is_first, stages| {
             plan.begin(is_first, colors.clone(), stages);
             plan.sweeps(Sweep::Soft, colors.clone(), stages);
-            stages.push(Stage::Drift);
+            plan.drift(stages);
             plan.sweeps(Sweep::Relax, colors.clone(), stages);
         });
     }

@@ -2,6 +2,7 @@
 //! done in any order and on any thread. What each stage does to bodies and constraints is in [`super::walk`].
 
 use super::coloring::Color;
+use super::constants::IMPACT_SWEEPS;
 use crate::physics::contact::restitution_threshold;
 use crate::physics::lanes::Lanes;
 use crate::physics::settings::SolverSettings;
@@ -26,8 +27,8 @@ pub(crate) enum Stage {
     FreeMotion,
     /// Trees of joints that no contact touches are taken through the step.
     Trees,
-    /// Bodies are taken in, for so many substeps after those that are done.
-    Gather { substeps: u32, done: u32 },
+    /// Bodies are taken in, for so many substeps after those that are done; `freely`: their rotation keeps its energy.
+    Gather { substeps: u32, done: u32, freely: bool },
     /// Rows for the present poses, of when so many substeps are done.
     Prepare { color: Color, done: u32 },
     /// External forces act; in all but the first substep, the impulses of the substep before act again.
@@ -43,18 +44,19 @@ pub(crate) enum Stage {
     SolveFriction(Color),
     /// One update of the contacts with a normal impulse, until their surfaces neither part nor approach.
     SolveVelocities(Color),
-    /// The impulses of this substep are recorded, for restitution and for whoever reads forces.
+    /// The impulses of this substep are recorded, for whoever reads forces.
     Record(Color),
-    /// Positions follow velocities.
-    Drift,
+    /// Positions follow velocities; `freely`: those of bodies that no impulse touched, the mean of these.
+    Drift { freely: bool },
     /// Positions are moved out of their errors.
     Project(Color),
     /// What constraints added to the velocities is remembered; drag acts.
     EndSubstep,
-    /// Points that came fast part again.
-    Restitution(Color),
-    /// Bodies are written back.
-    Scatter,
+    /// Points that come together fast part again. The sweeps over impacts of a step are numbered: but for the first of a
+    /// substep, one in front of which there was none does nothing.
+    Impact { color: Color, sweep: u32 },
+    /// Bodies are written back after so many substeps; `freely` as when they were taken in.
+    Scatter { substeps: u32, freely: bool },
     /// Impulses are written back.
     Store(Color),
 }
@@ -71,15 +73,15 @@ impl Stage {
             | Self::SolveVelocities(color)
             | Self::Record(color)
             | Self::Project(color)
-            | Self::Restitution(color)
+            | Self::Impact { color, .. }
             | Self::Store(color) => Some(color),
             Self::FreeMotion
             | Self::Trees
             | Self::Gather { .. }
             | Self::BeginSubstep { .. }
-            | Self::Drift
+            | Self::Drift { .. }
             | Self::EndSubstep
-            | Self::Scatter => None,
+            | Self::Scatter { .. } => None,
         }
     }
 }
@@ -117,13 +119,15 @@ impl<L: Lanes> GroupTerms<L> {
     }
 }
 
-/// The frame of a step that all methods share: bodies are taken in, rows made, forces act, the method's own stages,
-/// restitution, everything is written back. These are the numbers that a group's stages depend on.
+/// The frame of a step that all methods share: bodies are taken in, rows made; in each substep impacts, forces, and the
+/// method's own stages; everything is written back. These are the numbers that a group's stages depend on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
     pub substeps: u32,
     pub iterations: u32,
-    /// Whether some contact may bounce, or forces are read.
+    /// Whether some contact may bounce.
+    pub bounces: bool,
+    /// Whether forces are read.
     pub records: bool,
     /// How far a body turns at most in the step, rad; none where no joint is swept.
     pub turn: Option<f64>,
@@ -150,20 +154,33 @@ impl Plan {
         stages: &mut Vec<Stage>,
         mut substep: impl FnMut(bool, &mut Vec<Stage>),
     ) {
-        stages.push(Stage::Gather { substeps, done });
+        stages.push(Stage::Gather { substeps, done, freely: self.bounces });
         stages.extend(colors.clone().map(|color| Stage::Prepare { color, done }));
         for index in 0..substeps {
+            if self.bounces {
+                self.impacts(done + index, colors.clone(), stages);
+            }
             substep(index == 0, stages);
             if self.records {
                 stages.extend(colors.clone().map(Stage::Record));
             }
             stages.push(Stage::EndSubstep);
         }
-        if self.records {
-            stages.extend(colors.clone().map(Stage::Restitution));
-        }
-        stages.push(Stage::Scatter);
+        stages.push(Stage::Scatter { substeps, freely: self.bounces });
         stages.extend(colors.map(Stage::Store));
+    }
+
+    /// The impacts of the substep of that index in the step.
+    fn impacts(&self, substep: u32, colors: impl Iterator<Item = Color> + Clone, stages: &mut Vec<Stage>) {
+        let contacts = colors.filter(|color| matches!(color, Color::Contacts(_)));
+        for sweep in substep * IMPACT_SWEEPS..(substep + 1) * IMPACT_SWEEPS {
+            stages.extend(contacts.clone().map(|color| Stage::Impact { color, sweep }));
+        }
+    }
+
+    /// Positions follow velocities.
+    pub fn drift(&self, stages: &mut Vec<Stage>) {
+        stages.push(Stage::Drift { freely: self.bounces });
     }
 
     /// The start of a substep: external forces, and in the first one the impulses of the step before.

@@ -1,13 +1,16 @@
 //! What each [`Stage`] does to the bodies and constraints of a group.
 #![allow(unsafe_code)]
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use nalgebra::Vector3;
 
 use super::bodies::{Ends, SharedBodies};
 use super::coloring::{Color, Coloring};
-use super::constants::{CHUNK_BLOCKS, CHUNK_BODIES};
+use super::constants::{CHUNK_BLOCKS, CHUNK_BODIES, IMPACT_SWEEPS};
 use super::contact::{ContactBlock, ContactImpulses, ContactInput};
-use super::group::{Group, GroupContact, GroupJoint, Restitution};
+use super::group::{Group, GroupContact, GroupJoint};
+use super::impact::Restitution;
 use super::joint::{Directions, JointBlock, JointInput, LinearParts, RowSoftness, RowsInput};
 use super::stage::{GroupTerms, Stage, Sweep};
 use super::tree::TreeStep;
@@ -51,6 +54,7 @@ impl<L: Lanes> Group<L> {
             contact_blocks: Shared::with(&mut self.contact_blocks, of_contacts),
             restitutions: Shared::with(&mut self.restitutions, of_contacts),
             totals: Shared::with(&mut self.totals, of_contacts),
+            struck: AtomicU32::new(0),
             terms,
             world,
         };
@@ -81,6 +85,8 @@ struct Walk<'a, L: Lanes> {
     contact_blocks: Shared<'a, ContactBlock<L>>,
     restitutions: Shared<'a, Option<Restitution<L>>>,
     totals: Shared<'a, [ContactImpulses; WIDTH]>,
+    /// The last sweep over impacts in which there was one, counted from 1.
+    struck: AtomicU32,
     terms: &'a GroupTerms<L>,
     world: SharedWorld<'a>,
 }
@@ -103,7 +109,7 @@ impl<L: Lanes> Walk<'_, L> {
         match stage {
             Stage::FreeMotion => self.free.len(),
             Stage::Trees => self.trees.len(),
-            Stage::Scatter => self.own,
+            Stage::Scatter { .. } => self.own,
             _ => self.members.len(),
         }
     }
@@ -155,14 +161,15 @@ impl<L: Lanes> Walk<'_, L> {
                     free_flight::fly(body, *h, substeps.most);
                 }
                 Stage::Trees => self.tree(index),
-                Stage::Gather { substeps, done } => self.gather(index, substeps, done),
+                Stage::Gather { substeps, done, freely } => self.gather(index, substeps, done, freely),
                 Stage::BeginSubstep { is_first } => self.bodies.claim(index).begin_substep(is_first),
-                Stage::Drift => self.bodies.claim(index).drift(<L::Scalar as Scalar>::of(*h)),
+                Stage::Drift { freely: false } => self.bodies.claim(index).drift(<L::Scalar as Scalar>::of(*h)),
+                Stage::Drift { freely: true } => self.bodies.claim(index).drift_freely(<L::Scalar as Scalar>::of(*h)),
                 Stage::EndSubstep => self.bodies.claim(index).end_substep(),
-                Stage::Scatter => {
+                Stage::Scatter { substeps, freely } => {
                     let body = self.world.bodies.element(self.members[index] as usize);
                     if body.kind == RigidBody::Dynamic {
-                        self.bodies.claim(index).scatter(body);
+                        self.bodies.claim(index).scatter(body, freely.then_some((substeps, *h)));
                     }
                 }
                 _ => {}
@@ -172,7 +179,7 @@ impl<L: Lanes> Walk<'_, L> {
 
     /// # Safety
     /// As of [`Self::work`].
-    unsafe fn gather(&self, index: usize, substeps: u32, done: u32) {
+    unsafe fn gather(&self, index: usize, substeps: u32, done: u32, freely: bool) {
         let h = self.terms.h;
         // SAFETY: as the caller promises.
         let (body, mut claimed) =
@@ -183,7 +190,7 @@ impl<L: Lanes> Walk<'_, L> {
             moved.coast(h * f64::from(done));
             moved
         });
-        claimed.gather(moved.as_ref().unwrap_or(body), h * f64::from(substeps), h);
+        claimed.gather(moved.as_ref().unwrap_or(body), h * f64::from(substeps), h, freely);
     }
 
     /// # Safety
@@ -346,7 +353,7 @@ impl<L: Lanes> Walk<'_, L> {
             }
             let mut pairs = self.bodies.claim_pairs(block.ends);
             match stage {
-                Stage::Prepare { .. } => {
+                Stage::Prepare { done, .. } => {
                     let first = contacts.clone().next().expect("a block has a contact");
                     let mut inputs = [self.contact_input(first); WIDTH];
                     let lanes = inputs.iter_mut().zip(contacts.clone()).skip(1);
@@ -356,9 +363,12 @@ impl<L: Lanes> Walk<'_, L> {
                         let slot = contacts.clone().nth(lane).map(|contact| contact.slot);
                         slot.map_or(0.0, |slot| f64::from(self.world.slots[slot as usize].restitution))
                     };
-                    let approach = || block.approach(&pairs);
-                    *self.restitutions.element(index) =
-                        Restitution::new(restitution, self.terms.restitution_speed, approach);
+                    let before = self.restitutions.element(index);
+                    let mut now = Restitution::new(restitution);
+                    if let (Some(now), Some(before), 1..) = (&mut now, &before, done) {
+                        now.resume(before);
+                    }
+                    *before = now;
                 }
                 Stage::WarmStart(_) => block.warm_start(&mut pairs),
                 Stage::Solve { sweep, .. } => block.solve(&mut pairs, &self.terms.contact, sweep),
@@ -373,22 +383,29 @@ impl<L: Lanes> Walk<'_, L> {
                     }
                 }
                 Stage::Record(_) => {
-                    if let Some(restitution) = self.restitutions.element(index) {
-                        restitution.record(&block.normal_impulses());
-                    }
-                    if self.world.totals.is_some() {
-                        for (total, now) in self.totals.element(index).iter_mut().zip(block.impulses()) {
+                    let totals = self.totals.element(index);
+                    let mut add = |impulses: [ContactImpulses; WIDTH]| {
+                        for (total, now) in totals.iter_mut().zip(impulses) {
                             total.0.iter_mut().zip(now.0).for_each(|(total, now)| *total += now);
+                        }
+                    };
+                    add(block.impulses(L::zero()));
+                    if let Some(restitution) = self.restitutions.element(index) {
+                        add(L::give(restitution.take_impacts()));
+                    }
+                }
+                Stage::Impact { sweep, .. } => {
+                    let is_due = sweep % IMPACT_SWEEPS == 0 || self.struck.load(Ordering::Relaxed) >= sweep;
+                    if let Some(restitution) = self.restitutions.element(index).as_mut().filter(|_| is_due) {
+                        let GroupTerms { h, restitution_speed, .. } = *self.terms;
+                        if block.bounce(&mut pairs, restitution, [restitution_speed, h].map(L::of)) {
+                            self.struck.fetch_max(sweep + 1, Ordering::Relaxed);
                         }
                     }
                 }
-                Stage::Restitution(_) => {
-                    if let Some(restitution) = self.restitutions.get(index) {
-                        block.restitute(&mut pairs, &restitution.speeds_of_loaded());
-                    }
-                }
                 Stage::Store(_) => {
-                    for (lane, (contact, impulses)) in contacts.zip(block.impulses()).enumerate() {
+                    let of_impacts = self.restitutions.get(index).as_ref().map_or(L::zero(), Restitution::of_step);
+                    for (lane, (contact, impulses)) in contacts.zip(block.impulses(of_impacts)).enumerate() {
                         self.world.store(contact.slot, impulses);
                         if let Some(totals) = self.world.totals {
                             *totals.element(contact.slot as usize) = self.totals.get(index)[lane];
