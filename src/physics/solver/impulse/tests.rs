@@ -115,7 +115,7 @@ fn velocities<L: Lanes>(group: &mut GroupBodies<L::Scalar>, bodies: &[Body]) -> 
     let shared = group.share();
     let mut after = bodies.to_vec();
     for (index, body) in after.iter_mut().enumerate().filter(|(_, body)| body.kind == RigidBody::Dynamic) {
-        one_body(&shared, index).scatter(body);
+        one_body(&shared, index).scatter(body, None);
     }
     after
 }
