@@ -1,4 +1,5 @@
-//! What each phase of a step costs, on three scenes that have settled, sleeping off.
+//! What each phase of a step costs, on three scenes that have settled and on heaps that fall, hit and settle, sleeping
+//! off. Of a heap, the time is that of all steps of 5 s.
 //!
 //! `cargo bench --profile measure --no-default-features --features lab --bench stages`
 //!
@@ -15,6 +16,9 @@ use plumb::prelude::*;
 /// The phases, in the order of [`PhysicsSystems`].
 const PHASES: [&str; 7] = ["gather", "broad phase", "narrow phase", "islands", "solve", "write-back", "events"];
 
+/// Steps in which a heap falls, hits and settles: 5 s.
+const HEAP_STEPS: u64 = 300;
+
 /// When each phase of the last step began, and the last one ended.
 #[derive(Resource)]
 struct Marks([Instant; PHASES.len() + 1]);
@@ -23,8 +27,8 @@ fn mark<const INDEX: usize>(mut marks: ResMut<Marks>) {
     marks.0[INDEX] = Instant::now();
 }
 
-/// A scene that has run for a second, with a clock in its schedule.
-fn settled(scene: &str, parameters: &[(&str, f64)], threads: u32) -> App {
+/// A scene with a clock in its schedule.
+fn timed(scene: &str, parameters: &[(&str, f64)], threads: u32) -> App {
     let parameters: Vec<_> = parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
     let mut app = headless_app();
     let mut settings = SolverSettings { threads, ..SolverSettings::game() };
@@ -45,6 +49,12 @@ fn settled(scene: &str, parameters: &[(&str, f64)], threads: u32) -> App {
         ),
     );
     plumb::scene::load(scene, &parameters).expect("a built-in scene").spawn(app.world_mut());
+    app
+}
+
+/// One that has run for a second.
+fn settled(scene: &str, parameters: &[(&str, f64)], threads: u32) -> App {
+    let mut app = timed(scene, parameters, threads);
     for _ in 0..60 {
         step(app.world_mut());
     }
@@ -59,6 +69,27 @@ fn spent(world: &mut World, phase: usize, steps: u64) -> Duration {
         marks[phase + 1] - marks[phase]
     };
     (0..steps).map(one_step).sum()
+}
+
+fn phases_of_heaps(criterion: &mut Criterion) {
+    for (kind, what) in ["boxes", "balls", "hulls", "cones", "mixed"].into_iter().enumerate() {
+        for threads in [1, 2] {
+            let mut group = criterion.benchmark_group(format!("heap of 1000 {what}, threads {threads}"));
+            group.sample_size(10).measurement_time(Duration::from_secs(2)).warm_up_time(Duration::from_millis(300));
+            for (phase, name) in PHASES.into_iter().enumerate() {
+                group.bench_function(name, |bencher| {
+                    bencher.iter_custom(|runs| {
+                        let run = |_| {
+                            let mut app = timed("heap", &[("kind", kind as f64), ("n", 1000.0)], threads);
+                            spent(app.world_mut(), phase, HEAP_STEPS)
+                        };
+                        (0..runs).map(run).sum()
+                    });
+                });
+            }
+            group.finish();
+        }
+    }
 }
 
 fn phases(criterion: &mut Criterion) {
@@ -78,5 +109,5 @@ fn phases(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, phases);
+criterion_group!(benches, phases, phases_of_heaps);
 criterion_main!(benches);

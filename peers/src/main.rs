@@ -5,6 +5,7 @@ mod engine;
 mod joint;
 mod load;
 mod metrics;
+mod overlap;
 mod plan;
 mod precision;
 mod record;

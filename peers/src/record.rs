@@ -38,6 +38,9 @@ pub struct Row {
     pub sink: Option<f64>,
     pub sink_end: Option<f64>,
     pub drift: Option<f64>,
+    /// Deepest overlap of two bodies, m, whenever it was looked for; and after the last step.
+    pub overlap: Option<f64>,
+    pub overlap_end: Option<f64>,
     pub energy_change: Option<f64>,
     pub energy_drift: Option<f64>,
     /// Median.
@@ -78,6 +81,8 @@ impl Row {
             sink: None,
             sink_end: None,
             drift: None,
+            overlap: None,
+            overlap_end: None,
             energy_change: None,
             energy_drift: None,
             ms_per_step: None,

@@ -4,6 +4,7 @@
 use std::time::{Duration, Instant};
 
 use crate::engine::{EngineKind, Run, Settings, Unable};
+use crate::overlap;
 use crate::plan::{Plan, Report};
 use crate::record::Row;
 use crate::scene::Scene;
@@ -14,9 +15,18 @@ use crate::table::{short, table};
 pub const SCENES: &str = "pyramid 40, pyramids 8, joint_grid 100, chain 1, chain 100, chain 1000, stack 10, stack 30, \
                           sandwich 1000, top, rods 5, bridge 30, bridge 100, ragdolls 1, ragdolls 10, \
                           hinge_chain 100 1, hinge_chain 100 1000, hinge_chain 100 1 45, arm, car 0 100 10, \
-                          four_bar 1, four_bar 40";
+                          four_bar 1, four_bar 40, limbs, ragdolls 100, pile 200, pile 1000, heap 0 200, heap 0 1000, \
+                          heap 0 4000, heap 0 10000, heap 1 1000, heap 1 4000, heap 2 1000, heap 2 4000, heap 3 200, \
+                          heap 4 1000, heap 4 4000";
 
-/// Steps before anything is timed: contacts are found, buffers have grown.
+/// Scenes in which what is built falls, hits and settles: measured from their start, for [`MOVING_SECONDS`], and with how
+/// deep the bodies overlap.
+const MOVING: [&str; 4] = ["heap", "limbs", "pile", "ragdolls"];
+
+/// How long a moving scene runs, s.
+const MOVING_SECONDS: f64 = 5.0;
+
+/// Steps of other scenes before anything is timed: contacts are found, buffers have grown.
 const WARM_UP_STEPS: u32 = 60;
 
 /// Steps that an engine takes before it is the next one's turn.
@@ -35,6 +45,7 @@ pub fn measure(plan: &Plan) -> Report {
     let mut cost = heading("ms a step");
     let mut times_plumb = heading("times plumb's");
     let mut times_fastest = heading("times the fastest peer's");
+    let mut overlaps = heading("deepest overlap, m: ever, at the end");
     for scene in &plan.scenes {
         plan.progress(scene);
         let rows = measure_scene(scene, &plan.engines, &plan.settings, plan.rounds);
@@ -45,10 +56,18 @@ pub fn measure(plan: &Plan) -> Report {
         cost.push(line(|row| row.ms_per_step));
         times_plumb.push(line(|row| row.times_plumb));
         times_fastest.push(line(|row| row.times_fastest_peer));
+        if rows.iter().any(|row| row.overlap.is_some()) {
+            let both = |row: &Row| match (row.overlap, row.overlap_end) {
+                (Some(ever), Some(end)) => format!("{}, {}", short(ever), short(end)),
+                _ => "-".to_owned(),
+            };
+            overlaps.push([scene.to_string()].into_iter().chain(rows.iter().map(both)).collect());
+        }
         report.note_refusals(scene, &rows);
         report.rows.extend(rows);
     }
-    let tables = [cost, times_plumb, times_fastest].map(|cells| table(&cells));
+    let tables = [cost, times_plumb, times_fastest, overlaps];
+    let tables: Vec<String> = tables.iter().filter(|cells| cells.len() > 1).map(|cells| table(cells)).collect();
     report.text = tables.join("\n") + &report.text;
     report
 }
@@ -57,20 +76,30 @@ pub fn measure(plan: &Plan) -> Report {
 struct Lane {
     run: Result<Run, Unable>,
     blocks: Vec<Vec<f64>>,
+    /// How deep bodies overlapped after each block, m.
+    overlaps: Vec<f64>,
 }
 
 fn measure_scene(scene: &Scene, engines: &[EngineKind], settings: &Settings, rounds: u32) -> Vec<Row> {
-    let mut lanes: Vec<Lane> =
-        engines.iter().map(|kind| Lane { run: kind.start(scene, settings), blocks: Vec::new() }).collect();
-    for lane in &mut lanes {
-        lane.block(WARM_UP_STEPS);
-        lane.blocks.clear();
+    let start = |kind: &EngineKind| Lane { run: kind.start(scene, settings), blocks: Vec::new(), overlaps: Vec::new() };
+    let mut lanes: Vec<Lane> = engines.iter().map(start).collect();
+    let moves = MOVING.contains(&scene.name());
+    if !moves {
+        for lane in &mut lanes {
+            lane.block(WARM_UP_STEPS);
+            lane.blocks.clear();
+        }
     }
+    let moving_rounds = (MOVING_SECONDS * settings.hz / f64::from(BLOCK_STEPS)).ceil() as u32;
+    let rounds = if moves { moving_rounds } else { rounds };
     for round in 0..rounds as usize {
         // Not always the same after the same.
         for turn in 0..lanes.len() {
             let lane = (round + turn) % lanes.len();
             lanes[lane].block(BLOCK_STEPS);
+            if moves {
+                lanes[lane].measure_overlap(scene);
+            }
         }
     }
     let medians: Vec<Vec<f64>> = lanes.iter().map(Lane::block_medians).collect();
@@ -91,6 +120,8 @@ fn measure_scene(scene: &Scene, engines: &[EngineKind], settings: &Settings, rou
                 ms_high: range(own).map(|(_, high)| high),
                 times_plumb: plumb.and_then(|plumb| ratio(own, &medians[plumb])),
                 times_fastest_peer: fastest_peer.and_then(|peer| ratio(own, &medians[peer])),
+                overlap: lane.overlaps.iter().copied().reduce(f64::max),
+                overlap_end: lane.overlaps.last().copied(),
                 ..row
             },
         }
@@ -116,6 +147,14 @@ impl Lane {
         self.blocks.push(block);
     }
 
+    fn measure_overlap(&mut self, scene: &Scene) {
+        let Ok(run) = &mut self.run else { return };
+        match run.read() {
+            Ok(states) => self.overlaps.push(overlap::deepest(scene, states)),
+            Err(unable) => self.run = Err(unable),
+        }
+    }
+
     fn block_medians(&self) -> Vec<f64> {
         self.blocks.iter().filter_map(|block| median(block)).collect()
     }
@@ -136,6 +175,18 @@ mod tests {
         // Both twice as slow from the third round on.
         assert_eq!(ratio(&[1.0, 1.0, 2.0, 2.0, 2.0], &[4.0, 4.0, 8.0, 8.0, 8.0]), Some(0.25));
         assert_eq!(ratio(&[], &[1.0]), None);
+    }
+
+    #[test]
+    fn a_heap_is_measured_as_it_falls_with_how_deep_it_overlaps() {
+        let scene = Scene::parse("heap 0 20").unwrap();
+        let settings = Settings { hz: 60.0, substeps: None, threads: 1 };
+        let rows = measure_scene(&scene, &EngineKind::standard(), &settings, 1);
+        for row in &rows {
+            assert!((row.seconds - MOVING_SECONDS).abs() < 1e-12, "{}", row.engine);
+            let (ever, end) = (row.overlap.unwrap(), row.overlap_end.unwrap());
+            assert!(0.0 < ever && end <= ever && ever < 0.5, "{}: {ever}, {end}", row.engine);
+        }
     }
 
     #[test]

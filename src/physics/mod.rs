@@ -79,7 +79,7 @@ pub use settings::{
     Method, Precision, SETTINGS, Setting, SettingsError, SolverSettings, SweepSettings, WrittenSettings,
 };
 pub use shape::{Collider, ConvexHull, HullError, MassProperties, Shape};
-pub(crate) use shape::{Geometry, Hull};
+pub(crate) use shape::{EdgeLanes, EdgeParts, Geometry, Hull};
 pub(crate) use sleep::Sleep;
 pub(crate) use solver::{ExactGroups, IslandSolvers};
 pub use state_hash::hash_state;

@@ -4,6 +4,7 @@ mod accurate;
 mod accurate_contact;
 mod command_line;
 mod export;
+mod heavy;
 mod joint_errors;
 mod joint_metrics;
 mod machines;

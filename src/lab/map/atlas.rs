@@ -91,7 +91,7 @@ const SUBSTEPS: Axis = Axis { label: "substeps", varies: "substeps=1,2,4,8,16" }
 const HZ: Axis = Axis { label: "steps per second", varies: "hz=30,60,120,240,480,960" };
 
 /// Every map.
-pub const ATLAS: [MapInfo; 13] = [
+pub const ATLAS: [MapInfo; 15] = [
     MapInfo {
         name: "chain",
         scene: "chain",
@@ -111,6 +111,28 @@ pub const ATLAS: [MapInfo; 13] = [
         x: ITERATIONS,
         y: Axis { label: "mass of the slab over a cube's", varies: "r=1,3,10,30,100,300,1e3,1e4,1e5,1e6" },
         about: "a heavy slab on light cubes: what the sweeps leave undone pushes the cubes into the ground",
+        compared: Compared::Methods(6),
+        written: None,
+    },
+    MapInfo {
+        name: "slab",
+        scene: "slab",
+        parameters: &[],
+        seconds: 3.0,
+        x: Axis { label: "height of its fall, m", varies: "drop=0.01,0.03,0.1,0.3,1,2" },
+        y: Axis { label: "mass of the slab over a cube's", varies: "r=1,10,100,1e3,1e4,1e5" },
+        about: "a slab falls on two cubes: what the sweeps do not stop in time goes into the ground with them",
+        compared: Compared::Methods(6),
+        written: None,
+    },
+    MapInfo {
+        name: "column",
+        scene: "column",
+        parameters: &[],
+        seconds: 3.0,
+        x: Axis { label: "cubes", varies: "n=2,4,8,12,15,20" },
+        y: Axis { label: "mass of every other cube over the first's", varies: "r=1,10,100,1e3,1e4,1e5" },
+        about: "light and heavy cubes in turns land on each other: the more, the longer the way of each impact to the ground",
         compared: Compared::Methods(6),
         written: None,
     },

@@ -23,6 +23,7 @@ mod hinge_chain;
 mod hinges;
 mod incline;
 mod instant;
+mod landing;
 mod limits;
 mod painleve;
 mod pendulum;
@@ -69,6 +70,7 @@ pub fn of(scene: &SceneSpec, settings: &SolverSettings) -> Option<Truth> {
         "cradle" => cradle::truth(scene),
         "dominoes" => dominoes::truth(scene),
         "wall" => wall::truth(scene),
+        "slab" | "column" | "boulder" => landing::truth(scene),
         "four_bar" => four_bar::truth(scene),
         "bricard" => bricard::truth(scene),
         "andrews" => andrews::truth(scene),

@@ -121,13 +121,40 @@ pub(super) const RIM_POINTS: usize = 4;
 /// `cones::rolling_on_the_rim_moves_the_point_evenly`.
 pub(super) const SQUARE_TILT: f64 = 1e-3;
 
+/// Steps toward the nearest points of two cones before they count as near. *speed*.
+pub(super) const APPROACH_STEPS: u32 = 6;
+/// Steps after which they count as near if no direction yet separates them. *speed*.
+pub(super) const APPROACH_TRIALS: u32 = 2;
+/// Squared sine of the angle to an axis below which rounding counts in what is across it.
+pub(super) const NEAR_AXIS: f64 = 1e-4;
+/// Most steps of Newton's method around a flank's circle of normals; it takes about four.
+/// `cone_tests::closed_forms_find_what_the_search_finds`, as all that follow here.
+pub(super) const FLANK_STEPS: u32 = 12;
+/// Most arcs by which a circle of normals is proved to be above a limit; mostly three.
+pub(super) const CIRCLE_STEPS: u32 = 16;
+/// Share of [`CONTACT_TOLERANCE`] by which a circle of normals is proved to be above its least, or nearly.
+pub(super) const CIRCLE_SLACK: f64 = 0.1;
+/// Arcs shorter than this make no progress around a circle, rad.
+pub(super) const LEAST_ARC: f64 = 1e-13;
+/// Most arcs of a rim that wait to be looked at.
+pub(super) const RIM_ARCS: usize = 16;
+/// Most arcs of a rim that are looked at; mostly two.
+pub(super) const RIM_HALVINGS: u32 = 64;
+/// Most places where rims meet.
+pub(super) const RIM_MEETS: usize = 4;
+/// How far the halves of an arc reach over its middle, rad: more than rounding.
+pub(super) const ARC_OVERLAP: f64 = 1e-12;
+/// Most steps of Newton's method between rims; it takes about four.
+pub(super) const RIM_STEPS: u32 = 16;
+/// Turn below which Newton's method is done, rad: it squares the error.
+pub(super) const SETTLED_TURN: f64 = 1e-9;
+/// Share of [`CONTACT_TOLERANCE`] that two bounds of one length may differ by.
+pub(super) const SADDLE_GAP: f64 = 1e-3;
 /// Samples of the depth around a flank's circle of normals, one beside each minimum.
 /// `cones::depth_is_the_least_over_all_directions`, as all that follow here.
 pub(super) const CIRCLE_SAMPLES: usize = 24;
 /// Steps of the golden section: from two samples' distance to 1e-9 rad.
 pub(super) const GOLDEN_STEPS: u32 = 42;
-/// Steps of Newton's method from each start; most need five.
-pub(super) const NEWTON_STEPS: u32 = 12;
 /// Longest step of Newton's method, rad.
 pub(super) const LONGEST_TURN: f64 = 0.4;
 /// Sine to within which a normal is one of a flank's own.

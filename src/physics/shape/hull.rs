@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
+use super::edge_lanes::EdgeLanes;
 use crate::physics::VectorSet;
 
 /// Vertices within this share of the bounding radius (L1 distance) of a kept one are dropped
@@ -28,6 +29,8 @@ pub(crate) struct Hull {
     pub edge_directions: Vec<Vector3<f64>>,
     /// Radius of the largest ball about the centre of mass that the hull holds, m.
     pub inner_radius: f64,
+    /// The edges, eight at a time.
+    pub edge_lanes: Vec<EdgeLanes>,
     /// The vertices by components, some at a time; the last ones fill up with the first.
     lanes: Vec<[[f64; LANES]; 3]>,
 }
@@ -75,11 +78,17 @@ impl Hull {
         }
         let faces: Vec<_> = loops.into_iter().map(|corners| Face::new(&vertices, corners)).collect();
         let inner_radius = faces.iter().map(|face| face.offset).fold(f64::INFINITY, f64::min);
+        let edge_lanes = EdgeLanes::of(edges.len(), |index| {
+            let Edge { ends, faces: beside, direction } = &edges[index];
+            (vertices[ends[0] as usize], *direction, beside.map(|face| faces[face as usize].normal))
+        });
+        let edge_lanes = edge_lanes.collect();
         let lanes = vertices.chunks(LANES).map(|some| {
             std::array::from_fn(|axis| std::array::from_fn(|lane| some.get(lane).unwrap_or(&vertices[0])[axis]))
         });
         let lanes = lanes.collect();
-        Self { vertices, faces, edges, edge_directions: directions.vectors().to_vec(), inner_radius, lanes }
+        let edge_directions = directions.vectors().to_vec();
+        Self { vertices, faces, edges, edge_directions, inner_radius, edge_lanes, lanes }
     }
 
     /// How far it reaches along a direction from the centre of mass (times the direction's

@@ -9,6 +9,7 @@ mod cone;
 mod convex_hull;
 mod cuboid;
 mod displacement;
+mod edge_lanes;
 mod hull;
 mod measures;
 mod merge_facets;
@@ -26,6 +27,7 @@ use bevy::prelude::*;
 use nalgebra::Vector3;
 
 pub use convex_hull::{ConvexHull, HullError};
+pub(crate) use edge_lanes::{EdgeLanes, EdgeParts};
 pub(crate) use hull::Hull;
 use measures::Measures;
 

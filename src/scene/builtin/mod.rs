@@ -12,6 +12,7 @@ mod gravity;
 mod grid;
 mod hanging;
 mod heap;
+mod heavy;
 mod hinged;
 mod limbs;
 mod linkages;
@@ -28,7 +29,7 @@ mod tower;
 use super::SceneInfo;
 
 /// Every built-in scene, the start scene first.
-pub(super) static ALL: [SceneInfo; 37] = [
+pub(super) static ALL: [SceneInfo; 40] = [
     limbs::LIMBS,
     hanging::PENDULUM,
     hanging::RODS,
@@ -49,6 +50,9 @@ pub(super) static ALL: [SceneInfo; 37] = [
     stacking::PYRAMID,
     stacking::PYRAMIDS,
     stacking::SANDWICH,
+    heavy::SLAB,
+    heavy::COLUMN,
+    heavy::BOULDER,
     standing::ARCH,
     standing::CARD_HOUSE,
     dominoes::DOMINOES,

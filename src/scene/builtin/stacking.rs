@@ -9,7 +9,7 @@ use super::random::seeded;
 use crate::scene::info::Parameter;
 use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
-const CUBE: ShapeSpec = ShapeSpec::Cuboid { size: DVec3::ONE };
+pub(super) const CUBE: ShapeSpec = ShapeSpec::Cuboid { size: DVec3::ONE };
 
 /// Rows of each wall of `pyramids`.
 const WALL_BASE: usize = 10;
@@ -108,7 +108,7 @@ pub(super) fn add_column(scene: &mut SceneSpec, n: usize, x: f64) {
 }
 
 /// Rows of `base`, `base` − 1, … cubes along x, centred above `center`, the lowest row first.
-fn add_wall(scene: &mut SceneSpec, base: usize, center: DVec3) {
+pub(super) fn add_wall(scene: &mut SceneSpec, base: usize, center: DVec3) {
     for row in 0..base {
         let cubes = base - row;
         for i in 0..cubes {

@@ -28,13 +28,14 @@ impl Place {
 
 /// Tests a shape and a ball whose centre is given in the shape's axes, and adds the point where
 /// they touch, or are nearest if they are apart by no more than the gap, in these axes. Normal and
-/// distance are the true ones.
+/// distance are the true ones; of two that are farther apart it is left in `apart`, or less.
 pub(crate) fn touch(
     shape: &Geometry,
     shape_radius: f64,
     radius: f64,
     ball_in_shape: &Frame,
     gap: f64,
+    apart: &mut f64,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
     let center = ball_in_shape.center;
@@ -48,6 +49,7 @@ pub(crate) fn touch(
     let scale = Scale::new(shape_radius, radius, gap);
     let depth = radius - height;
     if scale.separates(depth) {
+        *apart = -depth;
         return None;
     }
     let depth = scale.rounded(depth);
@@ -85,7 +87,7 @@ fn place_at_hull(hull: &Hull, point: &Vector3<f64>, radius: f64, gap: f64) -> Pl
 }
 
 /// All in the half-plane of the axis and the point.
-fn place_at_cone(cone: &Cone, point: &Vector3<f64>, radius: f64) -> Place {
+pub(super) fn place_at_cone(cone: &Cone, point: &Vector3<f64>, radius: f64) -> Place {
     let [x, z] = unit_across(point);
     let across = point.x.hypot(point.z);
     let over_base = Place { normal: Cone::base_normal(), height: cone.base - point.y };

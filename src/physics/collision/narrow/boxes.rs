@@ -29,11 +29,11 @@ struct Boxes<'t> {
 
 /// Tests two boxes and leaves their contact points in the clip buffers, in A's axes.
 pub(crate) fn touch(pair: &ShapePair<Cuboid, Cuboid>, search: &mut PairSearch) -> Option<Overlap> {
-    let PairSearch { clip: buffers, axes, .. } = search;
+    let PairSearch { clip: buffers, axes, apart, .. } = search;
     let b_in_a = pair.b_in_a;
     let center_in_b = b_in_a.enter(&b_in_a.center);
     let boxes = Boxes { pair, magnitudes: b_in_a.rotation.abs(), center_in_b };
-    let (depth, axis) = boxes.least_overlap(axes)?;
+    let (depth, axis) = boxes.least_overlap(axes).map_err(|depth| *apart = -depth).ok()?;
     let depth = pair.scale.rounded(depth);
     let normal = boxes.normal(axis);
     let overlap = Overlap { normal, depth };
@@ -62,22 +62,21 @@ pub(crate) fn touch(pair: &ShapePair<Cuboid, Cuboid>, search: &mut PairSearch) -
 }
 
 impl Boxes<'_> {
-    /// The least depth, faces of A before those of B before edges; none if an axis separates by
-    /// more than the gap.
-    fn least_overlap(&self, axes: &mut u32) -> Option<(f64, Axis)> {
+    /// The least depth, faces of A before those of B before edges; an error if an axis separates by
+    /// more than the gap, with its depth.
+    fn least_overlap(&self, axes: &mut u32) -> Result<(f64, Axis), f64> {
         let &ShapePair { a, b, b_in_a, scale } = self.pair;
         let (a, b) = (&a.half, &b.half);
         let of_a = a + self.magnitudes * b - b_in_a.center.abs();
         let face_a = of_a.imin();
         *axes += 3;
-        if scale.separates(of_a[face_a]) {
-            return None;
-        }
         let of_b = b + self.magnitudes.tr_mul(a) - self.center_in_b.abs();
         let face_b = of_b.imin();
         *axes += 3;
-        if scale.separates(of_b[face_b]) {
-            return None;
+        // The farther they are found to be, the longer nobody need look again.
+        let of_faces = of_a[face_a].min(of_b[face_b]);
+        if scale.separates(of_faces) {
+            return Err(of_faces);
         }
         let mut least = (of_a[face_a], Axis::OfA(face_a));
         if of_b[face_b] < scale.limit(least.0) {
@@ -99,7 +98,7 @@ impl Boxes<'_> {
                 }
                 let depth = depth / squared_sine.sqrt();
                 if scale.separates(depth) {
-                    return None;
+                    return Err(depth);
                 }
                 if depth < limit {
                     limit = depth;
@@ -107,7 +106,7 @@ impl Boxes<'_> {
                 }
             }
         }
-        Some(least)
+        Ok(least)
     }
 
     /// The depth across an edge of each, times the sine of the angle between them.

@@ -38,7 +38,7 @@ const FLANK: u32 = 1;
 
 impl Cone {
     pub fn new(radius: f64, height: f64) -> Self {
-        let slant = radius.hypot(height);
+        let slant = (radius * radius + height * height).sqrt();
         Self { radius, apex: 0.75 * height, base: -0.25 * height, sine: radius / slant, cosine: height / slant }
     }
 
@@ -67,7 +67,7 @@ impl Cone {
 
     /// The farthest point along a direction.
     pub fn foremost(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        let across = direction.x.hypot(direction.z);
+        let across = length_across(direction);
         if self.apex * direction.y > self.base * direction.y + self.radius * across {
             self.apex_point()
         } else {
@@ -78,32 +78,41 @@ impl Cone {
     /// Adds points of the rim, evenly spread, counter-clockwise seen from below. See
     /// [`SQUARE_TILT`] for where the first one is. A multiple of four of them.
     pub fn rim_corners(&self, direction: &Vector3<f64>, count: usize, corners: &mut Vec<Vector3<f64>>) {
-        let tilt = direction.x.hypot(direction.z);
+        let tilt = length_across(direction);
         let share = (tilt / SQUARE_TILT - 1.0).clamp(0.0, 1.0);
-        let first = if share > 0.0 {
+        let mut corner = if share >= 1.0 {
+            [direction.x / tilt, direction.z / tilt]
+        } else if share > 0.0 {
             let foremost = f64::atan2(direction.z, direction.x);
             let quarter = (foremost / FRAC_PI_2).round() * FRAC_PI_2;
-            quarter + (foremost - quarter) * share
+            let (sin, cos) = (quarter + (foremost - quarter) * share).sin_cos();
+            [cos, sin]
         } else {
-            0.0
+            [1.0, 0.0]
         };
-        corners.extend((0..count).map(|corner| {
-            let (sin, cos) = (first + TAU * corner as f64 / count as f64).sin_cos();
-            self.rim_point([cos, sin])
+        let (sin, cos) = (TAU / count as f64).sin_cos();
+        corners.extend((0..count).map(|_| {
+            let [x, z] = corner;
+            corner = [x * cos - z * sin, z * cos + x * sin];
+            self.rim_point([x, z])
         }));
     }
 }
 
 /// The part of a direction across the axis, as a unit vector (x, z); any if there is none.
 pub(crate) fn unit_across(direction: &Vector3<f64>) -> [f64; 2] {
-    let across = direction.x.hypot(direction.z);
+    let across = length_across(direction);
     if across > 0.0 { [direction.x / across, direction.z / across] } else { [1.0, 0.0] }
+}
+
+/// Of the part of a direction across the axis. The care of hypot is not needed, and costs more than all else here.
+fn length_across(direction: &Vector3<f64>) -> f64 {
+    (direction.x * direction.x + direction.z * direction.z).sqrt()
 }
 
 impl Convex for Cone {
     fn reach(&self, direction: &Vector3<f64>) -> f64 {
-        // Of a unit vector: the care of hypot is not needed, and costs more than all else here.
-        let across = (direction.x * direction.x + direction.z * direction.z).sqrt();
+        let across = length_across(direction);
         (self.apex * direction.y).max(self.base * direction.y + self.radius * across)
     }
 
@@ -122,7 +131,7 @@ impl Faced for Cone {
     /// The base, as a polygon, or a generator line.
     fn incident(&self, direction: &Vector3<f64>, corners: &mut Vec<Vector3<f64>>) -> u32 {
         corners.clear();
-        let across = direction.x.hypot(direction.z);
+        let across = length_across(direction);
         if -direction.y < self.cosine * across + self.sine * direction.y {
             corners.extend([self.apex_point(), self.rim_point(unit_across(direction))]);
             return FLANK;

@@ -1,197 +1,244 @@
 //! Two cones: the least overlap over all axes that two smooth cones have.
 //!
 //! In A's axes, with B's centre d and axis b, the overlap along a unit direction n out of A is
-//! depth(n) = h_A(n) + h_B(−n) − n·d, both support functions exact (see [`cone`](super::cone)). It
-//! is least, and if it is ever negative it is negative, along one of these:
+//! depth(n) = h_A(n) + h_B(−n) − n·d, both support functions exact (see [`cone`](super::cone)). Of cones
+//! that overlap it is least along one of these:
 //!
 //! - the normal of either base;
-//! - a normal of A's flank, a circle of them: depth along it is smooth but where B's foremost point
-//!   changes between apex and rim, which is where flank touches flank. These two normals, and that
-//!   on which the flank is nearest to B's apex, have closed forms; minima against B's rim are
-//!   bracketed by [`CIRCLE_SAMPLES`] and narrowed by golden section to 1e-9 rad, so that the depth
-//!   is off by less than 1e-16 of the sizes. Likewise for B's flank;
-//! - **rim against rim**: with ρ_A = √(1 − n_y²), ρ_B = √(1 − (n·b)²) and w from B's rim's centre
-//!   to A's, depth(n) = r_A ρ_A + r_B ρ_B + n·w. Its gradient is x, the vector between the two
-//!   foremost points, and on the sphere its Hessian r_A/ρ_A t_A t_Aᵀ + r_B/ρ_B t_B t_Bᵀ − depth·1,
-//!   t the rims' tangents there: Newton's method takes a few steps from each of [`STARTS`].
+//! - a normal of either flank, a circle of them ([`cone_flank`](super::cone_flank));
+//! - the line between the nearest points of **rim and rim** ([`cone_rims`](super::cone_rims)).
 //!
-//! At other normals a rim and an apex, or two apices, touch alone, which bound the overlap only
-//! together with their neighbours. Any direction's depth bounds the least from above and a
-//! negative one proves them apart, so nothing here can lose an overlap; were a narrow minimum of
-//! the last two kinds missed, a gap could count as touching. Random pairs against a brute-force
-//! search are tested.
+//! At other normals a rim and an apex, or two apices, touch alone, along which the overlap has no
+//! minimum; but cones apart may be nearest there. Apart, −depth is the distance where a normal has it
+//! greatest, and that is proved by two points as far apart as that. The nearest point of a cone to
+//! the other's apex has a closed form ([`ball`](super::ball)).
+//!
+//! **Proof.** The bases and flanks are measured in full, so the least is found once the rims are: where
+//! a point of one cone lies in the other they overlap, and rims count only where they are nearer
+//! to each other than the least so far. What is not proved is searched for
+//! ([`cone_search`](super::cone_search)): some cones that overlap by about their size, or are parallel.
+//!
+//! **Apart.** Most pairs that are near are apart by more than the gap, which takes a few steps to find
+//! ([`approach`](super::approach)). Of what is near, nothing depends on them.
 
-use std::f64::consts::TAU;
+use nalgebra::Vector3;
 
-use nalgebra::{Matrix2, Vector2, Vector3};
-
+use super::approach::are_apart;
+use super::axis_code::AxisCode;
+use super::ball::place_at_cone;
+use super::cone_flank::{OfFlank, least_of_flank};
+use super::cone_rims::{self, RimsMeet};
+use super::cone_search;
+use super::placed_cone::PlacedCone;
 use super::{
     ClipBuffers, Cone, Feature, Found, Least, Overlap, PairSearch, Segment, ShapePair, edge_contact, unit_across,
 };
-use crate::physics::collision::constants::{CIRCLE_SAMPLES, GOLDEN_STEPS, LONGEST_TURN, NEWTON_STEPS, ON_FLANK};
-use crate::physics::{ContactPoint, FeatureId, contact};
-
-/// The twelve corners of an icosahedron and the twenty of a dodecahedron, not normalised: no
-/// direction is farther than 38° from all.
-const STARTS: usize = 32;
-
-/// Kinds of normals that [`Feature::Smooth`] tells apart.
-const FLANK_OF_A: u32 = 0;
-const FLANK_OF_B: u32 = 1;
-const RIMS: u32 = 2;
-/// The direction from centre to centre: never the least, but the cheapest that may separate.
-const CENTERS: u32 = 3;
+use crate::physics::collision::constants::{ON_FLANK, SADDLE_GAP};
+use crate::physics::{ContactPoint, FeatureId};
 
 /// Tests two cones, B in A's axes; what was the last step's axis is tried first and replaced.
 /// Contact points are left in the clip buffers, in A's axes.
 pub(crate) fn touch(pair: &ShapePair<Cone, Cone>, search: &mut PairSearch) -> Option<Overlap> {
-    let axes = &mut search.axes;
-    let first = search.last.and_then(|last| pair.least_of(last, axes)).filter(|least| pair.separates(least));
-    let found = first.map_or_else(|| pair.search(axes), |least| Err(least.feature));
-    search.near(found)?.take(pair, search, |least, clip| pair.smooth_point(least, clip))
+    let cones = [PlacedCone::upright(pair.a), PlacedCone::new(pair.b, pair.b_in_a)];
+    let [a, b] = &cones;
+    let between = |normal: &Vector3<f64>| b.foremost(&-normal) - a.foremost(normal);
+    if are_apart(search, &pair.b_in_a.center, pair.scale.gap, between) {
+        return None;
+    }
+    let found = Test { pair, cones: &cones, axes: &mut search.axes }.run();
+    match found {
+        Ok(found) => found.take(pair, search, |least, clip| pair.smooth_point(least, clip)),
+        Err(Separated { normal, distance }) => {
+            search.last = Some(Feature::Smooth(AxisCode::of(&normal).0));
+            search.apart = distance;
+            None
+        }
+    }
+}
+
+/// Apart by more than the gap.
+struct Separated {
+    normal: Vector3<f64>,
+    /// At least, m.
+    distance: f64,
+}
+
+struct Test<'t> {
+    pair: &'t ShapePair<'t, Cone, Cone>,
+    cones: &'t [PlacedCone; 2],
+    axes: &'t mut u32,
+}
+
+/// The normal of least depth so far.
+#[derive(Clone, Copy)]
+struct Nearest {
+    normal: Vector3<f64>,
+    depth: f64,
+    /// Whether the cones are known to be nowhere farther apart.
+    is_distance: bool,
+}
+
+impl Test<'_> {
+    /// The overlap or separation.
+    fn run(&mut self) -> Result<Found, Separated> {
+        let scale = self.pair.scale;
+        let of_a = self.base(Cone::base_normal(), Feature::FaceOfA(0))?;
+        let of_b = self.base(self.pair.out_of_a(Cone::base_normal()), Feature::FaceOfB(0))?;
+        let smooth = self.smooth(&of_a, &of_b);
+        if scale.separates(smooth.depth) {
+            return Err(Separated { normal: smooth.normal, distance: -smooth.depth });
+        }
+        let Nearest { normal, depth, .. } = smooth;
+        let smooth = Least { normal, depth, feature: Feature::Smooth(AxisCode::of(&normal).0) };
+        let [of_a, of_b, smooth] = [of_a, of_b, smooth].map(|least| least.rounded(scale));
+        let mut found = Found { least: of_a, preferred: of_a };
+        for rival in [of_b, smooth] {
+            if rival.depth < found.least.depth {
+                found.least = rival;
+            }
+            if rival.depth < scale.limit(found.preferred.depth) {
+                found.preferred = rival;
+            }
+        }
+        Ok(found)
+    }
+
+    fn base(&mut self, normal: Vector3<f64>, feature: Feature) -> Result<Least, Separated> {
+        *self.axes += 1;
+        let depth = self.pair.depth_along(&normal);
+        if self.pair.scale.separates(depth) {
+            return Err(Separated { normal, distance: -depth });
+        }
+        Ok(Least { normal, depth, feature })
+    }
+
+    /// The least of all normals, if that is not a base's; else that.
+    fn smooth(&mut self, of_a: &Least, of_b: &Least) -> Nearest {
+        let [a, b] = self.cones;
+        let mut overlaps = false;
+        let mut nearest = Nearest { normal: of_a.normal, depth: f64::INFINITY, is_distance: false };
+        for (one, other, least, side) in [(a, b, of_a, 1.0), (b, a, of_b, -1.0)] {
+            let deepest = other.foremost(&(least.normal * -side));
+            overlaps |= one.holds(&deepest);
+            self.take(&mut nearest, one, least.normal, least.depth, &deepest, side);
+        }
+        self.of_flanks(&mut nearest, &mut overlaps);
+        if nearest.is_distance || (nearest.depth >= 0.0 && self.overlap_of_rims(&mut nearest, overlaps)) {
+            return nearest;
+        }
+        if nearest.depth < 0.0 {
+            self.at_apices(&mut nearest);
+        }
+        if !nearest.is_distance {
+            self.between_rims(&mut nearest);
+        }
+        if !nearest.is_distance {
+            for start in cone_search::around(a) {
+                if let Some(meet) = cone_rims::settle(a, b, start, self.axes) {
+                    self.take_rims(&mut nearest, &meet);
+                }
+            }
+        }
+        nearest
+    }
+
+    /// Takes the least of all normals of either flank, if it is less. Tells of points found in both cones.
+    fn of_flanks(&mut self, nearest: &mut Nearest, overlaps: &mut bool) {
+        let [a, b] = self.cones;
+        // What one flank leaves unknown, the lower limit that the other sets may settle.
+        let mut known = [false; 2];
+        for of_b in [0, 1, 0, 1] {
+            if nearest.is_distance {
+                return;
+            }
+            if known[of_b] {
+                continue;
+            }
+            let (one, other, side) = if of_b == 0 { (a, b, 1.0) } else { (b, a, -1.0) };
+            known[of_b] = true;
+            match least_of_flank(one, other, nearest.depth, self.pair.scale.tolerance, self.axes) {
+                OfFlank::Least { normal, depth, deepest } => {
+                    *overlaps |= one.holds(&deepest);
+                    self.take(nearest, one, normal * side, depth, &deepest, side);
+                }
+                OfFlank::Above(deep) => *overlaps |= deep.is_some_and(|point| one.holds(&point)),
+                OfFlank::Unknown => known[of_b] = false,
+            }
+        }
+        for (known, (one, other, side)) in known.into_iter().zip([(a, b, 1.0), (b, a, -1.0)]) {
+            if !known {
+                let (normal, depth) = cone_search::least_of_flank(one, other, self.axes);
+                let deepest = other.foremost(&-normal);
+                self.take(nearest, one, normal * side, depth, &deepest, side);
+            }
+        }
+    }
+
+    /// Takes the depth along a normal of `one`, out of A, if it is less: to the other's deepest point.
+    fn take(
+        &self,
+        nearest: &mut Nearest,
+        one: &PlacedCone,
+        normal: Vector3<f64>,
+        depth: f64,
+        deepest: &Vector3<f64>,
+        side: f64,
+    ) {
+        if depth < nearest.depth {
+            let foot = deepest + normal * (side * depth);
+            let is_distance = depth < 0.0 && one.holds_about(&foot, SADDLE_GAP * self.pair.scale.tolerance);
+            *nearest = Nearest { normal, depth, is_distance };
+        }
+    }
+
+    /// Takes the depth along a normal between two points at some distance, if it is less.
+    fn take_between(&mut self, nearest: &mut Nearest, normal: Vector3<f64>, distance: f64) {
+        *self.axes += 1;
+        let depth = self.pair.depth_along(&normal);
+        if depth < nearest.depth || (depth == nearest.depth && !nearest.is_distance) {
+            let is_distance = distance + depth <= SADDLE_GAP * self.pair.scale.tolerance;
+            *nearest = Nearest { normal, depth, is_distance };
+        }
+    }
+
+    /// Takes the least along which rims overlap. Whether it is proved that the cones do.
+    fn overlap_of_rims(&mut self, nearest: &mut Nearest, mut overlaps: bool) -> bool {
+        let [a, b] = self.cones;
+        let small = self.pair.scale.tolerance;
+        let Some(meets) = cone_rims::overlaps(a, b, nearest.depth + small, self.axes) else { return false };
+        for meet in meets.iter().flatten() {
+            self.take_rims(nearest, meet);
+            overlaps = overlaps || meet.dip(a, b).is_some();
+        }
+        overlaps || [(a, b), (b, a)].into_iter().any(|(one, other)| other.axis_points().iter().any(|at| one.holds(at)))
+    }
+
+    /// Takes the normals from each apex to the nearest point of the other cone.
+    fn at_apices(&mut self, nearest: &mut Nearest) {
+        let &ShapePair { a, b, b_in_a, scale } = self.pair;
+        let place = place_at_cone(a, &b_in_a.place(&b.apex_point()), scale.size);
+        self.take_between(nearest, place.normal, place.height);
+        let place = place_at_cone(b, &b_in_a.inverse().place(&a.apex_point()), scale.size);
+        self.take_between(nearest, self.pair.out_of_a(place.normal), place.height);
+    }
+
+    /// Takes the normal along which the rims are nearest to each other.
+    fn between_rims(&mut self, nearest: &mut Nearest) {
+        let [a, b] = self.cones;
+        let start = a.rim_direction(&nearest.normal);
+        if let Some(meet) = cone_rims::settle(a, b, start, self.axes) {
+            self.take_rims(nearest, &meet);
+        }
+    }
+
+    fn take_rims(&mut self, nearest: &mut Nearest, meet: &RimsMeet) {
+        if let Some(normal) = meet.normal(self.pair.scale.tolerance) {
+            self.take_between(nearest, normal, (meet.on_one - meet.on_other).norm());
+        }
+    }
 }
 
 impl ShapePair<'_, Cone, Cone> {
-    fn separates(&self, least: &Least) -> bool {
-        self.scale.separates(least.depth)
-    }
-
-    /// The overlap or separation, or the feature along which that is beyond the gap.
-    fn search(&self, axes: &mut u32) -> Result<Found, Feature> {
-        let between = Feature::Smooth(CENTERS);
-        if self.least_of(between, axes).is_some_and(|least| self.separates(&least)) {
-            return Err(between);
-        }
-        let mut found: Option<Found> = None;
-        for kinds in [
-            &[Feature::FaceOfA(0)][..],
-            &[Feature::FaceOfB(0)],
-            &[Feature::Smooth(FLANK_OF_A), Feature::Smooth(FLANK_OF_B), Feature::Smooth(RIMS)],
-        ] {
-            let mut rival: Option<Least> = None;
-            for &kind in kinds {
-                let Some(of_kind) = self.least_of(kind, axes) else { continue };
-                if self.separates(&of_kind) {
-                    return Err(kind);
-                }
-                if rival.is_none_or(|rival| of_kind.depth < rival.depth) {
-                    rival = Some(of_kind.rounded(self.scale));
-                }
-            }
-            let Some(rival) = rival else { continue };
-            found = Some(found.map_or(Found { least: rival, preferred: rival }, |Found { least, preferred }| Found {
-                least: if rival.depth < least.depth { rival } else { least },
-                preferred: if rival.depth < self.scale.limit(preferred.depth) { rival } else { preferred },
-            }));
-        }
-        Ok(found.expect("a base is the best at first"))
-    }
-
-    /// The least overlap along axes of one kind.
-    fn least_of(&self, kind: Feature, axes: &mut u32) -> Option<Least> {
-        let mut best: Option<Least> = None;
-        let mut take = |normal: Vector3<f64>| {
-            *axes += 1;
-            let depth = self.depth_along(&normal);
-            if best.is_none_or(|best| depth < best.depth) {
-                best = Some(Least { normal, depth, feature: kind });
-            }
-        };
-        match kind {
-            Feature::FaceOfA(_) => take(Cone::base_normal()),
-            Feature::FaceOfB(_) => take(self.out_of_a(Cone::base_normal())),
-            Feature::Smooth(FLANK_OF_A) => {
-                self.flank_normals(|normal| self.depth_along(&normal), &mut take);
-            }
-            Feature::Smooth(FLANK_OF_B) => {
-                let depth = |normal| self.depth_along(&self.out_of_a(normal));
-                let a_in_b = self.b_in_a.inverse();
-                self.swapped(&a_in_b).flank_normals(depth, &mut |normal| take(self.out_of_a(normal)));
-            }
-            Feature::Smooth(CENTERS) => _ = self.b_in_a.center.try_normalize(0.0).map(take),
-            Feature::Smooth(RIMS) => starts().for_each(|start| take(self.descend(start))),
-            Feature::Smooth(_) | Feature::Edges(..) => {}
-        }
-        best
-    }
-
-    /// Gives the normals of A's flank along which its overlap with B may be least. `depth` is that along a normal.
-    fn flank_normals(&self, depth: impl Fn(Vector3<f64>) -> f64, take: &mut impl FnMut(Vector3<f64>)) {
-        let &Self { a: cone, b: other, b_in_a: other_in_cone, .. } = self;
-        // Nearest to the other's apex.
-        take(cone.flank_normal(unit_across(&other_in_cone.place(&other.apex_point()))));
-        // Where both flanks share a normal: n_y = sin γ and −n·b = sin γ'.
-        let axis = other_in_cone.rotation.column(1);
-        let across = axis.x.hypot(axis.z);
-        if across > 0.0 {
-            let along = -(other.sine + cone.sine * axis.y) / (cone.cosine * across);
-            let beside = 1.0 - along * along;
-            if beside >= 0.0 {
-                let [x, z] = [axis.x / across, axis.z / across];
-                for beside in [beside.sqrt(), -beside.sqrt()] {
-                    take(cone.flank_normal([along * x - beside * z, along * z + beside * x]));
-                }
-            }
-        }
-        // Against the other's rim.
-        let normal = |angle: f64| {
-            let (sin, cos) = angle.sin_cos();
-            cone.flank_normal([cos, sin])
-        };
-        let step = TAU / CIRCLE_SAMPLES as f64;
-        let samples: [f64; CIRCLE_SAMPLES] = std::array::from_fn(|sample| depth(normal(step * sample as f64)));
-        for sample in 0..CIRCLE_SAMPLES {
-            let (before, after) = ((sample + CIRCLE_SAMPLES - 1) % CIRCLE_SAMPLES, (sample + 1) % CIRCLE_SAMPLES);
-            if samples[sample] <= samples[before] && samples[sample] < samples[after] {
-                let middle = step * sample as f64;
-                take(normal(golden_section([middle - step, middle + step], |angle| depth(normal(angle)))));
-            }
-        }
-    }
-
-    /// Down to a minimum of the depth between the rims, alone, from a direction.
-    fn descend(&self, start: Vector3<f64>) -> Vector3<f64> {
-        let axis = self.b_in_a.rotation.column(1).into_owned();
-        let between = Vector3::y() * self.a.base - (self.b_in_a.center + axis * self.b.base);
-        // The depth, and the two rims' foremost directions with their radii over ρ.
-        let measure = |n: &Vector3<f64>| {
-            let (level, other_level) = (n - Vector3::y() * n.y, n - axis * n.dot(&axis));
-            let [rho, other_rho] = [level.norm(), other_level.norm()].map(|rho| rho.max(1e-9));
-            let gradient = level * (self.a.radius / rho) + other_level * (self.b.radius / other_rho) + between;
-            let tangents = [Vector3::y().cross(&level) / rho, axis.cross(&other_level) / other_rho];
-            (gradient.dot(n), gradient, tangents, [self.a.radius / rho, self.b.radius / other_rho])
-        };
-        let mut n = start;
-        let (mut depth, mut gradient, mut tangents, mut bends) = measure(&n);
-        for _ in 0..NEWTON_STEPS {
-            let frame = contact::tangents(&n);
-            let flat = |vector: &Vector3<f64>| Vector2::new(vector.dot(&frame[0]), vector.dot(&frame[1]));
-            let slope = flat(&gradient);
-            let [one, other] = [flat(&tangents[0]), flat(&tangents[1])];
-            let hessian =
-                one * one.transpose() * bends[0] + other * other.transpose() * bends[1] - Matrix2::identity() * depth;
-            let mut step = newton_step(&hessian, &slope);
-            let length = step.norm();
-            if length < 1e-12 {
-                break;
-            }
-            if length > LONGEST_TURN {
-                step *= LONGEST_TURN / length;
-            }
-            let Some((next, measured)) = (0..8).find_map(|_| {
-                let next = (n + frame[0] * step.x + frame[1] * step.y).normalize();
-                let measured = measure(&next);
-                step /= 2.0;
-                (measured.0 < depth).then_some((next, measured))
-            }) else {
-                break;
-            };
-            n = next;
-            (depth, gradient, tangents, bends) = measured;
-        }
-        n
-    }
-
     /// Leaves the points where the smooth surfaces touch in the buffers: along two lines, or where one of them has one
     /// foremost point.
     fn smooth_point(&self, least: &Least, buffers: &mut ClipBuffers) {
@@ -217,45 +264,19 @@ impl ShapePair<'_, Cone, Cone> {
     }
 }
 
-/// The least of a function that has one minimum between the ends.
-fn golden_section([mut low, mut high]: [f64; 2], function: impl Fn(f64) -> f64) -> f64 {
-    let share = 0.5 * (5_f64.sqrt() - 1.0);
-    let mut inner = [high - share * (high - low), low + share * (high - low)];
-    let mut values = inner.map(&function);
-    for _ in 0..GOLDEN_STEPS {
-        if values[0] <= values[1] {
-            high = inner[1];
-            inner = [high - share * (high - low), inner[0]];
-            values = [function(inner[0]), values[0]];
-        } else {
-            low = inner[0];
-            inner = [inner[1], low + share * (high - low)];
-            values = [values[1], function(inner[1])];
-        }
+#[cfg(test)]
+impl ShapePair<'_, Cone, Cone> {
+    /// The least depth of all normals, its normal, and how many were measured.
+    pub fn least(&self) -> (Vector3<f64>, f64, u32) {
+        let cones = [PlacedCone::upright(self.a), PlacedCone::new(self.b, self.b_in_a)];
+        let mut axes = 0;
+        let mut test = Test { pair: self, cones: &cones, axes: &mut axes };
+        let bases = [Cone::base_normal(), self.out_of_a(Cone::base_normal())];
+        let [of_a, of_b] = [0, 1].map(|face| {
+            let normal = bases[face];
+            Least { normal, depth: self.depth_along(&normal), feature: Feature::FaceOfA(0) }
+        });
+        let Nearest { normal, depth, .. } = test.smooth(&of_a, &of_b);
+        (normal, depth, axes)
     }
-    if values[0] <= values[1] { inner[0] } else { inner[1] }
-}
-
-/// Newton's step to a minimum, or down the slope where the function bends the other way.
-fn newton_step(hessian: &Matrix2<f64>, slope: &Vector2<f64>) -> Vector2<f64> {
-    let determinant = hessian.determinant();
-    if determinant > 0.0 && hessian.trace() > 0.0 {
-        let [[xx, xy], [_, yy]] = [[hessian[(0, 0)], hessian[(0, 1)]], [hessian[(1, 0)], hessian[(1, 1)]]];
-        return -Vector2::new(yy * slope.x - xy * slope.y, xx * slope.y - xy * slope.x) / determinant;
-    }
-    -slope / slope.norm().max(f64::MIN_POSITIVE) * LONGEST_TURN
-}
-
-fn starts() -> impl Iterator<Item = Vector3<f64>> {
-    let golden = 0.5 * (1.0 + 5_f64.sqrt());
-    (0..STARTS).map(move |index| {
-        let sign = |bit: usize| if index >> bit & 1 == 0 { 1.0 } else { -1.0 };
-        let turned = |turns: usize, vector: Vector3<f64>| (0..turns).fold(vector, |vector, _| vector.yzx());
-        let start = match index {
-            0..12 => turned(index / 4, Vector3::new(0.0, sign(0), sign(1) * golden)),
-            12..24 => turned(index / 4 - 3, Vector3::new(0.0, sign(0) * golden, sign(1) / golden)),
-            _ => Vector3::new(sign(0), sign(1), sign(2)),
-        };
-        start.normalize()
-    })
 }

@@ -17,12 +17,17 @@
 //!
 //! An edge's or vertex's normal counts only where that edge or vertex is the foremost of the
 //! polyhedron; then the depth is that from the cone to it, without a look at other vertices. Edges
-//! are culled beforehand as in [`feature_sat`](super::feature_sat), and the last step's axis comes
-//! first here too. Faces are preferred alike, but only where the point that lies deepest behind one
-//! is over it: a cone has one where a polygon's flank would have a patch.
+//! are culled beforehand as in [`feature_sat`](super::feature_sat). Faces are preferred alike, but only where the point
+//! that lies deepest behind one is over it: a cone has one where a polygon's flank would have a patch.
+//!
+//! **Apart** by no more than the gap, they may be nearest where a **vertex**, or the **apex**, is: there −depth is the
+//! distance, and nowhere greater. By more than the gap, it mostly takes a few steps to find ([`approach`](super::approach)).
 
 use nalgebra::Vector3;
 
+use super::approach::are_apart;
+use super::axis_code::AxisCode;
+use super::ball::place_at_cone;
 use super::feature_sat::Best;
 use super::{
     ClipBuffers, Cone, ContactPoint, Convex, Edge, Feature, FeatureId, Found, Least, Overlap, PairSearch, Polyhedron,
@@ -36,11 +41,24 @@ const PER_EDGE: u32 = 4;
 /// Tests a cone and a polyhedron given in its axes; what was the last step's axis is tried first
 /// and replaced. Contact points are left in the clip buffers, in the cone's axes.
 pub(crate) fn touch(pair: &ShapePair<Cone, impl Polyhedron>, search: &mut PairSearch) -> Option<Overlap> {
-    let cone_in_other = pair.b_in_a.inverse();
+    let &ShapePair { a: cone, b: other, b_in_a, scale } = pair;
+    let foremost = |normal: &Vector3<f64>| b_in_a.place(&other.foremost(&b_in_a.enter(normal)));
+    let between = |normal: &Vector3<f64>| foremost(&-normal) - cone.foremost(normal);
+    if are_apart(search, &b_in_a.center, scale.gap, between) {
+        return None;
+    }
+    let cone_in_other = b_in_a.inverse();
     let mut test = Test { pair, swapped: pair.swapped(&cone_in_other), axes: &mut search.axes };
-    let found = test.run(search.last, &mut search.edges[0]);
-    search.near(found)?.take(pair, search, |least, clip| pair.smooth_point(least, clip))
+    let overlap = match test.run(&mut search.edges.of_a) {
+        Ok(found) => found.take(pair, search, |least, clip| pair.smooth_point(least, clip)),
+        Err(Separated) => None,
+    };
+    search.last = overlap.map(|overlap| Feature::Smooth(AxisCode::of(&overlap.normal).0));
+    overlap
 }
+
+/// Apart by more than the gap.
+struct Separated;
 
 struct Test<'t, P> {
     pair: &'t ShapePair<'t, Cone, P>,
@@ -49,25 +67,29 @@ struct Test<'t, P> {
 }
 
 impl<P: Polyhedron> Test<'_, P> {
-    /// The overlap or separation, or the feature along which that is beyond the gap.
-    fn run(&mut self, last: Option<Feature>, edges: &mut Vec<Edge>) -> Result<Found, Feature> {
+    /// The overlap or separation.
+    fn run(&mut self, edges: &mut Vec<Edge>) -> Result<Found, Separated> {
         let &ShapePair { b: other, scale, .. } = self.pair;
-        self.try_last(last)?;
         let of_face = self.swapped.least_face(f64::INFINITY, None, self.axes);
-        let Best { depth, index } = of_face.map_err(Feature::FaceOfB)?.expect("some face is the best");
+        let Best { depth, index } = of_face.map_err(|_| Separated)?.expect("some face is the best");
         let normal = self.pair.out_of_a(other.face(index as usize).normal);
         let of_face = Least { normal, depth, feature: Feature::FaceOfB(index) }.rounded(scale);
         let (normal, feature) = (Cone::base_normal(), Feature::FaceOfA(0));
         let depth = self.pair.depth_along(&normal);
         *self.axes += 1;
         if scale.separates(depth) {
-            return Err(feature);
+            return Err(Separated);
         }
         let of_base = Least { normal, depth, feature }.rounded(scale);
         let mut preferred = if of_base.depth < scale.limit(of_face.depth) { of_base } else { of_face };
         let mut least = if of_base.depth < of_face.depth { of_base } else { of_face };
-        if let Some(smooth) = self.least_smooth(least.depth, edges)? {
-            least = smooth.rounded(scale);
+        let mut rivals = [self.least_smooth(least.depth, edges)?, None];
+        let depth = rivals[0].map_or(least.depth, |smooth| smooth.depth);
+        if depth < 0.0 {
+            rivals[1] = self.at_corner(depth)?;
+        }
+        for rival in rivals.into_iter().flatten() {
+            least = rival.rounded(scale);
             if least.depth < scale.limit(preferred.depth) {
                 preferred = least;
             }
@@ -75,23 +97,40 @@ impl<P: Polyhedron> Test<'_, P> {
         Ok(Found { least, preferred })
     }
 
-    /// An error if the axis of the last step separates now.
-    fn try_last(&mut self, last: Option<Feature>) -> Result<(), Feature> {
-        let depth = match last {
-            Some(Feature::FaceOfA(0)) => Some(self.pair.depth_along(&Cone::base_normal())),
-            Some(Feature::FaceOfB(face)) if (face as usize) < self.pair.b.face_count() => {
-                Some(self.swapped.face_depth(face as usize))
+    /// Of shapes apart, the normal between the nearest points if one of them is a vertex or the apex; none if their
+    /// separation is not greater than that of a depth.
+    fn at_corner(&mut self, depth: f64) -> Result<Option<Least>, Separated> {
+        let &ShapePair { a: cone, b: other, b_in_a, scale } = self.pair;
+        let first = other.edge_count() as u32 * PER_EDGE;
+        let mut nearest = (f64::INFINITY, Vector3::zeros(), 0);
+        for vertex in 0..other.vertex_count() {
+            let place = place_at_cone(cone, &b_in_a.place(&other.vertex(vertex)), scale.size);
+            if place.height < nearest.0 {
+                nearest = (place.height, place.normal, first + vertex as u32);
             }
-            Some(Feature::Smooth(number)) => self.pair.smooth(number).map(|(depth, _)| depth),
-            _ => None,
-        };
-        *self.axes += u32::from(depth.is_some());
-        last.filter(|_| depth.is_some_and(|depth| self.pair.scale.separates(depth))).map_or(Ok(()), Err)
+        }
+        let apex = self.swapped.b_in_a.place(&cone.apex_point());
+        let first = first + other.vertex_count() as u32;
+        for edge in (0..other.edge_count()).map(|edge| other.edge(edge)) {
+            let along = (apex - edge.start).dot(&edge.direction).clamp(0.0, edge.length);
+            let to_edge = edge.start + edge.direction * along - apex;
+            let distance = to_edge.norm();
+            if distance < nearest.0 && distance > 0.0 {
+                nearest = (distance, b_in_a.rotation * to_edge / distance, first + edge.index);
+            }
+        }
+        let (_, normal, number) = nearest;
+        *self.axes += 1;
+        let at_corner = Least { normal, depth: self.pair.depth_along(&normal), feature: Feature::Smooth(number) };
+        if scale.separates(at_corner.depth) {
+            return Err(Separated);
+        }
+        Ok((at_corner.depth < depth).then_some(at_corner))
     }
 
     /// The least depth along the smooth cone's own normals, if it is below `limit`; an error if
     /// one separates.
-    fn least_smooth(&mut self, limit: f64, edges: &mut Vec<Edge>) -> Result<Option<Least>, Feature> {
+    fn least_smooth(&mut self, limit: f64, edges: &mut Vec<Edge>) -> Result<Option<Least>, Separated> {
         let &ShapePair { a: cone, b: other, b_in_a, scale } = self.pair;
         let bound = scale.bound(limit);
         let mut best = Best::under(limit);
@@ -99,7 +138,7 @@ impl<P: Polyhedron> Test<'_, P> {
         let mut take = |number: u32, (depth, along): (f64, Vector3<f64>)| {
             *self.axes += 1;
             if scale.separates(depth) {
-                return Err(Feature::Smooth(number));
+                return Err(Separated);
             }
             if depth < limit && best.take(depth, number) {
                 normal = along;
@@ -109,9 +148,9 @@ impl<P: Polyhedron> Test<'_, P> {
         self.swapped.facing_edges(bound, edges);
         for edge in &*edges {
             let placed = edge.placed(b_in_a, true);
-            for way in 0..PER_EDGE {
-                if let Some(found) = across_edge(cone, &placed, way) {
-                    take(edge.index * PER_EDGE + way, found)?;
+            for (way, normal) in (0..).zip(normals_across(cone, &placed, bound)) {
+                if let Some(normal) = normal.filter(|normal| placed.arc_holds(normal, ARC_ROUNDING)) {
+                    take(edge.index * PER_EDGE + way, (cone.reach(&normal) - normal.dot(&placed.start), normal))?;
                 }
             }
         }
@@ -127,17 +166,6 @@ impl<P: Polyhedron> Test<'_, P> {
 }
 
 impl<P: Polyhedron> ShapePair<'_, Cone, P> {
-    /// The depth and normal of that number, as [`Test::least_smooth`] counts them, if they count.
-    fn smooth(&self, number: u32) -> Option<(f64, Vector3<f64>)> {
-        let edges = self.b.edge_count() as u32;
-        if number < edges * PER_EDGE {
-            let edge = self.b.edge((number / PER_EDGE) as usize).placed(self.b_in_a, true);
-            return across_edge(self.a, &edge, number % PER_EDGE);
-        }
-        let vertex = (number - edges * PER_EDGE) as usize;
-        (vertex < self.b.vertex_count()).then(|| self.flank_at_vertex(vertex, f64::INFINITY)).flatten()
-    }
-
     /// The depth along the flank's normal that a vertex lies deepest behind, and that normal. None
     /// where the vertex is not the foremost of its polyhedron there, or the depth is certain to be
     /// above `bound`.
@@ -161,10 +189,12 @@ impl<P: Polyhedron> ShapePair<'_, Cone, P> {
         let &Self { a: cone, b: other, b_in_a, scale } = self;
         let feature = FeatureId::of_vertex(false, number);
         let on_rim = || cone.rim_point(unit_across(&normal));
-        let edges = other.edge_count() as u32;
+        let first_vertex = other.edge_count() as u32 * PER_EDGE;
         buffers.found.clear();
-        let point = if number >= edges * PER_EDGE {
-            b_in_a.place(&other.vertex((number - edges * PER_EDGE) as usize)) + normal * (depth / 2.0)
+        let point = if number >= first_vertex + other.vertex_count() as u32 {
+            cone.apex_point() - normal * (depth / 2.0)
+        } else if number >= first_vertex {
+            b_in_a.place(&other.vertex((number - first_vertex) as usize)) + normal * (depth / 2.0)
         } else if number % PER_EDGE < 2 {
             let line = Segment([cone.apex_point(), on_rim()]);
             let edge = other.edge((number / PER_EDGE) as usize).placed(b_in_a, false).segment();
@@ -176,31 +206,33 @@ impl<P: Polyhedron> ShapePair<'_, Cone, P> {
     }
 }
 
-/// The depth along a normal of the cone across an edge given in its axes, mirrored, and the
-/// normal: of the flank, or of the rim. None where there is no such normal, or the edge is not the
-/// foremost of its polyhedron there.
-fn across_edge(cone: &Cone, edge: &Edge, way: u32) -> Option<(f64, Vector3<f64>)> {
-    let normal = if way < 2 { flank_across(cone, edge, way == 1)? } else { rim_across(cone, edge, way == 3)? };
-    edge.arc_holds(&normal, ARC_ROUNDING).then(|| (cone.reach(&normal) - normal.dot(&edge.start), normal))
+/// The normals of the cone across an edge given in its axes, mirrored: two of the flank, two of the rim. Those of
+/// depths certain to be above `bound` may be left out.
+fn normals_across(cone: &Cone, edge: &Edge, bound: f64) -> [Option<Vector3<f64>>; PER_EDGE as usize] {
+    let [one, other] = flanks_across(cone, edge);
+    // Where all of the arc is in the cap over the flank's circle, the apex is foremost, not the rim.
+    let is_over_apex = edge.normals.iter().all(|normal| normal.y > cone.sine);
+    let [near, far] = if is_over_apex { [None; 2] } else { rims_across(cone, edge, bound) };
+    [one, other, near, far]
 }
 
-fn flank_across(cone: &Cone, edge: &Edge, other_way: bool) -> Option<Vector3<f64>> {
+fn flanks_across(cone: &Cone, edge: &Edge) -> [Option<Vector3<f64>>; 2] {
     let e = edge.direction;
-    let across = e.x.hypot(e.z);
+    let across = (e.x * e.x + e.z * e.z).sqrt();
     if across < FLAT_ELLIPSE {
-        return None;
+        return [None; 2];
     }
     let along = -cone.sine * e.y / (cone.cosine * across);
     let beside = 1.0 - along * along;
     if beside < 0.0 {
-        return None;
+        return [None; 2];
     }
-    let beside = if other_way { -beside.sqrt() } else { beside.sqrt() };
     let [x, z] = [e.x / across, e.z / across];
-    Some(cone.flank_normal([along * x - beside * z, along * z + beside * x]))
+    [beside.sqrt(), -beside.sqrt()]
+        .map(|beside| Some(cone.flank_normal([along * x - beside * z, along * z + beside * x])))
 }
 
-fn rim_across(cone: &Cone, edge: &Edge, far: bool) -> Option<Vector3<f64>> {
+fn rims_across(cone: &Cone, edge: &Edge, bound: f64) -> [Option<Vector3<f64>>; 2] {
     let e = edge.direction;
     // The long axis of the ellipse, level, and the short one, both across the edge.
     let [x, z] = unit_across(&Vector3::new(e.z, 0.0, -e.x));
@@ -208,9 +240,31 @@ fn rim_across(cone: &Cone, edge: &Edge, far: bool) -> Option<Vector3<f64>> {
     let short = e.cross(&long);
     let arm = edge.start - Vector3::new(0.0, cone.base, 0.0);
     let half = [cone.radius, cone.radius * e.y.abs()];
-    let [near, beyond] = ellipse::feet(half, [arm.dot(&long), arm.dot(&short)]);
-    let [sin, cos] = if far { beyond } else { near }?;
-    let normal = long * (half[1] * cos) + short * (half[0] * sin);
-    let length = normal.norm();
-    (length > FLAT_ELLIPSE * cone.radius).then(|| normal / length)
+    let place = [arm.dot(&long), arm.dot(&short)];
+    // From inside, the way out is no shorter than from the circle within the ellipse.
+    if half[1] - (place[0] * place[0] + place[1] * place[1]).sqrt() > bound {
+        return [None; 2];
+    }
+    ellipse::feet(half, place).map(|foot| {
+        let [sin, cos] = foot?;
+        let normal = long * (half[1] * cos) + short * (half[0] * sin);
+        let length = normal.norm();
+        if length > FLAT_ELLIPSE * cone.radius {
+            return Some(normal / length);
+        }
+        // At the end of an ellipse without width: toward the edge.
+        let away = long * (place[0] - half[0] * cos) + short * (place[1] - half[1] * sin);
+        away.try_normalize(FLAT_ELLIPSE * cone.radius)
+    })
+}
+
+#[cfg(test)]
+impl<P: Polyhedron> ShapePair<'_, Cone, P> {
+    /// The least depth of all normals, and its normal.
+    pub fn least(&self) -> (Vector3<f64>, f64) {
+        let cone_in_other = self.b_in_a.inverse();
+        let mut test = Test { pair: self, swapped: self.swapped(&cone_in_other), axes: &mut 0 };
+        let found = test.run(&mut Vec::new()).ok().expect("the gap is wide");
+        (found.least.normal, found.least.depth)
+    }
 }

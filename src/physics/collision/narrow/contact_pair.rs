@@ -16,7 +16,7 @@
 //! distance of the shapes, and equal to it wherever a face, a ball or a crossing of edges is
 //! nearest; where corners and edges pass beside each other see [`apart`](super::apart).
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::clipping::keep_touching_spread;
 pub(crate) use super::feature_sat::PairSearch;
@@ -26,7 +26,8 @@ use super::{
 use crate::physics::{Body, ContactPoint, Geometry};
 
 /// Adds the contact points of two bodies in world axes, if they touch or are apart by no more than
-/// the gap, m. With a gap of zero no depth is negative.
+/// the gap, m. With a gap of zero no depth is negative. Of bodies that are farther apart, leaves in `search.apart` by how
+/// much at least.
 pub(crate) fn touch(
     a: &Body,
     b: &Body,
@@ -40,6 +41,7 @@ pub(crate) fn touch(
         Geometry::Cuboid { .. } | Geometry::Hull(_) => 2,
         Geometry::Sphere { .. } => 3,
     };
+    search.apart = gap;
     // Half-spaces come first, then cones, and balls last.
     if rank(a.geometry.as_ref()?) <= rank(b.geometry.as_ref()?) {
         touch_ranked(a, b, gap, search, points)
@@ -57,12 +59,23 @@ fn touch_ranked(
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
     let (shape_a, shape_b) = (a.geometry.as_ref()?, b.geometry.as_ref()?);
+    let first = points.len();
+    if let (Geometry::Sphere { .. }, Geometry::Sphere { radius }) = (shape_a, shape_b) {
+        // Balls are the same in all axes: in those of the world nothing need be turned.
+        let b_in_a = &Frame { rotation: Matrix3::identity(), center: b.position - a.position };
+        let overlap = ball::touch(shape_a, a.radius, *radius, b_in_a, gap, &mut search.apart, points)?;
+        points[first..].iter_mut().for_each(|found| found.point += a.position);
+        return Some(overlap);
+    }
     let [axes_a, axes_b] = [a, b].map(|body| body.rotation.to_rotation_matrix().into_inner());
     let b_in_a = &Frame { rotation: axes_a.tr_mul(&axes_b), center: axes_a.tr_mul(&(b.position - a.position)) };
-    let first = points.len();
     let overlap = match (shape_a, shape_b) {
-        (Geometry::HalfSpace, _) => plane::touch(shape_b, b.radius, b_in_a, gap, &mut search.clip, points)?,
-        (_, Geometry::Sphere { radius }) => ball::touch(shape_a, a.radius, *radius, b_in_a, gap, points)?,
+        (Geometry::HalfSpace, _) => {
+            plane::touch(shape_b, b.radius, b_in_a, gap, &mut search.clip, &mut search.apart, points)?
+        }
+        (_, Geometry::Sphere { radius }) => {
+            ball::touch(shape_a, a.radius, *radius, b_in_a, gap, &mut search.apart, points)?
+        }
         _ => {
             let scale = &Scale::new(a.radius, b.radius, gap);
             macro_rules! tested {

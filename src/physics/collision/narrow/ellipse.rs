@@ -1,8 +1,6 @@
 //! The feet of a point on an ellipse: where the distance to it is least, seen from either side of
 //! the long axis.
 
-use std::f64::consts::FRAC_PI_2;
-
 use crate::physics::collision::constants::FOOT_STEPS;
 
 /// For the ellipse (a cos t, b sin t), a ≥ b ≥ 0, and a point, the sine and cosine of t where the
@@ -18,47 +16,74 @@ use crate::physics::collision::constants::FOOT_STEPS;
 pub(crate) fn feet([a, b]: [f64; 2], [x, y]: [f64; 2]) -> [Option<[f64; 2]>; 2] {
     let (ax, by) = (a * x.abs(), b * y.abs());
     let focal = a * a - b * b;
-    let foot = |low: f64, start: f64, by: f64| {
-        falling_zero([low, FRAC_PI_2], start, |sin, cos| {
+    let foot = |low: [f64; 2], start: [f64; 2], by: f64| {
+        falling_zero([low, [1.0, 0.0]], start, |sin, cos| {
             (focal * sin * cos - ax * sin + by * cos, focal * (cos * cos - sin * sin) - ax * cos - by * sin)
         })
     };
-    let near = foot(0.0, f64::atan2(a * y.abs(), b * x.abs()), by);
-    let (cbrt_x, cbrt_y) = (ax.cbrt(), by.cbrt());
-    let is_inside_evolute = (cbrt_x * cbrt_x + cbrt_y * cbrt_y).powi(3) < focal * focal;
-    let far = is_inside_evolute.then(|| {
+    let near = foot([0.0, 1.0], unit([a * y.abs(), b * x.abs()]), by);
+    // Inside the evolute, (a x)^⅔ + (b y)^⅔ < focal^⅔, only if both are less than that.
+    let far = (ax < focal && by < focal)
+        .then(|| [ax.cbrt(), by.cbrt()])
+        .filter(|[cbrt_x, cbrt_y]| (cbrt_x * cbrt_x + cbrt_y * cbrt_y).powi(3) < focal * focal);
+    let far = far.map(|[cbrt_x, cbrt_y]| {
         // Mirrored into the first quadrant: −y for y.
-        let turning = f64::atan2(cbrt_y, cbrt_x);
-        foot(turning, 0.5 * (turning + FRAC_PI_2), -by)
+        let turning = unit([cbrt_y, cbrt_x]);
+        foot(turning, unit([turning[0] + 1.0, turning[1]]), -by)
     });
     let signed = |[sin, cos]: [f64; 2], side: f64| [side * sin.copysign(y), cos.copysign(x)];
     [Some(signed(near, 1.0)), far.map(|far| signed(far, -1.0))]
 }
 
-/// Sine and cosine of the angle where a function falls through zero. It comes with its slope, of
-/// sine and cosine.
-fn falling_zero([mut low, mut high]: [f64; 2], start: f64, function: impl Fn(f64, f64) -> (f64, f64)) -> [f64; 2] {
+/// Of none, along the long axis.
+fn unit([sin, cos]: [f64; 2]) -> [f64; 2] {
+    let length = (sin * sin + cos * cos).sqrt();
+    if length > 0.0 { [sin / length, cos / length] } else { [0.0, 1.0] }
+}
+
+/// Sine and cosine of the angle, between two that are less than a right angle apart, where a function falls through
+/// zero. It comes with its slope, of sine and cosine.
+fn falling_zero(
+    [mut low, mut high]: [[f64; 2]; 2],
+    start: [f64; 2],
+    function: impl Fn(f64, f64) -> (f64, f64),
+) -> [f64; 2] {
+    let middle = |low: [f64; 2], high: [f64; 2]| unit([low[0] + high[0], low[1] + high[1]]);
+    // By the sine of the angle between.
+    let is_after = |one: [f64; 2], other: [f64; 2]| one[0] * other[1] - one[1] * other[0] > 0.0;
     // At the ends the function may be zero without falling through it.
-    let margin = 1e-3 * (high - low);
-    let mut angle = start.clamp(low + margin, high - margin);
+    let [inner_low, inner_high] = [[low, high], [high, low]]
+        .map(|[end, other]| unit([end[0] + END_MARGIN * other[0], end[1] + END_MARGIN * other[1]]));
+    let mut angle = start;
+    if is_after(inner_low, angle) {
+        angle = inner_low;
+    } else if is_after(angle, inner_high) {
+        angle = inner_high;
+    }
     for _ in 0..FOOT_STEPS {
-        let (sin, cos) = angle.sin_cos();
+        let [sin, cos] = angle;
         let (value, slope) = function(sin, cos);
         if value > 0.0 {
             low = angle;
         } else {
             high = angle;
         }
-        let newton = angle - value / slope;
-        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        if value == 0.0 || (next - angle).abs() <= f64::EPSILON {
+        // The angle whose half has that tangent: the same to third order.
+        let half = -0.5 * value / slope;
+        let scale = 1.0 / (1.0 + half * half);
+        let [c, s] = [(1.0 - half * half) * scale, 2.0 * half * scale];
+        let newton = [sin * c + cos * s, cos * c - sin * s];
+        let is_between = half.abs() < 1.0 && is_after(newton, low) && is_after(high, newton);
+        if value == 0.0 || half.abs() <= 0.5 * f64::EPSILON {
             break;
         }
-        angle = next;
+        angle = if is_between { newton } else { middle(low, high) };
     }
-    let (sin, cos) = angle.sin_cos();
-    [sin, cos]
+    unit(angle)
 }
+
+/// Share of the quarter at its ends in which no search begins.
+const END_MARGIN: f64 = 1e-3;
 
 #[cfg(test)]
 mod tests {

@@ -32,8 +32,9 @@
 use nalgebra::Vector3;
 
 use super::{ClipBuffers, Convex, Edge, Faced, Overlap, Polyhedron, Scale, ShapePair, first_max};
-use crate::physics::Refill;
 use crate::physics::collision::constants::PARALLEL_SINE;
+use crate::physics::lanes::WIDTH;
+use crate::physics::{EdgeLanes, Refill};
 
 /// What an axis was made of, by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,16 +115,28 @@ impl Found {
     }
 }
 
+/// The edges of two polyhedra that may count.
+#[derive(Default)]
+pub(crate) struct EdgeBuffers {
+    /// In A's axes.
+    pub of_a: Vec<Edge>,
+    /// Mirrored.
+    of_b: Vec<Edge>,
+    /// B's, eight at a time.
+    lanes_of_b: Vec<EdgeLanes>,
+}
+
 /// What one pair's test needs and leaves: buffers, and the axis that next step's test begins with.
 #[derive(Default)]
 pub(crate) struct PairSearch {
-    /// The edges that may count, of A and of B.
-    pub edges: [Vec<Edge>; 2],
+    pub edges: EdgeBuffers,
     pub clip: ClipBuffers,
     /// The axis of the last step, then that of this one.
     pub last: Option<Feature>,
     /// Axes measured so far.
     pub axes: u32,
+    /// Of shapes found to be apart by more than the gap: how far they are at least, m.
+    pub apart: f64,
 }
 
 impl PairSearch {
@@ -163,8 +176,11 @@ impl<I: PartialOrd + Copy> Best<I> {
 /// are left in the clip buffers, in A's axes.
 pub(crate) fn touch<A: Polyhedron, B: Polyhedron>(pair: &ShapePair<A, B>, search: &mut PairSearch) -> Option<Overlap> {
     let a_in_b = pair.b_in_a.inverse();
-    let found =
-        Test { pair, swapped: pair.swapped(&a_in_b), axes: &mut search.axes }.run(search.last, &mut search.edges);
+    let mut test = Test { pair, swapped: pair.swapped(&a_in_b), axes: &mut search.axes };
+    let found = test.run(search.last, &mut search.edges);
+    if let Err(feature) = found {
+        search.apart = test.depth(feature).map_or(search.apart, |depth| -depth);
+    }
     let Least { normal, depth, feature } = search.near(found)?.rounded(pair.scale);
     search.last = Some(feature);
     let overlap = Overlap { normal, depth };
@@ -187,7 +203,7 @@ struct Test<'t, A, B> {
 
 impl<A: Polyhedron, B: Polyhedron> Test<'_, A, B> {
     /// The least overlap or greatest separation, or the feature along which that is beyond the gap.
-    fn run(&mut self, last: Option<Feature>, edges: &mut [Vec<Edge>; 2]) -> Result<Least, Feature> {
+    fn run(&mut self, last: Option<Feature>, edges: &mut EdgeBuffers) -> Result<Least, Feature> {
         let &ShapePair { a, b, scale, .. } = self.pair;
         let last = last.filter(|last| self.exists(*last));
         self.try_last(last)?;
@@ -222,13 +238,22 @@ impl<A: Polyhedron, B: Polyhedron> Test<'_, A, B> {
 
     /// An error if the axis of the last step separates now. A face of A comes first anyway.
     fn try_last(&mut self, last: Option<Feature>) -> Result<(), Feature> {
-        let depth = match last {
-            Some(Feature::FaceOfB(face)) => self.swapped.face_depth(face as usize),
-            Some(Feature::Edges(a, b)) => self.edge_depth(a, b).map_or(0.0, |(depth, _)| depth),
-            _ => return Ok(()),
-        };
+        let Some(last) = last.filter(|last| !matches!(last, Feature::FaceOfA(_))) else { return Ok(()) };
         *self.axes += 1;
-        last.filter(|_| self.pair.scale.separates(depth)).map_or(Ok(()), Err)
+        match self.depth(last) {
+            Some(depth) if self.pair.scale.separates(depth) => Err(last),
+            _ => Ok(()),
+        }
+    }
+
+    /// Along the axis of a feature, if there is one.
+    fn depth(&self, feature: Feature) -> Option<f64> {
+        match feature {
+            Feature::FaceOfA(face) => Some(self.pair.face_depth(face as usize)),
+            Feature::FaceOfB(face) => Some(self.swapped.face_depth(face as usize)),
+            Feature::Edges(a, b) => self.edge_depth(a, b).map(|(depth, _)| depth),
+            Feature::Smooth(_) => None,
+        }
     }
 
     fn edge_depth(&self, a: u32, b: u32) -> Option<(f64, Vector3<f64>)> {
@@ -240,7 +265,7 @@ impl<A: Polyhedron, B: Polyhedron> Test<'_, A, B> {
         &mut self,
         limit: f64,
         last: Option<Feature>,
-        [of_a, of_b]: &mut [Vec<Edge>; 2],
+        EdgeBuffers { of_a, of_b, lanes_of_b }: &mut EdgeBuffers,
     ) -> Result<Option<Least>, Feature> {
         let &ShapePair { b_in_a, scale, .. } = self.pair;
         let mut best = Best { depth: limit, index: (u32::MAX, u32::MAX) };
@@ -259,15 +284,20 @@ impl<A: Polyhedron, B: Polyhedron> Test<'_, A, B> {
         for edge in &mut *of_b {
             *edge = edge.placed(b_in_a, true);
         }
+        lanes_of_b.refill(EdgeLanes::of(of_b.len(), |index| of_b[index].parts()));
         for a in &*of_a {
-            for b in &*of_b {
-                let Some((depth, _)) = edge_depth(a, b) else { continue };
-                *self.axes += 1;
-                if scale.separates(depth) {
-                    return Err(Feature::Edges(a.index, b.index));
-                }
-                if depth < limit {
-                    best.take(depth, (a.index, b.index));
+            let parts = a.parts();
+            for (eight, lanes) in lanes_of_b.iter().enumerate() {
+                let lanes = lanes.crossing(&parts, scale.bound(best.depth), scale.reach);
+                for b in lanes_of(lanes, eight, of_b.len()).map(|index| &of_b[index]) {
+                    let Some((depth, _)) = edge_depth(a, b) else { continue };
+                    *self.axes += 1;
+                    if scale.separates(depth) {
+                        return Err(Feature::Edges(a.index, b.index));
+                    }
+                    if depth < limit {
+                        best.take(depth, (a.index, b.index));
+                    }
                 }
             }
         }
@@ -323,10 +353,28 @@ impl<A: Polyhedron, B: Convex> ShapePair<'_, A, B> {
 
     /// The edges of A whose arcs hold a direction along which the depth may be within `bound`.
     pub fn facing_edges(&self, bound: f64, edges: &mut Vec<Edge>) {
-        let inner = self.b.inner_radius();
-        let faces = |edge: &Edge| inner - edge.height_of(&self.b_in_a.center) <= bound;
-        edges.refill((0..self.a.edge_count()).map(|index| self.a.edge(index)).filter(faces));
+        let (inner, center) = (self.b.inner_radius(), &self.b_in_a.center);
+        if self.a.edge_lanes().is_empty() {
+            let faces = |edge: &Edge| inner - edge.height_of(center) <= bound;
+            edges.refill((0..self.a.edge_count()).map(|index| self.a.edge(index)).filter(faces));
+            return;
+        }
+        edges.clear();
+        for (eight, lanes) in self.a.edge_lanes().iter().enumerate() {
+            let lanes = lanes.below(center, inner - bound, self.scale.reach);
+            edges.extend(lanes_of(lanes, eight, self.a.edge_count()).map(|index| self.a.edge(index)));
+        }
     }
+}
+
+/// The numbers, below `count`, that the bits of one of several eights stand for.
+fn lanes_of(mut bits: u32, eight: usize, count: usize) -> impl Iterator<Item = usize> {
+    let next = move || {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (lane < WIDTH).then_some(WIDTH * eight + lane)
+    };
+    std::iter::from_fn(next).take_while(move |&index| index < count)
 }
 
 /// The depth across two edges and the unit normal, out of the first shape; none if they do not

@@ -1,16 +1,26 @@
 //! Clipped contacts: a routine for each kind of pair of shapes, entered by [`contact_pair::touch`].
 
 mod apart;
+mod approach;
+mod axis_code;
 mod ball;
 mod boxes;
 pub(super) mod clipping;
 mod cone;
 mod cone_cone;
+mod cone_flank;
+#[cfg(test)]
+mod cone_oracle;
 mod cone_polyhedron;
+mod cone_rims;
+mod cone_search;
+#[cfg(test)]
+mod cone_tests;
 pub(super) mod contact_pair;
 mod edge_contact;
 mod ellipse;
 pub(super) mod feature_sat;
+mod placed_cone;
 mod plane;
 pub(super) mod polyhedron;
 mod shape_pair;

@@ -10,18 +10,21 @@ use crate::physics::{ContactPoint, FeatureId, Geometry};
 
 /// Tests the half-space y ≤ 0 and a shape in its axes, and adds the points up to a gap above the
 /// plane, half-way to it: of a polyhedron its vertices, of a cone its apex and four points of the rim,
-/// the lowest among them.
+/// the lowest among them. Of a shape that is higher, leaves in `apart` by how much.
 pub(crate) fn touch(
     shape: &Geometry,
     radius: f64,
     in_plane: &Frame,
     gap: f64,
     buffers: &mut ClipBuffers,
+    apart: &mut f64,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
     let ClipBuffers { incident: corners, found, .. } = buffers;
     found.clear();
+    let mut lowest = f64::INFINITY;
     let mut add = |place: Vector3<f64>, feature| {
+        lowest = lowest.min(place.y);
         if let Some(depth) = depth_below(-place.y, gap, radius) {
             let point = place + Vector3::y() * (depth / 2.0);
             found.push(ContactPoint { point, depth, feature });
@@ -42,7 +45,10 @@ pub(crate) fn touch(
         }
         Geometry::HalfSpace => unreachable!("two half-spaces make no pair"),
     }
-    let depth = found.iter().map(|point| point.depth).reduce(f64::max)?;
+    let Some(depth) = found.iter().map(|point| point.depth).reduce(f64::max) else {
+        *apart = lowest;
+        return None;
+    };
     keep_spread(found, &Vector3::y(), radius, points);
     Some(Overlap { normal: Vector3::y(), depth })
 }

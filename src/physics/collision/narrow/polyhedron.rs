@@ -3,7 +3,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::physics::{Hull, Refill};
+use crate::physics::{EdgeLanes, EdgeParts, Hull, Refill};
 
 /// A body's axes and centre in those of another.
 #[derive(Clone, Copy, Debug)]
@@ -63,6 +63,10 @@ impl Edge {
             normals: self.normals.map(|normal| frame.rotation * normal * sign),
             ..*self
         }
+    }
+
+    pub fn parts(&self) -> EdgeParts {
+        (self.start, self.direction, self.normals)
     }
 
     pub fn segment(&self) -> Segment {
@@ -155,8 +159,16 @@ pub(crate) trait Polyhedron: Convex {
     fn corners(&self, face: usize, corners: &mut Vec<Vector3<f64>>);
     fn edge_count(&self) -> usize;
     fn edge(&self, index: usize) -> Edge;
+    /// The edges, eight at a time, where there are many.
+    fn edge_lanes(&self) -> &[EdgeLanes] {
+        &[]
+    }
     fn vertex_count(&self) -> usize;
     fn vertex(&self, index: usize) -> Vector3<f64>;
+    /// The farthest vertex along a direction.
+    fn foremost(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        self.vertex(first_max((0..self.vertex_count()).map(|index| self.vertex(index).dot(direction))))
+    }
 }
 
 /// A box by its half extents. Faces are numbered +x, −x, +y, …; an edge by its axis and the signs
@@ -227,6 +239,10 @@ impl Polyhedron for Cuboid {
     fn vertex(&self, index: usize) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| sign_of_bit(index, axis) * self.half[axis])
     }
+
+    fn foremost(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        self.half.zip_map(direction, f64::copysign)
+    }
 }
 
 impl Convex for Cuboid {
@@ -271,6 +287,10 @@ impl Polyhedron for Hull {
             length: edge.direction.dot(&(end - start)),
             normals: edge.faces.map(|face| self.faces[face as usize].normal),
         }
+    }
+
+    fn edge_lanes(&self) -> &[EdgeLanes] {
+        &self.edge_lanes
     }
 
     fn vertex_count(&self) -> usize {

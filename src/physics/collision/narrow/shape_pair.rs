@@ -40,6 +40,8 @@ pub(crate) struct Scale {
     pub gap: f64,
     /// The smaller bounding radius.
     pub size: f64,
+    /// How far from the centre of one a point of the other may be that matters.
+    pub reach: f64,
     slack: f64,
 }
 
@@ -48,7 +50,13 @@ impl Scale {
     pub fn new(radius_a: f64, radius_b: f64, gap: f64) -> Self {
         let sum = radius_a + radius_b;
         let tolerance = CONTACT_TOLERANCE * sum;
-        Self { tolerance, gap: gap.max(tolerance), size: radius_a.min(radius_b), slack: BOUND_SLACK * sum }
+        Self {
+            tolerance,
+            gap: gap.max(tolerance),
+            size: radius_a.min(radius_b),
+            reach: 2.0 * sum + gap,
+            slack: BOUND_SLACK * sum,
+        }
     }
 
     /// Whether points that only may touch are asked for.

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 
 use super::record::{ContactState, POINTS};
 use super::slot::{RelativePose, Slot};
+use super::watch::{Travels, Watch};
 use crate::physics::bit_set::{BitSet, ones};
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::broad::near_pairs::NearPairs;
@@ -29,6 +30,8 @@ pub(crate) const GONE: u32 = u32::MAX;
 pub(crate) struct ContactGraph {
     pub slots: Vec<Slot>,
     pub states: Vec<ContactState>,
+    watches: Vec<Watch>,
+    travels: Travels,
     /// Instead of states, where manifolds are found anew in each step.
     pub carried: Vec<Carried>,
     /// What points of pairs without a slot carried in the last solve, by pair, and the forces on B there, N, world axes.
@@ -103,20 +106,23 @@ pub(in crate::physics::collision) fn update_graph(
     graph.forget_renewed(&bodies.renewed);
     if settings.is_changed() {
         graph.slots.iter_mut().for_each(Slot::forget);
+        graph.watches.iter_mut().for_each(Watch::end);
     }
+    graph.travels.follow(&bodies, settings.step());
     let chunks = graph.slots.len().div_ceil(SLOTS_A_CHUNK);
     finders.resize_with(chunks, Finder::default);
     graph.updates += 1;
-    let (active, update) = (&graph.active, graph.updates);
+    let (active, update, travels) = (&graph.active, graph.updates, &graph.travels);
     let slots = graph
         .slots
         .chunks_mut(SLOTS_A_CHUNK)
         .zip(graph.states.chunks_mut(SLOTS_A_CHUNK))
+        .zip(graph.watches.chunks_mut(SLOTS_A_CHUNK))
         .zip(finders.iter_mut())
         .enumerate();
-    let work = slots.map(|(chunk, ((slots, states), finder))| {
+    let work = slots.map(|(chunk, (((slots, states), watches), finder))| {
         let active = active.words(chunk * SLOTS_A_CHUNK, SLOTS_A_CHUNK);
-        Chunk { slots, states, active, update, joined: &joints.joined, finder }
+        Chunk { slots, states, watches, active, update, travels, joined: &joints.joined, finder }
     });
     for_each_of(settings.threads, work, |mut chunk| chunk.update(&bodies.list, &settings));
     stats.axes_tested = 0;
@@ -143,6 +149,8 @@ impl ContactGraph {
             let of = |body: u32| new_index.get(body as usize).copied().flatten();
             slot.pair = Pair { a: of(slot.pair.a).unwrap_or(GONE), b: of(slot.pair.b).unwrap_or(GONE) };
         }
+        self.travels.clear();
+        self.watches.iter_mut().zip(&self.slots).for_each(|(watch, slot)| *watch = Watch::new(slot.pair));
     }
 
     /// Whether a step looks at a slot.
@@ -223,6 +231,7 @@ impl ContactGraph {
         for (index, slot) in self.slots.iter_mut().enumerate().filter(|(_, slot)| slot.entities.is_some()) {
             if among.contains(slot.pair.a) || among.contains(slot.pair.b) {
                 slot.forget();
+                self.watches.get_mut(index).into_iter().for_each(Watch::end);
                 self.carried.get_mut(index).into_iter().for_each(|carried| *carried = Carried::default());
             }
         }
@@ -249,6 +258,7 @@ impl ContactGraph {
         }
         self.slots.resize(near.slot_count(), Slot::default());
         self.states.resize(near.slot_count(), ContactState::default());
+        self.watches.resize(near.slot_count(), Watch::new(Pair::default()));
         for &slot in &near.changes.added {
             let Some(Pair { a, b }) = near.pair(slot) else { continue };
             // What does not move comes first.
@@ -257,6 +267,7 @@ impl ContactGraph {
             let index = slot.0 as usize;
             self.slots[index] = Slot::new(pair, a, b);
             self.states[index] = ContactState::default();
+            self.watches[index] = Watch::new(pair);
             if let Some(carried) = self.carried.get_mut(index) {
                 *carried = Carried::default();
             }
@@ -269,9 +280,11 @@ impl ContactGraph {
 struct Chunk<'a> {
     slots: &'a mut [Slot],
     states: &'a mut [ContactState],
+    watches: &'a mut [Watch],
     active: &'a [u64],
     /// Which one of the graph's this is.
     update: u64,
+    travels: &'a Travels,
     /// The bodies that joints hold.
     joined: &'a BitSet,
     finder: &'a mut Finder,
@@ -281,16 +294,24 @@ impl Chunk<'_> {
     fn update(&mut self, bodies: &[Body], settings: &SolverSettings) {
         let Finder { search, points, changed, manifolds, point_count, fast } = &mut *self.finder;
         for index in ones(self.active) {
+            let watch = &mut self.watches[index as usize];
+            if watch.holds(self.travels) {
+                continue;
+            }
             let (slot, state) = (&mut self.slots[index as usize], &mut self.states[index as usize]);
             let (a, b) = (&bodies[slot.pair.a as usize], &bodies[slot.pair.b as usize]);
             let pose = RelativePose::of(a, b);
-            if slot.holds_at(&pose, a, b, settings) {
+            if let Some(moved) = slot.moved(&pose)
+                && slot.holds_after(moved, a, b, settings)
+            {
+                watch.begin(slot.apart_after(moved), slot.size(), self.travels);
                 continue;
             }
             slot.found_in = self.update;
             points.clear();
             let (touched, had) = (slot.touching, state.geometry.point_count());
             fast.extend(slot.find(pose, state, a, b, self.joined, settings, search, points));
+            watch.begin(slot.apart_after(0.0), slot.size(), self.travels);
             *changed |= slot.touching != touched;
             *manifolds += i64::from(slot.touching) - i64::from(touched);
             *point_count += state.geometry.point_count() as i64 - had as i64;

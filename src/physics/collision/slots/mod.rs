@@ -11,3 +11,4 @@ pub(super) mod export;
 pub(super) mod graph;
 pub(super) mod record;
 pub(super) mod slot;
+mod watch;

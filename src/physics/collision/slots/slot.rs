@@ -12,6 +12,7 @@ use crate::physics::collision::continuous::time_of_impact::{self, Course, Impact
 use crate::physics::collision::gap::{contact_gap, fastest_approach};
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap, Pair};
 use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
+use crate::physics::collision::narrow::feature_sat::Feature;
 use crate::physics::contact::{predecessors, surface, tangents};
 use crate::physics::settings::SolverSettings;
 
@@ -26,7 +27,7 @@ impl RelativePose {
     pub fn of(a: &Body, b: &Body) -> Self {
         Self {
             offset: a.rotation.inverse_transform_vector(&(b.position - a.position)),
-            rotation: a.rotation.rotation_to(&b.rotation),
+            rotation: a.rotation.inverse() * b.rotation,
         }
     }
 
@@ -60,6 +61,10 @@ pub(crate) struct Slot {
     found_at: Option<RelativePose>,
     /// The gap up to which the manifold was looked for, m.
     found_within: f64,
+    /// How far apart the bodies were then at least if they do not touch, m.
+    apart: f64,
+    /// The axis that the test ended with: the next one begins there. Manifolds do not depend on it.
+    axis: Option<Feature>,
     /// Smaller bounding radius.
     size: f64,
     /// Bounding radius of B.
@@ -81,13 +86,34 @@ impl Slot {
         self.found_at = None;
     }
 
-    /// Whether the manifold is good at another pose: the bodies have hardly moved against each other, and do not come
-    /// from beyond where it was looked for.
+    /// How far the bodies have moved against each other since the manifold was found, at most; none: it is to be found.
     #[inline]
-    pub(super) fn holds_at(&self, pose: &RelativePose, a: &Body, b: &Body, settings: &SolverSettings) -> bool {
+    pub(super) fn moved(&self, pose: &RelativePose) -> Option<f64> {
+        self.found_at.as_ref().map(|found| found.moved(pose, self.reach))
+    }
+
+    /// Whether the manifold is good where the bodies have moved so far. That of bodies that touch is while they have
+    /// hardly moved against each other. Bodies that are apart have none while they cannot have come as near as one is
+    /// looked for, nor where they have hardly moved and do not come from beyond where it was looked for.
+    #[inline]
+    pub(super) fn holds_after(&self, moved: f64, a: &Body, b: &Body, settings: &SolverSettings) -> bool {
         let limit = RECYCLING_LIMIT * self.size;
-        self.found_at.is_some_and(|found| found.moved(pose, self.reach) <= limit)
-            && (self.touching || fastest_approach(a, b) * settings.step() <= self.found_within - limit)
+        if self.touching {
+            return moved <= limit;
+        }
+        moved + contact_gap(a, b, settings) <= self.apart
+            || (moved <= limit && fastest_approach(a, b) * settings.step() <= self.found_within - limit)
+    }
+
+    /// How far apart the bodies are at least, m, where they have moved so far since the manifold was looked for; none if
+    /// they touch.
+    pub(super) fn apart_after(&self, moved: f64) -> Option<f64> {
+        (!self.touching).then_some(self.apart - moved)
+    }
+
+    /// Smaller bounding radius.
+    pub(super) fn size(&self) -> f64 {
+        self.size
     }
 
     /// From the centre of mass of A, world axes.
@@ -110,22 +136,26 @@ impl Slot {
         let h = settings.step();
         self.found_at = Some(pose);
         self.found_within = contact_gap(a, b, settings);
-        search.last = None;
+        self.apart = 0.0;
+        search.last = self.axis;
         // One on a joint will not go on as it moves now.
         let is_free = !joined.contains(self.pair.a) && !joined.contains(self.pair.b);
         let is_fast = is_free && (time_of_impact::moves_far(a, b, h) || time_of_impact::moves_far(b, a, h));
         let course = if is_fast { time_of_impact::course(a, b, h, search, points) } else { Course::Touching };
-        let meeting =
-            match course {
-                Course::Touching => contact_pair::touch(a, b, self.found_within, search, points)
-                    .map(|overlap| Impact { time: 0.0, at: [a.position, b.position], overlap }),
-                Course::Impact(impact) => {
-                    // To be found again in the next step, however little is left of the approach.
-                    self.found_at = None;
-                    Some(impact)
-                }
-                Course::Apart => None,
-            };
+        let meeting = match course {
+            Course::Touching => {
+                let overlap = contact_pair::touch(a, b, self.found_within, search, points);
+                self.apart = search.apart;
+                overlap.map(|overlap| Impact { time: 0.0, at: [a.position, b.position], overlap })
+            }
+            Course::Impact(impact) => {
+                // To be found again in the next step, however little is left of the approach.
+                self.found_at = None;
+                Some(impact)
+            }
+            Course::Apart => None,
+        };
+        self.axis = search.last;
         if let Some(meeting) = &meeting {
             points.truncate(POINTS);
             self.take_in(state, a, b, meeting, settings, points);

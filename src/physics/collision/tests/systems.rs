@@ -12,7 +12,7 @@ use crate::physics::collision::classic::sweep_and_sort::{self, SweptPairs};
 use crate::physics::collision::gap::contact_gap;
 use crate::physics::collision::manifold::{ContactPoint, Contacts, Pair};
 use crate::physics::collision::narrow_phase;
-use crate::physics::collision::slots::graph::ContactGraph;
+use crate::physics::collision::slots::graph::{ContactGraph, update_graph};
 use crate::physics::joint::{JoinedPairs, Joints};
 use crate::physics::settings::SolverSettings;
 use crate::physics::shape::Collider;
@@ -95,10 +95,13 @@ fn manifolds_are_in_pair_order_with_runs_of_points_and_the_material_of_the_pair(
     assert_eq!([stats.pairs, stats.manifolds, stats.contact_points].map(|count| count as usize), counts);
 }
 
+fn count_step(mut stats: ResMut<StepStats>) {
+    stats.steps += 1;
+}
+
 /// A schedule whose systems remember the step before.
 fn schedule() -> Schedule {
     let mut schedule = Schedule::default();
-    let count_step = |mut stats: ResMut<StepStats>| stats.steps += 1;
     let find = (sweep_and_sort::sweep, near_pairs::update_pairs, narrow_phase::find_contacts);
     schedule.add_systems((find, count_step).chain());
     schedule.set_executor(bevy::ecs::schedule::SingleThreadedExecutor::new());
@@ -221,6 +224,42 @@ fn pairs_apart_by_last_steps_axis_cost_one() {
     schedule.run(&mut world);
     assert_eq!((world.resource::<StepStats>().axes_tested, world.resource::<StepStats>().pairs), (1, 1));
     assert!(world.resource::<Contacts>().manifolds.is_empty());
+}
+
+#[test]
+fn pairs_apart_are_looked_at_again_when_they_can_be_near() {
+    let settings = SolverSettings::game();
+    let mut random = Random::new(24);
+    let (mut looked_at, mut steps) = (0, 0);
+    for round in 0..60 {
+        let mut shape = |at| match KINDS.get(round % 4) {
+            Some(kind) => body(&kind(&mut random), at, random.rotation()),
+            None => hull_body(random_hull(&mut random), at, random.rotation()),
+        };
+        let (a, mut b) = (shape(Vector3::zeros()), shape(Vector3::zeros()));
+        let slide = Vector3::new(0.01, 0.002, -0.001) * a.radius.min(b.radius);
+        b.position = slide * (-1.2 * (a.radius + b.radius) / slide.norm());
+        // What moves them is not what they know of, as where a body is moved by hand.
+        let mut world = world(vec![a, b], settings);
+        let mut schedule = Schedule::default();
+        schedule.add_systems((near_pairs::update_pairs, update_graph, count_step).chain());
+        for step in 0..400 {
+            schedule.run(&mut world);
+            let bodies = &mut world.resource_mut::<Bodies>().list;
+            let is_near = touch(&bodies[0], &bodies[1], &settings).is_some();
+            bodies[1].position += slide;
+            assert_eq!(world.resource::<ContactGraph>().touching().count(), usize::from(is_near), "{round}, {step}");
+            if is_near {
+                break;
+            }
+            // Of shapes with faces and edges alone, tests are counted by their axes.
+            if round % 2 == 1 {
+                looked_at += u32::from(world.resource::<StepStats>().axes_tested > 0);
+                steps += world.resource::<StepStats>().pairs;
+            }
+        }
+    }
+    assert!(looked_at * 2 < steps, "looked at in {looked_at} of {steps} steps");
 }
 
 #[test]

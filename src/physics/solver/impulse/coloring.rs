@@ -43,6 +43,15 @@ impl Coloring {
         }
     }
 
+    /// Puts the constraints of each colour in the order of a key, those of one key in the order that they have: blocks are
+    /// alike, and the outcome is the same.
+    pub fn sort_colors(&mut self, key: impl Fn(u32) -> u32) {
+        for &(first, last) in &self.stages {
+            let (start, end) = (self.blocks[first as usize].0, self.blocks[last as usize - 1].1);
+            self.order[start as usize..end as usize].sort_unstable_by_key(|&constraint| (key(constraint), constraint));
+        }
+    }
+
     /// The constraints of a block.
     pub fn lanes(&self, block: usize) -> &[u32] {
         let (start, end) = self.blocks[block];

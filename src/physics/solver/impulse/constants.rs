@@ -5,6 +5,10 @@
 /// friction of a manifold agree: columns rock a third as much (`standing`: `stack 30`).
 pub(super) const CONTACT_ROUNDS: usize = 2;
 
+/// Share of its effect that a contact's push has by turning a body, below which it counts as one through the centre:
+/// rounding of what balls have. Noticed by `impulse::tests`.
+pub(super) const CENTRAL: f64 = 1e-10;
+
 /// W, the whitening of what constraints do not move. A power of two rounds nothing, and squared it is lost beside any
 /// inverse inertia in `f32`. Noticed by `impulse::tests`.
 pub(super) const UNMOVED_WHITENING: f64 = 1.0 / (1_u64 << 40) as f64;

@@ -23,7 +23,7 @@
 use nalgebra::{SimdBool, Vector3};
 
 use super::bodies::{ClaimedPairs, Ends, Frames};
-use super::constants::CONTACT_ROUNDS;
+use super::constants::{CENTRAL, CONTACT_ROUNDS};
 use super::pair::Pair;
 use super::stage::Sweep;
 use crate::physics::collision::{ContactGeometry, GEOMETRY, POINTS};
@@ -79,6 +79,8 @@ pub(crate) struct ContactBlock<L: Lanes> {
     coefficient: L,
     points: [Point<L>; POINTS],
     point_count: usize,
+    /// Updates of points and friction in one update of the block.
+    rounds: usize,
     friction: Option<Friction<L>>,
 }
 
@@ -107,6 +109,7 @@ impl<L: Lanes> ContactBlock<L> {
             coefficient: zero,
             points: [point; POINTS],
             point_count: 0,
+            rounds: CONTACT_ROUNDS,
             friction: None,
         }
     }
@@ -160,6 +163,11 @@ impl<L: Lanes> ContactBlock<L> {
             Friction::new(&frames, &normal, &tangents, &middle, radius, &impulses[POINTS..], used)
         });
         self.point_count = inputs.iter().map(|input| input.geometry.point_count()).max().unwrap_or(0);
+        // Through the centres, as of balls, the one point and friction do not act on each other: a second update of
+        // either changes nothing.
+        let is_central = |angular: &Vector3<L>| dot(angular, angular).simd_le(linear * L::of(CENTRAL)).all();
+        let is_settled_at_once = self.point_count <= 1 && self.points[0].angular.iter().all(is_central);
+        self.rounds = if is_settled_at_once { 1 } else { CONTACT_ROUNDS };
         (self.normal, self.tangents, self.coefficient) = (normal, tangents, geometry[0][6]);
         self.inverse_mass = [of_a.inverse_mass, of_b.inverse_mass];
     }
@@ -189,7 +197,7 @@ impl<L: Lanes> ContactBlock<L> {
     pub fn solve(&mut self, pairs: &mut ClaimedPairs<L>, soft: &SoftTerms<L>, sweep: Sweep) {
         let mut pair = self.velocities(pairs);
         if sweep == Sweep::Relax {
-            for _ in 0..CONTACT_ROUNDS {
+            for _ in 0..self.rounds {
                 self.update_points(&mut pair, |_, point, speed| -(point.relaxed_mass * speed));
                 self.update_friction(&mut pair);
             }
@@ -197,7 +205,7 @@ impl<L: Lanes> ContactBlock<L> {
             let rows = self.soft_rows(pairs, soft);
             // What comes fast is to stop before it is through: points of a manifold must agree on it.
             if sweep == Sweep::SoftWithFriction || self.is_closing() {
-                for _ in 0..CONTACT_ROUNDS {
+                for _ in 0..self.rounds {
                     self.update_soft_points(&mut pair, &rows);
                     self.update_friction(&mut pair);
                 }
@@ -218,14 +226,14 @@ impl<L: Lanes> ContactBlock<L> {
         self.points[..self.point_count].iter().any(is_apart)
     }
 
-    /// [`CONTACT_ROUNDS`] updates of the points with the soft terms, without friction; `anew`, from zero impulse.
+    /// Some updates of the points with the soft terms, without friction; `anew`, from zero impulse.
     pub fn solve_positions(&mut self, pairs: &mut ClaimedPairs<L>, soft: &SoftTerms<L>, anew: bool) {
         let mut pair = self.velocities(pairs);
         if anew {
             self.points.iter_mut().for_each(|point| point.impulse = L::zero());
         }
         let rows = self.soft_rows(pairs, soft);
-        for _ in 0..CONTACT_ROUNDS {
+        for _ in 0..self.rounds {
             self.update_soft_points(&mut pair, &rows);
         }
         pairs.set_velocities(pair.records());
@@ -242,10 +250,10 @@ impl<L: Lanes> ContactBlock<L> {
         pairs.set_velocities(pair.records());
     }
 
-    /// [`CONTACT_ROUNDS`] updates of points with an impulse, until they neither part nor approach, and of friction.
+    /// Some updates of points with an impulse, until they neither part nor approach, and of friction.
     pub fn solve_velocities(&mut self, pairs: &mut ClaimedPairs<L>) {
         let mut pair = self.velocities(pairs);
-        for _ in 0..CONTACT_ROUNDS {
+        for _ in 0..self.rounds {
             self.update_points(&mut pair, |_, point, speed| {
                 (-(point.mass * speed)).select(point.impulse.simd_gt(L::zero()), L::zero())
             });
@@ -322,7 +330,8 @@ impl<L: Lanes> ContactBlock<L> {
     fn update_friction(&mut self, pair: &mut Pair<L>) {
         let Some(friction) = &mut self.friction else { return };
         let load: L = self.points[..self.point_count].iter().fold(L::zero(), |sum, point| sum + point.impulse);
-        friction.update(pair, &self.tangents, self.coefficient * load);
+        // One point does not hinder a turn about the normal.
+        friction.update(pair, &self.tangents, self.coefficient * load, self.point_count > 1);
     }
 
     /// How fast each point's surfaces come together, m/s.
@@ -387,20 +396,21 @@ impl<L: Lanes> Friction<L> {
             impulse: [impulses[0] * used, impulses[1] * used],
             torsion,
             torsion_mass: inverse(dot(&torsion[0], &torsion[0]) + dot(&torsion[1], &torsion[1])) * used,
-            torsion_impulse: impulses[2] * used,
+            torsion_impulse: (impulses[2] * used).select(radius.simd_gt(L::zero()), L::zero()),
             radius,
         }
     }
 
     /// One update, for that limit on the tangential impulse, N·s.
     #[inline(always)]
-    fn update(&mut self, pair: &mut Pair<L>, tangents: &[Vector3<L>; 2], limit: L) {
-        let spin = pair.spin(&self.torsion);
-        let most = limit * self.radius;
-        let impulse = (self.torsion_impulse - self.torsion_mass * spin).simd_clamp(-most, most);
-        pair.apply_angular(&self.torsion, impulse - self.torsion_impulse);
-        self.torsion_impulse = impulse;
-
+    fn update(&mut self, pair: &mut Pair<L>, tangents: &[Vector3<L>; 2], limit: L, twists: bool) {
+        if twists {
+            let spin = pair.spin(&self.torsion);
+            let most = limit * self.radius;
+            let impulse = (self.torsion_impulse - self.torsion_mass * spin).simd_clamp(-most, most);
+            pair.apply_angular(&self.torsion, impulse - self.torsion_impulse);
+            self.torsion_impulse = impulse;
+        }
         let linear = pair.linear();
         let slip = |axis: usize| pair.row(dot(&tangents[axis], &linear), &self.angular[axis]);
         let (x, y) = (slip(0), slip(1));

@@ -14,7 +14,7 @@ use super::method;
 use super::stage::Stage;
 use super::tree::TreeStep;
 use crate::physics::body::{Bodies, Body};
-use crate::physics::collision::{ContactGraph, POINTS};
+use crate::physics::collision::{ContactGraph, ContactState, POINTS};
 use crate::physics::contact::rebound;
 use crate::physics::disjoint_sets::DisjointSets;
 use crate::physics::island::Islands;
@@ -257,7 +257,7 @@ impl<L: Lanes> Group<L> {
             }
         }
         self.may_bounce = self.contacts.iter().any(|contact| graph.slots[contact.slot as usize].restitution > 0.0);
-        self.color(joints);
+        self.color(joints, &graph.states);
         self.bodies.resize(self.members.len());
         let Coloring { order, blocks, .. } = &self.joint_colors;
         let is_of_points =
@@ -399,7 +399,7 @@ impl<L: Lanes> Group<L> {
         self.other_joints.extend(others);
     }
 
-    fn color(&mut self, joints: &Joints) {
+    fn color(&mut self, joints: &Joints, states: &[ContactState]) {
         let count = self.members.len();
         let kind = |&GroupJoint { global, part, .. }: &GroupJoint| {
             (part, joints.list[global as usize].definition.is_soft_half(part.half()))
@@ -416,6 +416,10 @@ impl<L: Lanes> Group<L> {
         self.pairs.clear();
         self.pairs.extend(self.contacts.iter().map(|contact| (contact.a, contact.b)));
         self.contact_colors.set(count, &self.pairs, [free, self.pairs.len() - free], L::COUNT);
+        // A block takes as many rows as the most of its manifolds have points.
+        let contacts = &self.contacts;
+        let points = |contact: u32| states[contacts[contact as usize].slot as usize].geometry.point_count() as u32;
+        self.contact_colors.sort_colors(points);
     }
 
     /// How far a body turns at most in a `step`, s, rad; none where no joint is swept.

@@ -28,6 +28,8 @@ fn colours_share_no_body_and_hold_every_constraint_once() {
     }));
     let mut coloring = Coloring::default();
     coloring.set(41, &pairs, [150, pairs.len() - 150], 8);
+    let key = |constraint: u32| constraint % 5;
+    coloring.sort_colors(key);
     let mut order = coloring.order.clone();
     order.sort_unstable();
     assert_eq!(order, (0..pairs.len() as u32).collect::<Vec<_>>());
@@ -35,6 +37,8 @@ fn colours_share_no_body_and_hold_every_constraint_once() {
     for &(first, last) in &coloring.stages {
         assert_eq!(first, blocks);
         blocks = last;
+        let (start, end) = (coloring.blocks[first as usize].0, coloring.blocks[last as usize - 1].1);
+        assert!(coloring.order[start as usize..end as usize].is_sorted_by_key(|&constraint| key(constraint)));
         let mut used = Vec::new();
         for &(start, end) in &coloring.blocks[first as usize..last as usize] {
             assert!(end - start <= 8 && end > start);
@@ -256,6 +260,69 @@ fn contacts_in<L: Lanes>(tolerance: f64) {
         }
     }
     assert!((2..=6).contains(&pushed), "{pushed} of 8 push: the test sees both sides");
+}
+
+/// How much the velocities of two bodies change in one update of their contact, and in two more, with friction; the
+/// contact is in the middle or, seen from there, at `arm`.
+fn changes_in_updates(arm: Vector3<f64>) -> [f64; 2] {
+    let mut random = Random::new(9);
+    let mut bodies: Vec<Body> = (0..16).map(|_| body(&mut random, RigidBody::Dynamic)).collect();
+    let states: Vec<ContactState> = (0..8)
+        .map(|lane| {
+            let normal = (bodies[lane + 8].position - bodies[lane].position).normalize();
+            for index in [lane, lane + 8] {
+                bodies[index].inverse_inertia_body = Vector3::repeat(2.0);
+            }
+            bodies[lane].linear += 3.0 * normal;
+            let (a, b) = (&bodies[lane], &bodies[lane + 8]);
+            let point = (a.position + b.position) * 0.5 + arm;
+            let on_a = a.rotation.inverse_transform_vector(&(point - a.position));
+            let on_b = b.rotation.inverse_transform_vector(&(point - b.position));
+            let [normal, tangent] = [normal, normal.cross(&random.direction()).normalize()]
+                .map(|vector| a.rotation.inverse_transform_vector(&vector));
+            let geometry = ContactGeometry::new(&normal, &tangent, 0.5, 1, std::iter::once((on_a, on_b)));
+            ContactState { geometry, ..ContactState::default() }
+        })
+        .collect();
+    let inputs: Vec<ContactInput> = states
+        .iter()
+        .enumerate()
+        .map(|(lane, ContactState { geometry, impulses })| ContactInput {
+            geometry,
+            impulses,
+            offset: bodies[lane + 8].position - bodies[lane].position,
+        })
+        .collect();
+    let mut group = gather::<WideF32x8>(&bodies);
+    let mut block = ContactBlock::<WideF32x8>::idle();
+    block.ends = [std::array::from_fn(|lane| lane as u32), std::array::from_fn(|lane| lane as u32 + 8)];
+    let mut before = velocities::<WideF32x8>(&mut group, &bodies);
+    [1, 2].map(|updates| {
+        {
+            let shared = group.share();
+            let mut pairs = pairs(&shared, block.ends);
+            if updates == 1 {
+                block.take_in(&inputs, &pairs);
+            }
+            for _ in 0..updates {
+                block.solve(&mut pairs, &SoftTerms::rigid(0.0, UNLIMITED, 0.0, 1.0), Sweep::Relax);
+            }
+        }
+        let after = velocities::<WideF32x8>(&mut group, &bodies);
+        let change =
+            before.iter().zip(&after).map(|(b, a)| (a.linear - b.linear).norm().max((a.angular - b.angular).norm()));
+        let change = change.fold(0.0, f64::max);
+        before = after;
+        change
+    })
+}
+
+#[test]
+fn a_push_through_the_centres_is_right_at_once_and_any_other_nearly() {
+    let [once, after] = changes_in_updates(Vector3::zeros());
+    assert!(once > 1.0 && after < 1e-5 * once, "{once}, then {after}");
+    let [once, after] = changes_in_updates(Vector3::new(0.3, 0.2, -0.4));
+    assert!(once > 1.0 && after < 0.1 * once, "{once}, then {after}");
 }
 
 #[test]

@@ -1,0 +1,94 @@
+//! How deep bodies overlap, from their states alone: the same code for every engine.
+
+use bevy::math::DVec3;
+use plumb::lab::BodyState;
+use plumb::physics::{Collider, PlacedCollider, Position, RigidBody, Rotation};
+
+use crate::scene::Scene;
+
+/// The deepest overlap of two bodies that may touch, m; 0 where none do.
+pub fn deepest(scene: &Scene, states: &[BodyState]) -> f64 {
+    let joined = |a: usize, b: usize| {
+        let is_joint_of = |joint: &crate::joint::Joint| [(joint.a, joint.b), (joint.b, joint.a)].contains(&(a, b));
+        scene.joints.iter().any(|joint| !joint.collide && is_joint_of(joint))
+    };
+    let mut spans: Vec<(f64, f64, usize)> = Vec::new();
+    let mut planes = Vec::new();
+    for (index, (body, state)) in scene.bodies.iter().zip(states).enumerate() {
+        match &body.collider {
+            None => {}
+            Some(collider) if *collider == Collider::half_space() => planes.push(index),
+            Some(collider) => {
+                let radius = collider.bounding_radius();
+                spans.push((state.position.x - radius, state.position.x + radius, index));
+            }
+        }
+    }
+    spans.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let placed = |index: usize| {
+        let collider = scene.bodies[index].collider.as_ref()?;
+        Some(PlacedCollider {
+            collider,
+            position: Position(states[index].position),
+            rotation: Rotation(states[index].rotation),
+        })
+    };
+    let overlap = |a: usize, b: usize| {
+        let (one, other) = (&scene.bodies[a], &scene.bodies[b]);
+        let is_pair = (one.kind == RigidBody::Dynamic || other.kind == RigidBody::Dynamic)
+            && one.layers.interact(other.layers)
+            && !joined(a, b);
+        if is_pair { placed(a)?.overlap(&placed(b)?) } else { None }
+    };
+    let mut deepest = 0.0_f64;
+    for (place, &(_, end, a)) in spans.iter().enumerate() {
+        let near = spans[place + 1..].iter().take_while(|(start, ..)| *start <= end);
+        let apart = |b: usize| {
+            let reach =
+                [a, b].map(|index| scene.bodies[index].collider.as_ref().map_or(0.0, Collider::bounding_radius));
+            DVec3::distance(states[a].position, states[b].position) > reach[0] + reach[1]
+        };
+        for b in near.map(|&(.., b)| b).filter(|&b| !apart(b)).chain(planes.iter().copied()) {
+            deepest = deepest.max(overlap(a, b).unwrap_or(0.0));
+        }
+    }
+    deepest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_deepest_of_all_pairs_is_told_and_what_is_joined_is_left_out() {
+        let scene = Scene::parse("pyramid 3").unwrap();
+        let states = |lift: f64| -> Vec<BodyState> {
+            let state = |body: &crate::scene::Body| BodyState {
+                position: body.position + if body.kind == RigidBody::Dynamic { DVec3::Y * lift } else { DVec3::ZERO },
+                rotation: body.rotation,
+                linear: DVec3::ZERO,
+                angular: DVec3::ZERO,
+            };
+            scene.bodies.iter().map(state).collect()
+        };
+        assert!(deepest(&scene, &states(0.5)) < 1e-9);
+        assert!((deepest(&scene, &states(-0.03)) - 0.03).abs() < 1e-9);
+        let mut moved = states(0.5);
+        let last = moved.len() - 1;
+        let below = moved[1].position;
+        moved[last].position = below + DVec3::X * 0.95;
+        assert!(deepest(&scene, &moved) > 0.01);
+        let joined = Scene::parse("ragdolls 1").unwrap();
+        let start: Vec<BodyState> = joined
+            .bodies
+            .iter()
+            .map(|body| BodyState {
+                position: body.position,
+                rotation: body.rotation,
+                linear: DVec3::ZERO,
+                angular: DVec3::ZERO,
+            })
+            .collect();
+        assert!(deepest(&joined, &start) < 0.01);
+    }
+}

@@ -1,0 +1,110 @@
+//! A cone where it lies to another: in the axes of their pair, by its axis, apex and rim.
+
+use nalgebra::Vector3;
+
+use super::{Cone, Frame};
+use crate::physics::collision::constants::NEAR_AXIS;
+use crate::physics::contact::tangents;
+
+/// A solid cone at its place, in a pair's axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlacedCone {
+    pub apex: Vector3<f64>,
+    /// Centre of the base.
+    pub base: Vector3<f64>,
+    /// Unit, from the base to the apex.
+    pub axis: Vector3<f64>,
+    pub radius: f64,
+    /// sin γ and cos γ of the flank's normals, see [`Cone`].
+    pub sine: f64,
+    pub cosine: f64,
+}
+
+impl PlacedCone {
+    pub fn new(cone: &Cone, frame: &Frame) -> Self {
+        let axis = frame.rotation.column(1).into_owned();
+        Self {
+            apex: frame.center + axis * cone.apex,
+            base: frame.center + axis * cone.base,
+            axis,
+            radius: cone.radius,
+            sine: cone.sine,
+            cosine: cone.cosine,
+        }
+    }
+
+    /// In its own axes.
+    pub fn upright(cone: &Cone) -> Self {
+        Self {
+            apex: cone.apex_point(),
+            base: Vector3::y() * cone.base,
+            axis: Vector3::y(),
+            radius: cone.radius,
+            sine: cone.sine,
+            cosine: cone.cosine,
+        }
+    }
+
+    /// Unit, across the axis, toward where a direction points; any if that is the axis.
+    #[inline]
+    pub fn rim_direction(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        let across = self.across(direction);
+        let square = across.norm_squared();
+        if square > NEAR_AXIS * direction.norm_squared() { across / square.sqrt() } else { self.rim_near_axis(&across) }
+    }
+
+    /// Of a direction that rounding has left partly along the axis.
+    #[cold]
+    fn rim_near_axis(&self, across: &Vector3<f64>) -> Vector3<f64> {
+        let unit = across.try_normalize(0.0).map(|unit| self.across(&unit));
+        unit.and_then(|unit| unit.try_normalize(0.5)).unwrap_or_else(|| tangents(&self.axis)[0])
+    }
+
+    fn across(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        direction - self.axis * self.axis.dot(direction)
+    }
+
+    /// The rim's point in the direction of a unit vector across the axis.
+    pub fn rim_point(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        self.base + direction * self.radius
+    }
+
+    /// The flank's normal over that point.
+    pub fn flank_normal(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        direction * self.cosine + self.axis * self.sine
+    }
+
+    /// How far it reaches along a direction from the origin of the pair's axes.
+    pub fn reach(&self, direction: &Vector3<f64>) -> f64 {
+        let across = self.across(direction);
+        self.apex.dot(direction).max(self.base.dot(direction) + self.radius * across.norm())
+    }
+
+    /// The farthest point along a direction.
+    pub fn foremost(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        let on_rim = self.rim_point(&self.rim_direction(direction));
+        if self.apex.dot(direction) > on_rim.dot(direction) { self.apex } else { on_rim }
+    }
+
+    /// How deep a point lies behind the flank, extended downward without end.
+    pub fn flank_depth(&self, point: &Vector3<f64>) -> f64 {
+        let arm = point - self.apex;
+        let along = arm.dot(&self.axis);
+        -(self.sine * along + self.cosine * (arm - self.axis * along).norm())
+    }
+
+    /// Whether it holds a point.
+    pub fn holds(&self, point: &Vector3<f64>) -> bool {
+        self.holds_about(point, 0.0)
+    }
+
+    /// Whether a point lies beyond no surface by more than a distance.
+    pub fn holds_about(&self, point: &Vector3<f64>, distance: f64) -> bool {
+        (point - self.base).dot(&self.axis) >= -distance && self.flank_depth(point) >= -distance
+    }
+
+    /// Its apex, centre of mass and centre of the base.
+    pub fn axis_points(&self) -> [Vector3<f64>; 3] {
+        [self.apex, self.base.lerp(&self.apex, 0.25), self.base]
+    }
+}
