@@ -34,6 +34,8 @@ pub struct StepStats {
     pub islands: u32,
     /// Bodies of islands at rest, which were solved directly or had nothing to solve.
     pub resting: u32,
+    /// Factorisations of islands that were solved directly with contacts, over all substeps.
+    pub factorisations: u32,
     /// Parts into which the exact method cut steps that were too long for it, beyond those asked for.
     pub cuts: u32,
     /// Parts of the last step that it could not solve however short it cut them: what they held is not exact.

@@ -4,6 +4,7 @@ use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use plumb::physics::Diagnostics;
 use plumb::prelude::*;
+use plumb::scene::load;
 
 use crate::rig::*;
 
@@ -172,4 +173,23 @@ fn what_rests_on_joints_moves_on_when_effort_is_fitted_no_more() {
     }
     run(&mut world, 0.2);
     assert!(bodies.iter().all(|&body| position(&world, body).y > 0.8), "they stay where they were");
+}
+
+/// Figures that lie on stairs come to rest, all their limits, contacts and hinges at once, and what of them still moves takes
+/// fewer factorisations than substeps.
+#[test]
+fn figures_that_lie_on_stairs_take_few_factorisations() {
+    let figures = 5;
+    let mut world = world_with(awake_game());
+    load("ragdolls", &[("n".into(), f64::from(figures))]).unwrap().spawn(&mut world);
+    run(&mut world, 8.0);
+    let count = 60;
+    let (mut factorisations, mut resting) = (0, 0);
+    for _ in 0..count {
+        step(&mut world);
+        let stats = world.resource::<StepStats>();
+        (factorisations, resting) = (factorisations + stats.factorisations, resting.max(stats.resting));
+    }
+    assert!(resting >= 11 * 2, "{resting} bodies rest");
+    assert!(factorisations < 3 * count * figures, "{factorisations} in {count} steps of {figures} figures");
 }

@@ -184,6 +184,12 @@ impl JointDefinition {
             || self.laws.iter().flat_map(|laws| laws.iter()).any(CoordinateLaw::is_spring)
     }
 
+    /// Whether it is limits of angles alone.
+    pub fn is_limit_of_angles(&self) -> bool {
+        self.laws.as_ref().is_some_and(|laws| laws.iter().all(CoordinateLaw::is_limit_of_angle))
+            && self.translation.locked() + self.rotation.locked() == 0
+    }
+
     /// Whether its rows may change with time alone.
     pub fn is_driven(&self) -> bool {
         self.function.is_some() || self.laws.iter().flat_map(|laws| laws.iter()).any(CoordinateLaw::is_driven)

@@ -82,6 +82,11 @@ impl CoordinateLaw {
         }
     }
 
+    /// Whether it is a limit of an angle.
+    pub fn is_limit_of_angle(&self) -> bool {
+        matches!((self.axis, self.part), (LawAxis::Coordinate(axis), LawPart::Limit { .. }) if axis.is_angle())
+    }
+
     /// The coordinate that it is of.
     pub fn coordinate(&self) -> Option<JointAxis> {
         match self.axis {

@@ -12,6 +12,10 @@ pub(super) const REST_PRODUCTS: usize = 4_000;
 /// Products of blocks in a factorisation up to which an island is solved in motion. Noticed by the clock alone.
 pub(super) const MOTION_PRODUCTS: usize = 1_000;
 
+/// Coordinates of trees of joints up to which these are the unknowns, in a dense matrix: two figures with hands and feet.
+/// Noticed by the clock alone.
+pub(super) const REDUCED_COORDINATES: usize = 96;
+
 /// Penalty of rows of contacts over the mass of the island, at rest: what moves in a step then is 1e-4 of what would
 /// without the rows, and nothing once their impulses are right. The pivot of a body when its contacts are eliminated
 /// has lost the square of that, over its share of the mass, in digits: with 1e6 a house of cards cannot be factored.
@@ -75,7 +79,8 @@ pub(super) const DEPTH_CORRECTION: f64 = 0.1;
 pub(super) const GAP_CORRECTION: f64 = 0.5;
 
 /// Turn of a body in a step from which on an island takes all substeps, rad. Limbs that lie on each other roll about
-/// this fast, and their joints part no more; from 0.13 rad on some do by centimetres (`limbs`).
+/// this fast, and their joints part no more; from 0.13 rad on some do by centimetres (`limbs`). Where joints hold more than
+/// points, of trees slower than [`STEADY_SPEED`] alone.
 pub(super) const MOTION_TURN: f64 = 0.1;
 
 /// Turns of a body in a substep, rad, up to which what curves its way is taken in whole, and from which on not at all
@@ -131,6 +136,16 @@ pub(super) const DUAL_REST_SPEED: f64 = 1e-3;
 /// and how often at most (`ragdolls`: how far joints part).
 pub(super) const PROJECTION_ERROR: f64 = 1e-6;
 pub(super) const PROJECTIONS: usize = 4;
+
+/// Speed of a body, centre and rim together, under which the contacts of its island go on from substep to substep, m/s:
+/// what comes faster hits, and each contact starts as one that sticks (`ragdolls`: how many factorisations a figure that
+/// lies takes, and how deep limbs that fall get).
+pub(super) const STEADY_SPEED: f64 = 1.0;
+
+/// How many times its load of the substep before a contact that goes on may have, or the other way round, while friction
+/// is bounded by that; and the share of its bound by which friction may still change when iterations end (`ragdolls`).
+pub(super) const STEADY_LOAD: f64 = 2.0;
+pub(super) const SLIDING_TOLERANCE: f64 = 0.05;
 
 /// Share of a largest force from which on a row starts at it, and rounding of one that was at it (`car`: how many
 /// iterations end).

@@ -5,8 +5,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::constants::{ARM_CHANGE, BOUNCE_PENALTY, TOUCHING};
-use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, Stiffness, bits};
+use super::constants::{ARM_CHANGE, BOUNCE_PENALTY, SLIDING_TOLERANCE, STEADY_LOAD, TOUCHING};
+use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, Stiffness, bits, prescribed};
+use super::world::World;
 use crate::physics::collision::{ContactState, POINTS};
 use crate::physics::constraint::row::{Twist, Wrench};
 use crate::physics::contact::rebound;
@@ -53,6 +54,8 @@ pub(super) struct DirectContact {
     friction: [f64; 3],
     is_sliding: bool,
     is_twisting: bool,
+    /// Whether it [goes on](Self::go_on).
+    is_steady: bool,
     /// Bound of friction, N·s: μ times the normal impulse.
     limit: f64,
     /// Where it slides: a unit along the tangents across the friction, times the root of how much of the
@@ -61,6 +64,23 @@ pub(super) struct DirectContact {
 }
 
 impl DirectContact {
+    /// Of a slot between members of these places, with impulses taken `scale` times.
+    pub fn of(world: &impl World, slot: u32, ends: &[Option<u32>; 2], scale: f64) -> Self {
+        let (state, slot) = (world.state(slot), world.slot(slot));
+        let bodies = [slot.pair.a, slot.pair.b].map(|body| world.body(body));
+        let [a, b] = bodies;
+        let origin = slot.origin_in_world(a);
+        let offset = b.position - a.position + slot.ahead - origin;
+        let turns = bodies.map(|body| body.rotation.to_rotation_matrix().into_inner());
+        let mut contact = Self::new(state, &turns, &offset, [f64::from(slot.restitution), scale]);
+        contact.sides[0].arm += origin;
+        for (side, body) in contact.sides.iter_mut().zip(ends) {
+            side.body = *body;
+        }
+        contact.prescribed = prescribed(&contact.sides, bodies, contact.sides.map(|side| side.arm));
+        contact
+    }
+
     /// From the state of a contact, with what turns A's and B's axes into the world's, and `offset` the centre of B
     /// less the origin of A's axes, from which A's arms count, and its restitution. Impulses are taken `scale` times.
     pub fn new(
@@ -103,6 +123,25 @@ impl DirectContact {
         contact.expected = std::array::from_fn(|row| f64::from(impulses.0[POINTS + row]) * scale);
         contact.friction = contact.expected;
         contact
+    }
+
+    /// What of the stiffness is left across a friction that is as large as it may be where nothing slips more.
+    fn turn_across(&mut self, [x, y]: [f64; 2]) {
+        let size = length(x, y);
+        let left = if self.is_sliding && size > 0.0 { (self.limit / size).sqrt() / size } else { 0.0 };
+        self.across = [-y * left, x * left];
+    }
+
+    /// Σλ̂ of its points.
+    fn expected_load(&self) -> f64 {
+        self.points[..self.count].iter().map(|point| point.expected).sum()
+    }
+
+    /// Goes on from the substep before, as what is slow does: it slips where it did, and friction follows the load of then
+    /// for as long as that is much the same. So friction has a bound that iterations know, and they end.
+    pub fn go_on(&mut self, before: &Self) {
+        self.is_steady = true;
+        (self.is_sliding, self.is_twisting, self.across) = (before.is_sliding, before.is_twisting, before.across);
     }
 
     /// Takes over which rows act from the step before, of points that are still where they were.
@@ -245,6 +284,7 @@ impl Rows for DirectContact {
     fn key(&self) -> RowKey {
         let sticks = [self.is_sliding, self.is_twisting].map(|slips| !slips && self.coefficient != 0.0);
         RowKey {
+            made: 0,
             penalty: self.penalty,
             arms: self.sides.map(|side| side.arm),
             normal: self.normal,
@@ -258,6 +298,10 @@ impl Rows for DirectContact {
     fn blocks(&self) -> RowBlocks {
         let stiffness = self.stiffness();
         RowBlocks::at_arms(&self.sides, |x, y| stiffness.between(x, y))
+    }
+
+    fn impulse(&self) -> Wrench<f64> {
+        self.wrench(self.points[..self.count].iter().map(|point| (point, point.impulse)), self.friction)
     }
 
     fn impulse_at_rest(&self) -> Wrench<f64> {
@@ -288,7 +332,9 @@ impl Rows for DirectContact {
         }
         // The impulse of a row that is not active yet is not known.
         let load: f64 = self.points[..self.count].iter().map(|point| point.impulse).sum();
-        self.limit = self.coefficient * load;
+        let before = self.expected_load();
+        let lags = self.is_steady && load * STEADY_LOAD > before && load < STEADY_LOAD * before;
+        self.limit = self.coefficient * if lags { before } else { load };
         let trial = self.friction_if_stuck(motion);
         let friction = self.bounded(trial);
         let bound = |most: f64, slips: bool| if slips { most } else { most + tolerance };
@@ -296,12 +342,12 @@ impl Rows for DirectContact {
         let is_sliding = size > bound(self.limit, self.is_sliding);
         let is_twisting = trial[2].abs() > bound(self.limit * self.radius, self.is_twisting);
         let moved = |row: usize| (friction[row] - self.friction[row]).abs();
+        let tolerance = if self.is_steady { tolerance.max(SLIDING_TOLERANCE * self.limit) } else { tolerance };
         holds &= [is_sliding, is_twisting] == [self.is_sliding, self.is_twisting];
         holds &= !is_sliding || moved(0).max(moved(1)) <= tolerance;
         holds &= !is_twisting || moved(2) <= tolerance * self.radius;
         (self.is_sliding, self.is_twisting, self.friction) = (is_sliding, is_twisting, friction);
-        let left = if is_sliding && size > 0.0 { (self.limit / size).sqrt() / size } else { 0.0 };
-        self.across = [-trial[1] * left, trial[0] * left];
+        self.turn_across([trial[0], trial[1]]);
         holds
     }
 

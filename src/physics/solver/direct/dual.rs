@@ -104,8 +104,13 @@ pub(super) struct DualSystem {
     place_of: HashMap<u32, u32>,
     couplings: Couplings,
     pub has_loops: bool,
-    /// Where the joints are a tree of points and hinges: takes the place of the rows.
+    /// Where the joints are a tree of points and hinges: takes the place of the rows for as long as no limit acts.
     tree: Option<ArticulatedTree>,
+    /// The links that are joints of the tree, in its order, and those that are limits of angles.
+    held: Vec<u32>,
+    limits: Vec<u32>,
+    /// Whether the tree found what joints carried in the last piece.
+    is_of_tree: bool,
     /// Scalar rows.
     pub row_count: usize,
     /// Where the bodies are when the substep begins: members, then partners.
@@ -186,12 +191,16 @@ impl DualSystem {
         // A tree held at one point has as many joints as bodies.
         let held = entities.iter().filter(|(_, ends)| ends.iter().any(|&end| end as usize >= members.len())).count();
         let has_loops = entities.len() + usize::from(held == 0) > members.len();
+        let definition = |link: u32| &world.joint(links[link as usize].joint).definition;
+        let (limits, held): (Vec<u32>, Vec<u32>) =
+            (0..links.len() as u32).partition(|&link| definition(link).is_limit_of_angles());
         let joints: Option<Vec<_>> =
-            links.iter().map(|link| TreeJoint::of(&world.joint(link.joint).definition, link.ends)).collect();
+            held.iter().map(|&link| TreeJoint::of(definition(link), links[link as usize].ends)).collect();
         let tree = joints.and_then(|joints| ArticulatedTree::new(&joints, members.len()));
         let loads = vec![Wrench::zero(); links.len()];
         let place_of = (0..).zip(&links).map(|(place, link)| (link.joint, place)).collect();
-        Some(Self { links, place_of, couplings, has_loops, tree, loads, row_count: first, ..Self::default() })
+        let row_count = first;
+        Some(Self { links, place_of, couplings, has_loops, tree, held, limits, loads, row_count, ..Self::default() })
     }
 
     /// Takes the island through a substep: where its members are at its end stands in [`Self::ends`].
@@ -232,13 +241,15 @@ impl DualSystem {
 
     /// Takes the states from the starts to the ends, with forces that act for `kick`, s. Whether impulses were found.
     fn take_piece(&mut self, world: &impl World, members: &[u32], terms: &DualTerms, kick: f64) -> bool {
-        if let Some(tree) = &mut self.tree {
+        let has_slack = self.limits.is_empty() || self.tree.is_some() && self.has_slack(world, terms.time, false);
+        if let Some(tree) = self.tree.as_mut().filter(|_| has_slack) {
             let piece = tree.take_piece(world, members, &self.starts, &mut self.ends, [terms.h, kick]);
-            if piece == Piece::Done {
-                self.note_tree(terms.h);
+            if piece == Piece::TooFar {
+                return false;
             }
-            if piece != Piece::Apart {
-                return piece == Piece::Done;
+            if piece == Piece::Done && (self.limits.is_empty() || self.has_slack(world, terms.time + terms.h, true)) {
+                self.note_tree(terms.h);
+                return true;
             }
         }
         self.set_off(world, members, terms, kick);
@@ -248,6 +259,21 @@ impl DualSystem {
             self.note(terms.h, kick);
         }
         is_solved
+    }
+
+    /// Whether all limits are open, at the start of a piece also without impulses.
+    fn has_slack(&mut self, world: &impl World, time: f64, at_end: bool) -> bool {
+        let Self { links, limits, starts, ends, scratch, forces, .. } = self;
+        let states = if at_end { ends } else { starts };
+        limits.iter().all(|&limit| {
+            let link = &links[limit as usize];
+            let bodies = link.ends.map(|end| BodyState::from(&states[end as usize]));
+            scratch.clear();
+            world.joint(link.joint).definition.rows_at(&bodies, time, scratch);
+            let is_open = |row: &JointRow<f64>| row.bound.open(row.error) == row.error;
+            let is_loaded = !at_end && forces[link.first..link.first + link.count].iter().any(|&force| force != 0.0);
+            !is_loaded && scratch.iter().all(is_open)
+        })
     }
 
     /// The same where no impulses along the rows as they start lead to joints that hold, as the piece turns them too far:
@@ -299,9 +325,11 @@ impl DualSystem {
 
     /// Hands the tree what its joints carried last, where rows told it.
     fn resume_tree(&mut self) {
-        let Self { tree, links, forces, .. } = self;
+        let Self { tree, links, held, forces, is_of_tree, .. } = self;
+        *is_of_tree = false;
         if let Some(tree) = tree {
-            tree.resume(links.iter().map(|link| Vector3::from_column_slice(&forces[link.first..link.first + 3])));
+            let first = |&link: &u32| links[link as usize].first;
+            tree.resume(held.iter().map(first).map(|first| Vector3::from_column_slice(&forces[first..first + 3])));
         }
     }
 
@@ -763,14 +791,18 @@ impl DualSystem {
 
     /// The same of what the tree found.
     fn note_tree(&mut self, h: f64) {
-        let Self { links, tree: Some(tree), forces, outer_loads: [_, last], .. } = self else { return };
+        let Self { links, held, tree: Some(tree), forces, outer_loads: [_, last], .. } = self else { return };
         last.clear();
+        last.resize(links.len(), Wrench::zero());
         forces.fill(0.0);
-        for (place, link) in links.iter().enumerate() {
+        for (place, &link) in held.iter().enumerate() {
             let Wrench { linear, angular } = tree.load(place);
-            forces[link.first..link.first + 3].copy_from_slice(linear.as_slice());
-            last.push(Wrench { linear: linear * h, angular: (angular + tree.arm(place).cross(&linear)) * h });
+            let first = links[link as usize].first;
+            forces[first..first + 3].copy_from_slice(linear.as_slice());
+            last[link as usize] =
+                Wrench { linear: linear * h, angular: (angular + tree.arm(place).cross(&linear)) * h };
         }
+        self.is_of_tree = true;
         self.add_loads(h);
     }
 
@@ -803,9 +835,10 @@ impl DualSystem {
         joint.force = load.linear / self.spent;
         joint.torque = (load.angular - arm.cross(&load.linear)) / self.spent;
         joint.multipliers[..link.count].copy_from_slice(&self.forces[link.first..][..link.count]);
-        if let Some(tree) = &self.tree {
+        let of_tree = self.held.binary_search(&place).ok().filter(|_| self.is_of_tree);
+        if let (Some(tree), Some(held)) = (&self.tree, of_tree) {
             // Rows of rotations act along A's axes, or are that nearly.
-            let torque = tree.load(place as usize).angular;
+            let torque = tree.load(held).angular;
             let turned = self.starts[link.ends[0] as usize].rotation * joint.definition.frames[0].rotation;
             let along = turned.inverse() * torque;
             let skipped = 6 - link.count;

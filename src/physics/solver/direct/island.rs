@@ -6,21 +6,21 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::any_joint::AnyJoint;
 use super::constants::{
-    DUAL_PRODUCTS, ENERGY_ROUNDING, IMPULSE_TOLERANCE, JOINT_PENALTY, LINE_SEARCH_POINTS, LINE_SEARCH_SLOPE,
-    REST_PRODUCTS,
+    DUAL_PRODUCTS, ENERGY_ROUNDING, IMPULSE_TOLERANCE, LINE_SEARCH_POINTS, LINE_SEARCH_SLOPE, REST_PRODUCTS,
 };
 use super::contact::DirectContact;
 use super::dual::DualSystem;
-use super::joint::{DirectJoint, SoftLaw};
-use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, body_vector, halves};
+use super::joint::DirectJoint;
+use super::reduced::{ReducedTrees, change_of};
+use super::rows::{Correction, RowBlocks, RowKey, Rows, body_vector, halves};
 use super::snapshot::Snapshot;
 use super::world::World;
-use crate::physics::body::{Body, world_inverse_inertia};
+use crate::physics::body::Body;
 use crate::physics::constraint::row::{Twist, Wrench};
-use crate::physics::joint::{BodyState, Joint, JointRow, Softness};
+use crate::physics::joint::{BodyState, Joint, JointRow};
 use crate::physics::lanes::Record;
+use crate::physics::solver::exact::MemberState;
 use crate::physics::solver::linear::{BlockLdl, BodyVector, Elimination, Inverse};
-use crate::physics::solver::soft_terms::{SoftTerms, UNLIMITED};
 use crate::physics::solver::substeps::Intervals;
 
 /// Does the same to the rows of each constraint of an island: contacts, then points held at points, then other joints.
@@ -53,14 +53,21 @@ pub(crate) struct DirectIsland {
     pub(super) joints: Vec<u32>,
     /// How many joints hold a point at a point.
     pub(super) points: usize,
-    /// Of contacts, then joints: both bodies' places among the members.
+    /// Which of its joints have rows, first those that hold a point at a point.
+    pub(super) row_points: Vec<u32>,
+    pub(super) row_others: Vec<u32>,
+    /// Of contacts, then joints that have rows: both bodies' places among the members.
     ends: Vec<[Option<u32>; 2]>,
     analysis: Analysis,
     pub(super) elimination: Elimination,
     /// Whether it was solved here in the last step, at rest or in motion.
     pub is_solved: bool,
+    /// How often it was factored since somebody last took the count.
+    pub factorisations: u32,
     /// Whether the iterations of the last substep in motion ended.
     pub(super) has_converged: bool,
+    /// Whether its contacts go on from substep to substep in its step in motion.
+    pub(super) is_steady: bool,
     /// Whether its last solve was in motion.
     pub(super) moves: bool,
     /// Whether some contact may bounce in its step in motion.
@@ -79,16 +86,21 @@ pub(crate) struct DirectIsland {
     pub(super) momentum: Vec<BodyVector>,
     pub(super) velocity: Vec<BodyVector>,
     /// Velocity of the iteration before.
-    before: Vec<BodyVector>,
-    /// Velocity that corrects position errors besides.
+    pub(super) before: Vec<BodyVector>,
+    /// Velocity that corrects position errors besides, and its sum over several corrections.
     pub(super) correction: Vec<BodyVector>,
+    pub(super) shifts: Vec<BodyVector>,
+    /// Where members were, and that sum, before the last of these.
+    pub(super) states_before: Vec<MemberState>,
+    pub(super) shifts_before: Vec<BodyVector>,
     /// Of contacts, then joints: the relative motion of the iteration before, and how far to the one at hand.
     lines: Vec<(Twist<f64>, Twist<f64>)>,
     pub(super) contact_rows: Vec<DirectContact>,
     pub(super) joint_rows: Vec<DirectJoint>,
     pub(super) any_rows: Vec<AnyJoint>,
-    /// Rows of one joint.
-    scratch: Vec<JointRow<f64>>,
+    /// Rows of one joint, and how often those of joints were made.
+    pub(super) scratch: Vec<JointRow<f64>>,
+    made: u32,
     /// Whether the rows of contacts are those of the step before.
     pub(super) has_rows: bool,
     /// The rows that the factor was made of, contacts first; empty: there is none.
@@ -99,7 +111,10 @@ pub(crate) struct DirectIsland {
     pub(super) inertias: Vec<(f64, Matrix3<f64>)>,
     /// The impulses of its joints as unknowns, where it has no contacts and some joint holds more than a point.
     pub(super) dual: Option<Box<DualSystem>>,
-    /// The same beside contacts, by which its joints are put together in the poses once all was solved for.
+    /// Where it has contacts, too: the trees of its joints.
+    pub(super) reduced: Option<Box<ReducedTrees>>,
+    /// Where these have too many coordinates: the system by which its joints are put together in the poses once all was
+    /// solved for.
     pub(super) posture: Option<Box<DualSystem>>,
     /// Bodies that do not move here but touch or hold it, global indices.
     pub(super) partners: Vec<u32>,
@@ -119,12 +134,46 @@ impl DirectIsland {
     pub(super) fn is_analysed(&mut self, world: &impl World, time: f64) -> bool {
         if self.analysis == Analysis::Due {
             self.analysis = self.analyse(world);
-            let is_wanted = self.points < self.joints.len();
+            let has_contacts = !self.contacts.is_empty();
+            let may_reduce = has_contacts && self.analysis == Analysis::Done;
+            let reduced = may_reduce.then(|| ReducedTrees::new(world, &self.members, &self.joints, &self.elimination));
+            self.reduced = reduced.flatten().map(Box::new);
+            let is_wanted = self.points < self.joints.len() && self.reduced.is_none();
             let parts = [&self.members[..], &self.partners, &self.joints];
             let system = is_wanted.then(|| DualSystem::new(world, time, parts, DUAL_PRODUCTS)).flatten().map(Box::new);
-            (self.dual, self.posture) = if self.contacts.is_empty() { (system, None) } else { (None, system) };
+            (self.dual, self.posture) = if has_contacts { (None, system) } else { (system, None) };
+            self.allot_rows(world);
         }
         self.analysis == Analysis::Done
+    }
+
+    /// Whether its joints hold more than points, and are put together in the poses.
+    pub(super) fn holds_more_than_points(&self) -> bool {
+        self.posture.is_some() || self.reduced.is_some() && self.points < self.joints.len()
+    }
+
+    /// Finds out which joints have rows.
+    fn allot_rows(&mut self, world: &impl World) {
+        let has_rows = |&joint: &u32| self.reduced.as_ref().is_none_or(|reduced| !reduced.holds(joint as usize));
+        let points = self.points as u32;
+        let row_points: Vec<u32> = (0..points).filter(has_rows).collect();
+        let row_others: Vec<u32> = (points..self.joints.len() as u32).filter(has_rows).collect();
+        let local = |body: u32| self.members.binary_search(&body).ok().map(|local| local as u32);
+        self.ends.truncate(self.contacts.len());
+        let with_rows = row_points.iter().chain(&row_others).map(|&joint| world.joint(self.joints[joint as usize]));
+        self.ends.extend(with_rows.map(|joint| [joint.a, joint.b].map(local)));
+        self.joint_rows.clear();
+        self.joint_rows.resize(row_points.len(), DirectJoint::default());
+        self.any_rows.clear();
+        self.any_rows.resize(row_others.len(), AnyJoint::default());
+        let ends = &self.ends[self.contacts.len() + row_points.len()..];
+        if let Some(reduced) = &self.reduced {
+            for ((rows, &joint), ends) in self.any_rows.iter_mut().zip(&row_others).zip(ends) {
+                rows.link = reduced.link_between(world.joint(self.joints[joint as usize]), ends);
+            }
+        }
+        self.blocks.resize(self.ends.len(), RowBlocks::default());
+        (self.row_points, self.row_others) = (row_points, row_others);
     }
 
     fn analyse(&mut self, world: &impl World) -> Analysis {
@@ -148,9 +197,6 @@ impl DirectIsland {
         self.inertias.resize(count, (0.0, Matrix3::zeros()));
         self.contact_rows.resize(self.contacts.len(), DirectContact::default());
         self.points = self.joints.partition_point(|&joint| world.joint(joint).definition.is_ball());
-        self.joint_rows.resize(self.points, DirectJoint::default());
-        self.any_rows.resize(self.joints.len() - self.points, AnyJoint::default());
-        self.blocks.resize(self.ends.len(), RowBlocks::default());
         Analysis::Done
     }
 
@@ -181,7 +227,11 @@ impl DirectIsland {
             return dual.row_count as u32;
         }
         let of_joints: usize = self.any_rows.iter().map(AnyJoint::rows).sum();
-        (of_contacts + 3 * self.points + of_joints) as u32
+        let of_trees = match &self.reduced {
+            Some(reduced) => reduced.rows(),
+            None => 0,
+        };
+        (of_contacts + 3 * self.joint_rows.len() + of_joints + of_trees) as u32
     }
 
     /// Has it look again at what its joints are and between which bodies.
@@ -217,7 +267,7 @@ impl DirectIsland {
             if stays(world.body(pair.a)) || stays(world.body(pair.b)) {
                 continue;
             }
-            let before = std::mem::replace(rows, contact_rows(world, slot, ends, scale));
+            let before = std::mem::replace(rows, DirectContact::of(world, slot, ends, scale));
             (rows.penalty, rows.per_step) = (penalty * mass, 1.0 / h);
             resume(rows, &before);
         }
@@ -246,31 +296,29 @@ impl DirectIsland {
         mut resume: impl FnMut(&mut DirectJoint, &DirectJoint, &Joint),
     ) {
         let ends = &self.ends[self.contacts.len()..];
-        for ((rows, &joint), ends) in self.joint_rows.iter_mut().zip(&self.joints).zip(ends) {
-            let joint = world.joint(joint);
-            let before = std::mem::replace(rows, joint_rows(world, joint, ends, h));
+        for ((rows, &joint), ends) in self.joint_rows.iter_mut().zip(&self.row_points).zip(ends) {
+            let joint = world.joint(self.joints[joint as usize]);
+            let before = std::mem::replace(rows, DirectJoint::of(world, joint, ends, h));
             resume(rows, &before, joint);
         }
     }
 
-    /// Makes the rows of all other joints at that time, s, for `h`, s, and hands each on with those before; `ahead` is how
-    /// far into it they are to turn with their bodies, s, the third span the approach from which limits bounce, m/s.
-    pub(super) fn make_any_rows(
-        &mut self,
-        world: &impl World,
-        time: f64,
-        spans: [f64; 3],
-        mut resume: impl FnMut(&mut AnyJoint, &AnyJoint),
-    ) {
-        let joints = self.joints[self.points..].iter().zip(&self.ends[self.contacts.len() + self.points..]);
-        for (rows, (&joint, ends)) in self.any_rows.iter_mut().zip(joints) {
-            let joint = world.joint(joint);
+    /// Makes the rows of all other joints at that time, s, for `h`, s; `ahead` is how far into it they are to turn with
+    /// their bodies, s, the third span the approach from which limits bounce, m/s. `keeps`: which are active stays, and
+    /// limits that are far away are not looked at.
+    pub(super) fn make_any_rows(&mut self, world: &impl World, time: f64, spans: [f64; 3], keeps: bool) {
+        self.made = self.made.wrapping_add(1);
+        let ends = &self.ends[self.contacts.len() + self.row_points.len()..];
+        for ((rows, &joint), ends) in self.any_rows.iter_mut().zip(&self.row_others).zip(ends) {
+            if keeps && rows.is_idle() {
+                continue;
+            }
+            let joint = world.joint(self.joints[joint as usize]);
             let bodies = [world.body(joint.a), world.body(joint.b)];
             self.scratch.clear();
             joint.definition.rows_at(&bodies.map(BodyState::of), time, &mut self.scratch);
-            let now = AnyJoint::new(joint, &self.scratch, bodies, ends, spans);
-            let before = std::mem::replace(rows, now);
-            resume(rows, &before);
+            rows.made = self.made;
+            rows.renew(joint, &self.scratch, bodies, ends, spans, keeps);
         }
     }
 
@@ -279,6 +327,7 @@ impl DirectIsland {
     pub(super) fn iterate(&mut self, counts: RangeInclusive<usize>) -> bool {
         let momentum: f64 = self.momentum.iter().map(|vector| vector.fixed_rows::<3>(0).norm()).sum();
         let tolerance = IMPULSE_TOLERANCE * momentum / self.members.len() as f64;
+        let mut free = None;
         for iteration in 0..*counts.end() {
             if !self.factor() {
                 self.velocity.iter_mut().for_each(|vector| vector.fill(0.0));
@@ -286,14 +335,16 @@ impl DirectIsland {
             }
             std::mem::swap(&mut self.velocity, &mut self.before);
             self.velocity.copy_from_slice(&self.momentum);
-            let Self { contact_rows, joint_rows, any_rows, elimination, velocity, matrix, .. } = self;
+            let Self { contact_rows, joint_rows, any_rows, elimination, velocity, .. } = self;
             for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
-                apply(elimination, velocity, rows, &rows.impulse_at_rest());
+                if !rows.is_idle() {
+                    apply(elimination, velocity, rows, &rows.impulse_at_rest());
+                }
             });
-            matrix.solve(elimination, &mut velocity[..]);
+            self.solve_by_factor(|island| &mut island.velocity);
             let share = if iteration == 0 { 1.0 } else { self.search_line() };
             let Self { contact_rows, joint_rows, any_rows, elimination, velocity, before, .. } = self;
-            for rows in &mut *any_rows {
+            for rows in any_rows.iter_mut().filter(|rows| !rows.is_idle()) {
                 rows.carry(&relative_motion(elimination, velocity, rows, &rows.prescribed), share);
             }
             if share < 1.0 {
@@ -308,33 +359,49 @@ impl DirectIsland {
             if holds {
                 return true;
             }
-            if iteration + 1 >= *counts.start() && !self.has_gained() {
-                return false;
+            if iteration + 1 >= *counts.start() {
+                let free = *free.get_or_insert_with(|| self.free_energy());
+                if !self.has_gained(free) {
+                    return false;
+                }
             }
         }
         false
     }
 
-    /// Whether it has more energy than its bodies would have alone. Contacts and joints only take energy, so that some row
-    /// then has an impulse that is of another active set. (A support that moves gives energy, and costs an iteration more.)
-    fn has_gained(&self) -> bool {
-        let [kinetic, free] = self.energies();
-        kinetic > ENERGY_ROUNDING * free
+    /// From momenta to velocities by the factor at hand.
+    fn solve_by_factor(&mut self, of: impl Fn(&mut Self) -> &mut Vec<BodyVector>) {
+        let mut vectors = std::mem::take(of(self));
+        match &mut self.reduced {
+            Some(reduced) => reduced.solve(&mut vectors),
+            None => self.matrix.solve(&self.elimination, &mut vectors[..]),
+        }
+        *of(self) = vectors;
     }
 
-    /// See [`energies`]; the velocity is that of the iteration at hand.
-    fn energies(&self) -> [f64; 2] {
-        energies(self.inertias.iter().enumerate().map(|(local, inertia)| {
-            let place = self.place(local);
-            (inertia, &self.velocity[place], &self.momentum[place])
-        }))
+    /// Whether it has more energy than its bodies would have alone. Contacts and joints only take energy, so that some row
+    /// then has an impulse that is of another active set. (A support that moves gives energy, and costs an iteration more.)
+    fn has_gained(&self, free: f64) -> bool {
+        self.kinetic_energy() > ENERGY_ROUNDING * free
+    }
+
+    /// Twice the kinetic energy at the velocity of the iteration at hand, J.
+    fn kinetic_energy(&self) -> f64 {
+        let bodies = self.inertias.iter().enumerate();
+        bodies.map(|(local, inertia)| kinetic_energy(inertia, &self.velocity[self.place(local)])).sum()
+    }
+
+    /// The same of the bodies alone, with their momenta.
+    fn free_energy(&self) -> f64 {
+        let bodies = self.inertias.iter().enumerate();
+        bodies.map(|(local, inertia)| free_energy(inertia, &self.momentum[self.place(local)])).sum()
     }
 
     /// Slows all down alike to the energy that the bodies would have alone, with what springs and motors give: for where
     /// the iterations did not end. Rows that hold still do.
     pub(super) fn take_back_gain(&mut self) {
-        let [kinetic, free] = self.energies();
-        let Self { joint_rows, any_rows, elimination, velocity, .. } = self;
+        let (kinetic, free) = (self.kinetic_energy(), self.free_energy());
+        let Self { reduced, joint_rows, any_rows, elimination, velocity, .. } = self;
         let mut given = 0.0;
         for rows in joint_rows.iter().filter(|rows| rows.softness.is_some()) {
             given += rows.impulse.dot(&relative_motion(elimination, velocity, rows, &rows.prescribed).linear).max(0.0);
@@ -350,6 +417,9 @@ impl DirectIsland {
         velocity.iter_mut().for_each(|velocity| *velocity *= share);
         joint_rows.iter_mut().for_each(|rows| rows.impulse *= share);
         any_rows.iter_mut().for_each(|rows| rows.scale(share));
+        if let Some(reduced) = reduced {
+            reduced.scale_loads(share);
+        }
     }
 
     /// Which share of the line from the velocity before to the one at hand to go. With the rows active that are active
@@ -373,15 +443,19 @@ impl DirectIsland {
         let Self { contact_rows, joint_rows, any_rows, elimination, velocity, before, lines, .. } = self;
         lines.clear();
         for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
-            let [from, to] =
-                [&*before, &*velocity].map(|velocity| relative_motion(elimination, velocity, rows, rows.prescribed()));
-            lines.push((from, to.plus(&from, -1.0)));
+            if !rows.is_idle() {
+                let [from, to] = [&*before, &*velocity]
+                    .map(|velocity| relative_motion(elimination, velocity, rows, rows.prescribed()));
+                lines.push((from, to.plus(&from, -1.0)));
+            }
         });
         level(|share| {
             let (mut given, mut lines) = (0.0, lines.iter());
             for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
-                let (from, line) = lines.next().expect("each constraint has one");
-                given += line.dot(&rows.impulse_at(&from.plus(line, share)));
+                if !rows.is_idle() {
+                    let (from, line) = lines.next().expect("each constraint has one");
+                    given += line.dot(&rows.impulse_at(&from.plus(line, share)));
+                }
             });
             start + share * growth - given
         })
@@ -389,8 +463,8 @@ impl DirectIsland {
 
     /// Factors the matrix of the active rows, unless the factor at hand will do.
     fn factor(&mut self) -> bool {
-        let Self { matrix, contact_rows, joint_rows, any_rows, elimination, ends, factored, inertias, blocks, .. } =
-            self;
+        let Self { matrix, reduced, contact_rows, joint_rows, any_rows, .. } = self;
+        let Self { elimination, ends, factored, inertias, blocks, factorisations, .. } = self;
         let (mut then, mut is_same) = (factored.iter(), factored.len() == ends.len());
         for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
             is_same = is_same && then.next().is_some_and(|then| rows.key().is_nearly(then));
@@ -398,30 +472,45 @@ impl DirectIsland {
         if is_same {
             return true;
         }
+        *factorisations += 1;
         factored.clear();
-        matrix.clear(elimination);
-        for (body, (mass, inertia)) in inertias.iter().enumerate() {
-            let mut block = matrix.diagonal_mut::<6>(elimination.place(body as u32) as usize);
-            block.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::from_diagonal_element(*mass));
-            block.fixed_view_mut::<3, 3>(3, 3).copy_from(inertia);
-        }
         for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
             let key = rows.key();
             blocks[factored.len()].update(&key, || rows.blocks());
             factored.push(key);
         });
-        for (held, [a, b]) in blocks.iter().zip(&*ends) {
-            for (body, block) in [(a, &held.own[0]), (b, &held.own[1])] {
-                if let Some(body) = *body {
-                    let mut own = matrix.diagonal_mut::<6>(elimination.place(body) as usize);
-                    own += block;
+        let acting = blocks.iter().zip(&*ends).filter(|(held, _)| held.acts);
+        let is_positive = match reduced {
+            Some(reduced) => {
+                reduced.begin(inertias);
+                acting.for_each(|(held, ends)| reduced.add_rows(held, ends));
+                reduced.assemble();
+                for (rows, link) in any_rows.iter().filter_map(|rows| Some((rows, rows.link?))) {
+                    rows.turning_rows().for_each(|(row, penalty)| reduced.add_turning(link, &row, penalty));
                 }
+                reduced.factor()
             }
-            if let (Some(a), Some(b)) = (*a, *b) {
-                matrix.add(elimination.block(a, b), &held.across);
+            None => {
+                matrix.clear(elimination);
+                for (body, (mass, inertia)) in inertias.iter().enumerate() {
+                    let mut block = matrix.diagonal_mut::<6>(elimination.place(body as u32) as usize);
+                    block.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::from_diagonal_element(*mass));
+                    block.fixed_view_mut::<3, 3>(3, 3).copy_from(inertia);
+                }
+                for (held, [a, b]) in acting {
+                    for (body, block) in [(a, &held.own[0]), (b, &held.own[1])] {
+                        if let Some(body) = *body {
+                            let mut own = matrix.diagonal_mut::<6>(elimination.place(body) as usize);
+                            own += block;
+                        }
+                    }
+                    if let (Some(a), Some(b)) = (*a, *b) {
+                        matrix.add(elimination.block(a, b), &held.across);
+                    }
+                }
+                matrix.factor(elimination)
             }
-        }
-        let is_positive = matrix.factor(elimination);
+        };
         if !is_positive {
             factored.clear();
         }
@@ -430,18 +519,45 @@ impl DirectIsland {
 
     /// Solves for the velocity that corrects position errors.
     pub(super) fn correct(&mut self, rates: &Correction) {
-        let Self { contact_rows, joint_rows, any_rows, elimination, correction, matrix, factored, .. } = self;
-        correction.fill(BodyVector::zeros());
+        self.correction.fill(BodyVector::zeros());
+        let closes = self.reduced.as_mut().is_some_and(|reduced| reduced.close(|gap| rates.of_gap(gap)));
+        self.apply_corrections(rates, true);
+        if closes || self.correction.iter().any(|vector| *vector != BodyVector::zeros()) {
+            self.solve_by_factor(|island| &mut island.correction);
+        }
+    }
+
+    /// Adds the impulses that correct position errors, those of contacts only where that is wanted.
+    pub(super) fn apply_corrections(&mut self, rates: &Correction, with_contacts: bool) {
+        let Self { contact_rows, joint_rows, any_rows, elimination, correction, factored, .. } = self;
         // A row that corrects must be in the factor.
-        let mut keys = factored.iter();
-        for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
-            if let Some(key) = keys.next() {
+        let contacts = if with_contacts { &contact_rows[..] } else { &[] };
+        let mut keys = factored.iter().skip(contact_rows.len() - contacts.len());
+        for_each_constraint!((contacts, &*joint_rows, &*any_rows), |rows| {
+            if let Some(key) = keys.next()
+                && !rows.is_idle()
+            {
                 apply(elimination, correction, rows, &rows.correction(key, rates));
             }
         });
-        if correction.iter().any(|vector| *vector != BodyVector::zeros()) {
-            matrix.solve(elimination, &mut correction[..]);
+    }
+
+    /// Finds what the joints of trees carried.
+    pub(super) fn find_loads(&mut self) {
+        let Self { reduced, contact_rows, joint_rows, any_rows, elimination, .. } = self;
+        let Self { before, velocity, momentum, inertias, factored, .. } = self;
+        let Some(reduced) = reduced.as_mut().filter(|_| !factored.is_empty()) else { return };
+        for (local, inertia) in inertias.iter().enumerate() {
+            let place = elimination.place(local as u32) as usize;
+            before[place] = change_of(inertia, &velocity[place], &momentum[place]);
         }
+        for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
+            if !rows.is_idle() {
+                let impulse = rows.impulse();
+                apply(elimination, before, rows, &Wrench::zero().plus(&impulse, -1.0));
+            }
+        });
+        reduced.find_loads(before);
     }
 
     /// Impulses of a contact, divided by `scale`, N·s.
@@ -451,14 +567,22 @@ impl DirectIsland {
 
     /// Writes what a joint carried in `h`, s.
     pub fn store_joint(&self, index: usize, joint: &mut Joint, h: f64) {
-        joint.is_doubtful = self.moves && self.posture.is_some() && !self.has_converged;
+        joint.is_doubtful = self.moves && self.holds_more_than_points() && !self.has_converged;
         if let Some(dual) = self.dual.as_ref().filter(|_| self.moves) {
             dual.store(self.joints[index], joint);
             return;
         }
-        match index.checked_sub(self.points) {
-            None => joint.force = self.joint_rows[index].impulse / h,
-            Some(index) => self.any_rows[index].store(joint, h),
+        if let Some(reduced) = self.reduced.as_ref().filter(|reduced| reduced.holds(index)) {
+            reduced.store(index, joint, h);
+            return;
+        }
+        let own = index as u32;
+        match self.row_points.binary_search(&own) {
+            Ok(row) => joint.force = self.joint_rows[row].impulse / h,
+            Err(_) => {
+                let row = self.row_others.binary_search(&own).expect("what is no link has rows");
+                self.any_rows[row].store(joint, h);
+            }
         }
     }
 }
@@ -490,84 +614,21 @@ pub(super) fn momentum_of(body: &Body, inertia: &Matrix3<f64>, h: f64) -> BodyVe
     body_vector(&linear, &angular)
 }
 
-/// Twice the kinetic energy of bodies of these masses and inertias at a velocity, and alone, with their momentum, each
-/// given so, J.
-pub(super) fn energies<'p>(
-    bodies: impl Iterator<Item = (&'p (f64, Matrix3<f64>), &'p BodyVector, &'p BodyVector)>,
-) -> [f64; 2] {
-    let (mut kinetic, mut free) = (0.0, 0.0);
-    for ((mass, inertia), velocity, momentum) in bodies {
-        let (linear, angular) = halves(velocity);
-        kinetic += mass * linear.norm_squared() + angular.dot(&(inertia * angular));
-        let (linear, angular) = halves(momentum);
-        let spin = inertia.cholesky().map_or_else(Vector3::zeros, |factor| factor.solve(&angular));
-        free += linear.norm_squared() / mass + angular.dot(&spin);
-    }
-    [kinetic, free]
+/// Twice the kinetic energy of a body of that mass and inertia at a velocity, J.
+pub(super) fn kinetic_energy((mass, inertia): &(f64, Matrix3<f64>), velocity: &BodyVector) -> f64 {
+    let (linear, angular) = halves(velocity);
+    mass * linear.norm_squared() + angular.dot(&(inertia * angular))
 }
 
-/// The relative motion that sides without a member give.
-fn prescribed(sides: &[Side; 2], bodies: [&Body; 2], arms: [Vector3<f64>; 2]) -> Twist<f64> {
-    let [a, b] = [0, 1].map(|side| match sides[side].body {
-        Some(_) => Twist::zero(),
-        None => Twist { linear: bodies[side].point_velocity(&arms[side]), angular: bodies[side].angular },
-    });
-    b.plus(&a, -1.0)
-}
-
-fn contact_rows(world: &impl World, slot: u32, ends: &[Option<u32>; 2], scale: f64) -> DirectContact {
-    let (state, slot) = (world.state(slot), world.slot(slot));
-    let bodies = [slot.pair.a, slot.pair.b].map(|body| world.body(body));
-    let [a, b] = bodies;
-    let origin = slot.origin_in_world(a);
-    let offset = b.position - a.position + slot.ahead - origin;
-    let turns = bodies.map(|body| body.rotation.to_rotation_matrix().into_inner());
-    let mut contact = DirectContact::new(state, &turns, &offset, [f64::from(slot.restitution), scale]);
-    contact.sides[0].arm += origin;
-    for (side, body) in contact.sides.iter_mut().zip(ends) {
-        side.body = *body;
-    }
-    contact.prescribed = prescribed(&contact.sides, bodies, contact.sides.map(|side| side.arm));
-    contact
-}
-
-fn joint_rows(world: &impl World, joint: &Joint, ends: &[Option<u32>; 2], h: f64) -> DirectJoint {
-    let bodies = [world.body(joint.a), world.body(joint.b)];
-    let anchors = joint.anchors();
-    let arms = [bodies[0].rotation * anchors[0], bodies[1].rotation * anchors[1]];
-    let sides = [0, 1].map(|side| Side { body: ends[side], arm: arms[side] });
-    let separation = bodies[1].position - bodies[0].position + arms[1] - arms[0];
-    let softness = joint.softness().map(|Softness { frequency, damping_ratio, max_force }| {
-        // As sweeps take it: of the pair's own mass.
-        let terms = SoftTerms::<f64>::new(frequency, damping_ratio, UNLIMITED, 0.0, h);
-        let inverse_mass: Matrix3<f64> = (0..2).map(|side| inverse_mass_at(bodies[side], &sides[side])).sum();
-        let mass = inverse_mass.try_inverse().unwrap_or_else(Matrix3::zeros);
-        SoftLaw::new(mass * (terms.mass / terms.impulse), separation * terms.rate, max_force * h)
-    });
-    let masses = (0..2).filter(|&side| sides[side].body.is_some()).map(|side| bodies[side].mass);
-    DirectJoint {
-        penalty: JOINT_PENALTY * masses.fold(f64::INFINITY, f64::min),
-        softness,
-        sides,
-        prescribed: prescribed(&sides, bodies, arms),
-        separation,
-        expected: joint.force * h,
-        impulse: Vector3::zeros(),
-    }
-}
-
-/// Velocity at the arm of a body for an impulse there.
-fn inverse_mass_at(body: &Body, side: &Side) -> Matrix3<f64> {
-    if side.body.is_none() {
-        return Matrix3::zeros();
-    }
-    let arm = side.arm.cross_matrix();
-    let inverse_inertia = world_inverse_inertia(&body.inverse_inertia_body, &body.rotation, &body.rotation_freedom);
-    Matrix3::from_diagonal(&body.inverse_mass) - arm * inverse_inertia * arm
+/// The same with that momentum.
+pub(super) fn free_energy((mass, inertia): &(f64, Matrix3<f64>), momentum: &BodyVector) -> f64 {
+    let (linear, angular) = halves(momentum);
+    let spin = inertia.cholesky().map_or_else(Vector3::zeros, |factor| factor.solve(&angular));
+    linear.norm_squared() / mass + angular.dot(&spin)
 }
 
 /// Adds an impulse of rows on B, and its reaction on A.
-fn apply(elimination: &Elimination, vectors: &mut [BodyVector], rows: &impl Rows, impulse: &Wrench<f64>) {
+pub(super) fn apply(elimination: &Elimination, vectors: &mut [BodyVector], rows: &impl Rows, impulse: &Wrench<f64>) {
     let [a, b] = rows.sides();
     if let Some(body) = a.body {
         vectors[elimination.place(body) as usize] -= rows.wrench_on(0, impulse);

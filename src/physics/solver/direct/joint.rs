@@ -3,9 +3,14 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, Stiffness, bits, isotropic};
+use super::constants::JOINT_PENALTY;
+use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, Stiffness, bits, isotropic, prescribed};
+use super::world::World;
+use crate::physics::body::{Body, world_inverse_inertia};
 use crate::physics::collision::POINTS;
 use crate::physics::constraint::row::{Twist, Wrench, bounded};
+use crate::physics::joint::{Joint, Softness};
+use crate::physics::solver::soft_terms::{SoftTerms, UNLIMITED};
 
 /// A soft joint: λ = −W (u + b), its norm within a limit.
 #[derive(Clone, Copy, Debug, Default)]
@@ -67,6 +72,32 @@ pub(super) struct DirectJoint {
 }
 
 impl DirectJoint {
+    /// Of a joint between members of these places, for `h`, s.
+    pub fn of(world: &impl World, joint: &Joint, ends: &[Option<u32>; 2], h: f64) -> Self {
+        let bodies = [world.body(joint.a), world.body(joint.b)];
+        let anchors = joint.anchors();
+        let arms = [bodies[0].rotation * anchors[0], bodies[1].rotation * anchors[1]];
+        let sides = [0, 1].map(|side| Side { body: ends[side], arm: arms[side] });
+        let separation = bodies[1].position - bodies[0].position + arms[1] - arms[0];
+        let softness = joint.softness().map(|Softness { frequency, damping_ratio, max_force }| {
+            // As sweeps take it: of the pair's own mass.
+            let terms = SoftTerms::<f64>::new(frequency, damping_ratio, UNLIMITED, 0.0, h);
+            let inverse_mass: Matrix3<f64> = (0..2).map(|side| inverse_mass_at(bodies[side], &sides[side])).sum();
+            let mass = inverse_mass.try_inverse().unwrap_or_else(Matrix3::zeros);
+            SoftLaw::new(mass * (terms.mass / terms.impulse), separation * terms.rate, max_force * h)
+        });
+        let masses = (0..2).filter(|&side| sides[side].body.is_some()).map(|side| bodies[side].mass);
+        Self {
+            penalty: JOINT_PENALTY * masses.fold(f64::INFINITY, f64::min),
+            softness,
+            sides,
+            prescribed: prescribed(&sides, bodies, arms),
+            separation,
+            expected: joint.force * h,
+            impulse: Vector3::zeros(),
+        }
+    }
+
     /// Impulse on B at a motion, with what is assumed of a soft joint.
     fn trial(&self, motion: &Twist<f64>) -> Vector3<f64> {
         match &self.softness {
@@ -75,6 +106,16 @@ impl DirectJoint {
             Some(soft) => soft.trial(motion),
         }
     }
+}
+
+/// Velocity at the arm of a body for an impulse there.
+fn inverse_mass_at(body: &Body, side: &Side) -> Matrix3<f64> {
+    if side.body.is_none() {
+        return Matrix3::zeros();
+    }
+    let arm = side.arm.cross_matrix();
+    let inverse_inertia = world_inverse_inertia(&body.inverse_inertia_body, &body.rotation, &body.rotation_freedom);
+    Matrix3::from_diagonal(&body.inverse_mass) - arm * inverse_inertia * arm
 }
 
 impl Rows for DirectJoint {
@@ -89,6 +130,7 @@ impl Rows for DirectJoint {
     fn key(&self) -> RowKey {
         let none = Vector3::zeros();
         RowKey {
+            made: 0,
             penalty: self.penalty,
             arms: self.sides.map(|side| side.arm),
             normal: none,
@@ -108,6 +150,10 @@ impl Rows for DirectJoint {
                 RowBlocks::at_arms(&self.sides, |x, y| stiffness.between(x, y))
             }
         }
+    }
+
+    fn impulse(&self) -> Wrench<f64> {
+        Wrench { linear: self.impulse, angular: Vector3::zeros() }
     }
 
     fn impulse_at_rest(&self) -> Wrench<f64> {

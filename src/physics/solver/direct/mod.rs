@@ -17,6 +17,8 @@
 //! substitutions a step; and where the step changes nothing any more, it need not be solved for until somebody else
 //! changes something.
 //!
+//! Where joints among contacts make trees, the unknowns are the coordinates that they leave free ([`reduced`]).
+//!
 //! Islands of joints alone are solved by the impulses of their rows ([`dual`]), or, where they are trees of points, hinges
 //! and rigid joints, by [`articulated`] inertias.
 //!
@@ -30,6 +32,7 @@ mod dual;
 mod island;
 mod joint;
 mod motion;
+mod reduced;
 mod rest;
 mod rows;
 mod snapshot;

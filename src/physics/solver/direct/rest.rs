@@ -42,6 +42,7 @@ impl DirectIsland {
         self.gather(world, step, f64::from(substeps));
         let has_converged = self.iterate(REST_ITERATIONS..=REST_ITERATIONS);
         if has_converged {
+            self.find_loads();
             let rates = [REST_CORRECTION / step; 2];
             self.correct(&Correction { rates, speeds: [REST_CORRECTION_SPEED, f64::INFINITY] });
         }
@@ -164,7 +165,11 @@ impl DirectIsland {
         );
         self.make_joint_rows(world, step, |_, _, _| {});
         // Nothing that changes with time rests.
-        self.make_any_rows(world, 0.0, [step, 0.0, f64::INFINITY], |_, _| {});
+        self.make_any_rows(world, 0.0, [step, 0.0, f64::INFINITY], false);
+        if let Some(reduced) = &mut self.reduced {
+            reduced.place(world, &self.members, &self.joints);
+            reduced.rest();
+        }
     }
 
     /// The state of a member at the end of the step, written to it.

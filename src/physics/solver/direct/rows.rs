@@ -44,6 +44,14 @@ pub(super) trait Rows {
     /// Impulse on B at a relative motion, whichever rows are active there.
     fn impulse_at(&self, motion: &Twist<f64>) -> Wrench<f64>;
 
+    /// Impulse on B that it has.
+    fn impulse(&self) -> Wrench<f64>;
+
+    /// Whether it adds nothing to the matrix and has no impulse, and is not likely to.
+    fn is_idle(&self) -> bool {
+        false
+    }
+
     /// Takes in the relative motion that was solved for, and which rows are active at it. False if that, or what the
     /// rows were assumed to do, turned out wrong by more than an impulse of `tolerance`, N·s.
     fn take(&mut self, motion: &Twist<f64>, tolerance: f64) -> bool;
@@ -72,6 +80,15 @@ impl Side {
     pub fn wrench(&self, impulse: &Wrench<f64>) -> BodyVector {
         body_vector(&impulse.linear, &(self.arm.cross(&impulse.linear) + impulse.angular))
     }
+}
+
+/// The relative motion that sides without a member give.
+pub(super) fn prescribed(sides: &[Side; 2], bodies: [&Body; 2], arms: [Vector3<f64>; 2]) -> Twist<f64> {
+    let [a, b] = [0, 1].map(|side| match sides[side].body {
+        Some(_) => Twist::zero(),
+        None => Twist { linear: bodies[side].point_velocity(&arms[side]), angular: bodies[side].angular },
+    });
+    b.plus(&a, -1.0)
 }
 
 /// Share of J̇V that a substep of length `h`, s, takes in: less where a body turns so far in it that what is of second
@@ -166,6 +183,8 @@ pub(super) struct RowBlocks {
     pub own: [BodyBlock; 2],
     /// A's rows, B's columns.
     pub across: BodyBlock,
+    /// Whether they are more than zeros.
+    pub acts: bool,
     key: Option<RowKey>,
 }
 
@@ -175,7 +194,7 @@ impl RowBlocks {
         let [moves_a, moves_b] = [0, 1].map(|side| sides[side].body.is_some());
         let block = |is_there: bool, x, y| if is_there { between(x, y) } else { BodyBlock::zeros() };
         let across = -block(moves_a && moves_b, a, b);
-        Self { own: [block(moves_a, a, a), block(moves_b, b, b)], across, key: None }
+        Self { own: [block(moves_a, a, a), block(moves_b, b, b)], across, acts: true, key: None }
     }
 
     /// From S_XᵀKS_Y of two arms.
@@ -183,23 +202,44 @@ impl RowBlocks {
         Self::new(sides, sides.each_ref().map(|side| &side.arm), between)
     }
 
+    /// Adds ρ x xᵀ for a row x of S_X of a side that moves.
+    pub fn add_own(&mut self, side: usize, x: &BodyVector, penalty: f64) {
+        add_product(&mut self.own[side], x, x, penalty);
+        self.acts = true;
+    }
+
+    /// Adds −ρ x yᵀ for a row x of S_A and y of S_B.
+    pub fn add_across(&mut self, x: &BodyVector, y: &BodyVector, penalty: f64) {
+        add_product(&mut self.across, x, y, -penalty);
+    }
+
     /// Makes them anew where rows of that key would make others.
     pub fn update(&mut self, key: &RowKey, blocks: impl FnOnce() -> Self) {
-        if key.is_soft || self.key != Some(*key) {
+        if key.is_soft || self.key.as_ref() != Some(key) {
             *self = Self { key: Some(*key), ..blocks() };
         }
+    }
+}
+
+/// Adds a share of x yᵀ. Most rows have zeros: those of rotations half of them.
+fn add_product(block: &mut BodyBlock, x: &BodyVector, y: &BodyVector, share: f64) {
+    for (column, &y) in y.iter().enumerate().filter(|(_, y)| **y != 0.0) {
+        let mut target = block.column_mut(column);
+        target += x * (share * y);
     }
 }
 
 /// What the stiffness of a constraint's rows is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RowKey {
+    /// Which rows are active, a bit each.
+    pub active: u32,
+    /// How often the rows were made, where they are made of more than stands here.
+    pub made: u32,
     pub penalty: f64,
     pub arms: [Vector3<f64>; 2],
     pub normal: Vector3<f64>,
     pub levers: [Vector3<f64>; POINTS],
-    /// Which rows are active, a bit each.
-    pub active: u32,
     pub across: [f64; 2],
     /// Then it is not all that the stiffness is made of.
     pub is_soft: bool,

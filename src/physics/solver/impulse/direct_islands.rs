@@ -67,6 +67,7 @@ impl<L: Lanes> Group<L> {
                 scope.rest && solve_at_rest(island, &view, terms, &mut counts)
                     || scope.trees && solve_in_motion(island, &mut view, terms, &mut counts)
             };
+            counts.factorisations += std::mem::take(&mut island.factorisations);
             counts.changed |= island.is_solved != is_solved;
             island.is_solved = is_solved;
         }

@@ -153,6 +153,8 @@ pub(super) struct DirectCounts {
     pub rows: u32,
     /// Rows solved, over all substeps.
     pub row_updates: u32,
+    /// How often islands were factored.
+    pub factorisations: u32,
     /// Whether other islands are than in the step before.
     pub changed: bool,
 }

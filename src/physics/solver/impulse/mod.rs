@@ -116,6 +116,7 @@ fn solve_groups(
     let sweeps = u64::from(settings.substeps) * u64::from(method::sweeps(&settings));
     stats.row_updates = u64::from(stats.rows.saturating_sub(counts.rows)) * sweeps + u64::from(counts.row_updates);
     stats.resting = counts.resting;
+    stats.factorisations = counts.factorisations;
 }
 
 impl<L: Lanes> GroupsOf<L> {
@@ -160,6 +161,7 @@ impl<L: Lanes> GroupsOf<L> {
             total.resting += counts.resting;
             total.rows += counts.rows;
             total.row_updates += counts.row_updates;
+            total.factorisations += counts.factorisations;
             let plan = Plan {
                 substeps: settings.substeps,
                 iterations: settings.iterations,
