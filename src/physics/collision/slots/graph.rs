@@ -12,6 +12,7 @@ use crate::physics::collision::broad::near_pairs::NearPairs;
 use crate::physics::collision::broad::pair_slots::PairSlot;
 use crate::physics::collision::constants::SLOTS_A_CHUNK;
 use crate::physics::collision::continuous::fast_pair::FastPair;
+use crate::physics::collision::gap::{contact_gap, gap_if_stopped};
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Pair};
 use crate::physics::collision::narrow::contact_pair::PairSearch;
 use crate::physics::collision::narrow::feature_sat::Feature;
@@ -30,7 +31,7 @@ pub(crate) const GONE: u32 = u32::MAX;
 pub(crate) struct ContactGraph {
     pub slots: Vec<Slot>,
     pub states: Vec<ContactState>,
-    watches: Vec<Watch>,
+    pub(super) watches: Vec<Watch>,
     travels: Travels,
     /// Instead of states, where manifolds are found anew in each step.
     pub carried: Vec<Carried>,
@@ -39,7 +40,7 @@ pub(crate) struct ContactGraph {
     /// Counts every change of which pairs touch.
     pub version: u64,
     /// Counts updates.
-    updates: u64,
+    pub(super) updates: u64,
     /// Whether any slot's `has_started` may be out of date.
     pub starts_changed: bool,
     /// The slots that a step looks at: not those of pairs in which nothing awake can be moved.
@@ -87,6 +88,8 @@ pub(in crate::physics::collision) struct Finder {
     manifolds: i64,
     point_count: i64,
     fast: Vec<FastPair>,
+    /// Slots of bodies that move along with each other, in case something stops one of them.
+    pub(super) together: Vec<u32>,
 }
 
 /// Takes in which pairs are near and finds their contacts.
@@ -122,9 +125,11 @@ pub(in crate::physics::collision) fn update_graph(
         .enumerate();
     let work = slots.map(|(chunk, (((slots, states), watches), finder))| {
         let active = active.words(chunk * SLOTS_A_CHUNK, SLOTS_A_CHUNK);
-        Chunk { slots, states, watches, active, update, travels, joined: &joints.joined, finder }
+        let first = (chunk * SLOTS_A_CHUNK) as u32;
+        Chunk { slots, states, watches, active, first, update, travels, joined: &joints.joined, finder }
     });
     for_each_of(settings.threads, work, |mut chunk| chunk.update(&bodies.list, &settings));
+    graph.find_behind_impacts(&bodies.list, &joints.joined, &settings, &mut finders);
     stats.axes_tested = 0;
     graph.fast.clear();
     for finder in finders.iter_mut() {
@@ -282,6 +287,8 @@ struct Chunk<'a> {
     states: &'a mut [ContactState],
     watches: &'a mut [Watch],
     active: &'a [u64],
+    /// Index of the first.
+    first: u32,
     /// Which one of the graph's this is.
     update: u64,
     travels: &'a Travels,
@@ -292,7 +299,6 @@ struct Chunk<'a> {
 
 impl Chunk<'_> {
     fn update(&mut self, bodies: &[Body], settings: &SolverSettings) {
-        let Finder { search, points, changed, manifolds, point_count, fast } = &mut *self.finder;
         for index in ones(self.active) {
             let watch = &mut self.watches[index as usize];
             if watch.holds(self.travels) {
@@ -301,20 +307,40 @@ impl Chunk<'_> {
             let (slot, state) = (&mut self.slots[index as usize], &mut self.states[index as usize]);
             let (a, b) = (&bodies[slot.pair.a as usize], &bodies[slot.pair.b as usize]);
             let pose = RelativePose::of(a, b);
-            if let Some(moved) = slot.moved(&pose)
-                && slot.holds_after(moved, a, b, settings)
-            {
-                watch.begin(slot.apart_after(moved), slot.size(), self.travels);
-                continue;
+            let held = slot.moved(&pose).filter(|&moved| slot.holds_after(moved, a, b, settings));
+            if held.is_none() {
+                let place = (pose, contact_gap(a, b, settings));
+                self.finder.find([a, b], place, (slot, state), self.update, self.joined, settings);
             }
-            slot.found_in = self.update;
-            points.clear();
-            let (touched, had) = (slot.touching, state.geometry.point_count());
-            fast.extend(slot.find(pose, state, a, b, self.joined, settings, search, points));
-            watch.begin(slot.apart_after(0.0), slot.size(), self.travels);
-            *changed |= slot.touching != touched;
-            *manifolds += i64::from(slot.touching) - i64::from(touched);
-            *point_count += state.geometry.point_count() as i64 - had as i64;
+            let moved = held.unwrap_or(0.0);
+            watch.begin(slot.apart_after(moved), slot.size(), self.travels);
+            if let Some(apart) = slot.apart_after(moved)
+                && gap_if_stopped(a, b, settings).is_some_and(|gap| gap > apart)
+            {
+                self.finder.together.push(self.first + index);
+            }
         }
+    }
+}
+
+impl Finder {
+    /// Finds the manifold of a slot at a relative pose within a gap, m, in that of the graph's updates.
+    pub(super) fn find(
+        &mut self,
+        [a, b]: [&Body; 2],
+        (pose, gap): (RelativePose, f64),
+        (slot, state): (&mut Slot, &mut ContactState),
+        update: u64,
+        joined: &BitSet,
+        settings: &SolverSettings,
+    ) {
+        let Self { search, points, changed, manifolds, point_count, fast, .. } = self;
+        slot.found_in = update;
+        points.clear();
+        let (touched, had) = (slot.touching, state.geometry.point_count());
+        fast.extend(slot.find((pose, gap), state, a, b, joined, settings, search, points));
+        *changed |= slot.touching != touched;
+        *manifolds += i64::from(slot.touching) - i64::from(touched);
+        *point_count += state.geometry.point_count() as i64 - had as i64;
     }
 }

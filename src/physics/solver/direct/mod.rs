@@ -29,6 +29,7 @@ mod contact;
 mod dual;
 mod island;
 mod joint;
+mod loaded;
 mod motion;
 mod rest;
 mod rows;
