@@ -26,8 +26,10 @@ impl ContactGraph {
         if finders.iter().all(|finder| finder.together.is_empty()) {
             return;
         }
-        let mut left: Vec<u32> = finders.iter_mut().flat_map(|finder| finder.together.drain(..)).collect();
-        let mut touched = BitSet::default();
+        let (mut left, mut touched) = (std::mem::take(&mut self.together), std::mem::take(&mut self.touched));
+        touched.clear();
+        left.clear();
+        left.extend(finders.iter_mut().flat_map(|finder| finder.together.drain(..)));
         for (_, (a, b)) in self.touching() {
             touched.set(a, true);
             touched.set(b, true);
@@ -51,9 +53,10 @@ impl ContactGraph {
                 false
             });
             if left.is_empty() || left.len() == before {
-                return;
+                break;
             }
         }
+        (self.together, self.touched) = (left, touched);
     }
 
     /// Finds the contact of a slot at a relative pose, within a gap, m.

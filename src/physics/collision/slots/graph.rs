@@ -33,6 +33,9 @@ pub(crate) struct ContactGraph {
     pub states: Vec<ContactState>,
     pub(super) watches: Vec<Watch>,
     travels: Travels,
+    /// Slots of bodies that move along with each other and are left to look at, and the bodies that touch something.
+    pub(super) together: Vec<u32>,
+    pub(super) touched: BitSet,
     /// Instead of states, where manifolds are found anew in each step.
     pub carried: Vec<Carried>,
     /// What points of pairs without a slot carried in the last solve, by pair, and the forces on B there, N, world axes.

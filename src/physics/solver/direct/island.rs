@@ -12,7 +12,7 @@ use super::constants::{
 use super::contact::DirectContact;
 use super::dual::DualSystem;
 use super::joint::{DirectJoint, SoftLaw};
-use super::loaded::{Kept, Loads};
+use super::loads::{Kept, Loads};
 use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, body_vector, halves};
 use super::snapshot::Snapshot;
 use super::world::World;

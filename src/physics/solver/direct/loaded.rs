@@ -14,7 +14,7 @@
 //!
 //! What it ends with is no more than the bodies brought along: from φ(v) + ½ vᵀMv ≤ φ(0), the energy is less than that of v₀
 //! and what the impulses of before may give, Σ λ̂²/(2ρ). Where it does not end, or that does not hold, nothing of the step
-//! counts: [`Kept`] has what bodies and contacts were before, the step is for the sweeps, and some after it.
+//! counts: [`Kept`](super::loads::Kept) has what bodies and contacts were before, the step is for the sweeps, and some after it.
 //!
 //! Rows are stiffer than beside joints, as through a column of n each gives a share: what is left of a speed after a
 //! substep is 1/(1 + ρ/(n M)).
@@ -27,33 +27,14 @@ use super::constants::{
     LONGEST_PAUSE, PRODUCTS_OF_RATIO, RENEWALS, REST_SPEED,
 };
 use super::island::{DirectIsland, apply, energies, level, relative_motion};
+use super::loads::Loads;
 use super::motion::MotionTerms;
 use super::rows::{Correction, Rows, body_vector, halves};
 use super::world::World;
 use crate::physics::body::{Body, RigidBody};
 use crate::physics::constraint::row::Twist;
-use crate::physics::lanes::Record;
 use crate::physics::solver::linear::BodyVector;
 use crate::physics::solver::substeps::Intervals;
-
-/// What is known of an island of contacts alone.
-#[derive(Default)]
-pub(super) struct Loads {
-    /// Mass of a body over that of one that has to bear it, the greatest; none: not asked for yet.
-    ratio: Option<f64>,
-    /// Steps for which it was swept after the last that failed, and those left.
-    pause: u32,
-    pause_left: u32,
-    /// Of contacts: the relative motion at the present velocities, and how it changes along the line that is searched.
-    lines: Vec<(Twist<f64>, Twist<f64>)>,
-}
-
-/// Members and impulses of contacts as the step found them.
-#[derive(Default)]
-pub(crate) struct Kept {
-    pub bodies: Vec<Body>,
-    pub impulses: Vec<Record<f32>>,
-}
 
 impl DirectIsland {
     /// Whether it is to be tried in a step in motion, if it has no joints.
