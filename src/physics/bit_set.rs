@@ -13,8 +13,13 @@ impl BitSet {
     /// Whether it has the index.
     #[inline]
     pub fn contains(&self, index: u32) -> bool {
-        let word = self.words.get(index as usize / WORD).copied().unwrap_or(0);
-        word >> (index % u64::BITS) & 1 != 0
+        self.word(index as usize / WORD) >> (index % u64::BITS) & 1 != 0
+    }
+
+    /// The word of that place, 0 beyond the last.
+    #[inline]
+    fn word(&self, place: usize) -> u64 {
+        self.words.get(place).copied().unwrap_or(0)
     }
 
     /// Puts an index in or takes it out.
@@ -56,8 +61,7 @@ impl BitSet {
 
     /// What is in it and in one of two others, ascending.
     pub fn with_either(&self, one: &Self, other: &Self) -> impl Iterator<Item = u32> + Clone {
-        let word = |set: &Self, place: usize| set.words.get(place).copied().unwrap_or(0);
-        walk(self.words.iter().enumerate().map(move |(place, own)| own & (word(one, place) | word(other, place))))
+        walk(self.words.iter().enumerate().map(move |(place, own)| own & (one.word(place) | other.word(place))))
     }
 
     /// What of 0..count is not in it, ascending.
@@ -65,7 +69,7 @@ impl BitSet {
         let words = (0..count.div_ceil(u64::BITS)).map(move |place| {
             let left = count - place * u64::BITS;
             let range = if left < u64::BITS { (1 << left) - 1 } else { u64::MAX };
-            !self.words.get(place as usize).copied().unwrap_or(0) & range
+            !self.word(place as usize) & range
         });
         walk(words)
     }

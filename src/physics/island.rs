@@ -10,6 +10,7 @@ mod tests;
 
 use bevy::prelude::*;
 
+use super::grouped::Grouped;
 use super::{Bodies, ContactGraph, Contacts, Joints, LaggedContacts, Refill, RigidBody, SolverSettings, StepStats};
 
 /// Islands are packed until a group has this many bodies.
@@ -22,7 +23,7 @@ pub(super) fn plugin(app: &mut App) {
 /// The islands of this step, packed into groups that share no body that moves.
 #[derive(Resource, Default)]
 pub(crate) struct Islands {
-    /// Group of each body; [`Islands::NONE`] for static ones.
+    /// Group of each body; [`Grouped::NONE`] for static ones.
     group_of: Vec<u32>,
     /// Position of each body in its group.
     local_of: Vec<u32>,
@@ -40,45 +41,7 @@ pub(crate) struct Islands {
     found_for: Option<(u64, u64, u64)>,
 }
 
-/// Items sorted by group, stable.
-#[derive(Default)]
-struct Grouped {
-    items: Vec<u32>,
-    /// Group g has `items[starts[g]..starts[g + 1]]`.
-    starts: Vec<u32>,
-}
-
-impl Grouped {
-    /// From items with their groups, ascending.
-    fn rebuild(&mut self, groups: u32, items: impl Iterator<Item = (u32, u32)> + Clone) {
-        self.starts.reset(groups as usize + 1, 0);
-        let items = items.filter(|&(_, group)| group != Islands::NONE);
-        for (_, group) in items.clone() {
-            self.starts[group as usize + 1] += 1;
-        }
-        for group in 0..groups as usize {
-            self.starts[group + 1] += self.starts[group];
-        }
-        self.items.reset(self.starts[groups as usize] as usize, 0);
-        // Filling moves each start to its end; walking backwards would put it back, but a shift
-        // afterwards is simpler.
-        for (item, group) in items {
-            let slot = &mut self.starts[group as usize];
-            self.items[*slot as usize] = item;
-            *slot += 1;
-        }
-        self.starts.rotate_right(1);
-        self.starts[0] = 0;
-    }
-
-    fn of(&self, group: usize) -> &[u32] {
-        &self.items[self.starts[group] as usize..self.starts[group + 1] as usize]
-    }
-}
-
 impl Islands {
-    const NONE: u32 = u32::MAX;
-
     /// Changes whenever they were found anew.
     pub fn version(&self) -> u64 {
         self.version
@@ -86,7 +49,7 @@ impl Islands {
 
     /// Groups to solve.
     pub fn count(&self) -> usize {
-        self.bodies.starts.len().saturating_sub(1)
+        self.bodies.count()
     }
 
     /// The bodies that move in a group, in their order.
@@ -121,7 +84,7 @@ impl Islands {
 
     /// Manifolds and joints in all groups.
     pub fn constraint_count(&self) -> (usize, usize) {
-        (self.manifolds.items.len(), self.joints.items.len())
+        (self.manifolds.all().len(), self.joints.all().len())
     }
 
     fn root(&mut self, mut body: u32) -> u32 {
@@ -149,7 +112,7 @@ impl Islands {
             self.parent[body as usize] = root;
             self.size[root as usize] += 1;
         }
-        self.group_of.reset(n, Self::NONE);
+        self.group_of.reset(n, Grouped::NONE);
         self.local_of.reset(n, 0);
         let (mut group, mut filled, mut constrained) = (0, 0, 0);
         for body in bodies.awake() {
@@ -242,7 +205,7 @@ impl Islands {
         let Self { group_of, manifolds, joints, .. } = self;
         let with_group = |(item, (a, b)): (u32, (u32, u32))| {
             let moved = [a, b].into_iter().find(|&body| dynamic(body));
-            (item, moved.map_or(Self::NONE, |body| group_of[body as usize]))
+            (item, moved.map_or(Grouped::NONE, |body| group_of[body as usize]))
         };
         manifolds.rebuild(groups, contacts.map(with_group));
         joints.rebuild(groups, joint_pairs.map(with_group));

@@ -23,6 +23,7 @@ mod contact;
 mod diagnostics;
 mod disjoint_sets;
 mod events;
+mod grouped;
 mod island;
 pub mod joint;
 mod lanes;

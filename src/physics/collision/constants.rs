@@ -28,7 +28,7 @@ pub(super) const STEPS_AHEAD: f64 = 4.0;
 
 /// Share of the smaller bounding radius by which a pair with a curved surface may move before its manifold is found
 /// anew. Where a ball touches does not turn with it: by so much the points lag behind, which is the arm at which they
-/// push. `slide_roll`, `cones`, *speed*.
+/// push. A pair without points is looked at anew beyond it, too. `slide_roll`, `cones`, *speed*.
 pub(super) const ROUND_RECYCLING: f64 = 1e-3;
 
 /// Likewise of a pair of polyhedra, or one on a plane: corners and edges turn with their bodies, and points that move

@@ -106,7 +106,7 @@ pub(crate) fn unit_across(direction: &Vector3<f64>) -> [f64; 2] {
 }
 
 /// Of the part of a direction across the axis. The care of hypot is not needed, and costs more than all else here.
-fn length_across(direction: &Vector3<f64>) -> f64 {
+pub(crate) fn length_across(direction: &Vector3<f64>) -> f64 {
     (direction.x * direction.x + direction.z * direction.z).sqrt()
 }
 

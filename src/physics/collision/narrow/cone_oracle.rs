@@ -11,6 +11,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
+use super::cone_search::golden_section;
 use super::{Cone, ShapePair, unit_across};
 use crate::physics::contact;
 
@@ -19,8 +20,6 @@ use crate::physics::contact;
 const STARTS: usize = 32;
 /// Samples of the depth around a flank's circle of normals, one beside each minimum.
 const CIRCLE_SAMPLES: usize = 24;
-/// Steps of the golden section: from two samples' distance to 1e-9 rad.
-const GOLDEN_STEPS: u32 = 42;
 /// Steps of Newton's method from each start; most need five.
 const NEWTON_STEPS: u32 = 12;
 /// Longest step of Newton's method, rad.
@@ -121,25 +120,6 @@ impl ShapePair<'_, Cone, Cone> {
         }
         n
     }
-}
-
-/// The least of a function that has one minimum between the ends.
-fn golden_section([mut low, mut high]: [f64; 2], function: impl Fn(f64) -> f64) -> f64 {
-    let share = 0.5 * (5_f64.sqrt() - 1.0);
-    let mut inner = [high - share * (high - low), low + share * (high - low)];
-    let mut values = inner.map(&function);
-    for _ in 0..GOLDEN_STEPS {
-        if values[0] <= values[1] {
-            high = inner[1];
-            inner = [high - share * (high - low), inner[0]];
-            values = [function(inner[0]), values[0]];
-        } else {
-            low = inner[0];
-            inner = [inner[1], low + share * (high - low)];
-            values = [values[1], function(inner[1])];
-        }
-    }
-    if values[0] <= values[1] { inner[0] } else { inner[1] }
 }
 
 /// Newton's step to a minimum, or down the slope where the function bends the other way.

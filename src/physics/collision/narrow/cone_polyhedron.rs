@@ -31,7 +31,7 @@ use super::ball::place_at_cone;
 use super::feature_sat::Best;
 use super::{
     ClipBuffers, Cone, ContactPoint, Convex, Edge, Feature, FeatureId, Found, Least, Overlap, PairSearch, Polyhedron,
-    Segment, ShapePair, edge_contact, ellipse, unit_across,
+    Segment, ShapePair, edge_contact, ellipse, length_across, unit_across,
 };
 use crate::physics::collision::constants::{ARC_ROUNDING, FLAT_ELLIPSE};
 
@@ -218,7 +218,7 @@ fn normals_across(cone: &Cone, edge: &Edge, bound: f64) -> [Option<Vector3<f64>>
 
 fn flanks_across(cone: &Cone, edge: &Edge) -> [Option<Vector3<f64>>; 2] {
     let e = edge.direction;
-    let across = (e.x * e.x + e.z * e.z).sqrt();
+    let across = length_across(&e);
     if across < FLAT_ELLIPSE {
         return [None; 2];
     }

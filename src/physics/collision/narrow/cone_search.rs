@@ -48,7 +48,7 @@ pub(crate) fn least_of_flank(one: &PlacedCone, other: &PlacedCone, axes: &mut u3
 }
 
 /// Where a function that has one minimum between the ends is least.
-fn golden_section([mut low, mut high]: [f64; 2], mut function: impl FnMut(f64) -> f64) -> f64 {
+pub(crate) fn golden_section([mut low, mut high]: [f64; 2], mut function: impl FnMut(f64) -> f64) -> f64 {
     let share = 0.5 * (5_f64.sqrt() - 1.0);
     let mut inner = [high - share * (high - low), low + share * (high - low)];
     let mut values = inner.map(&mut function);

@@ -26,7 +26,7 @@ pub(super) mod polyhedron;
 mod shape_pair;
 
 use clipping::{ClipBuffers, Faced};
-use cone::{Cone, unit_across};
+use cone::{Cone, length_across, unit_across};
 use edge_contact::{closest, middle};
 use feature_sat::{Feature, Found, Least, PairSearch};
 use polyhedron::{Convex, Cuboid, Edge, Frame, Plane, Polyhedron, Segment, first_max, nearest_on_hull};

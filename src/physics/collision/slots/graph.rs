@@ -3,8 +3,9 @@
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
+use super::pose::Pose;
 use super::record::{ContactState, POINTS};
-use super::slot::{RelativePose, Slot};
+use super::slot::Slot;
 use super::watch::{Travels, Watch};
 use crate::physics::bit_set::{BitSet, ones};
 use crate::physics::body::{Bodies, Body};
@@ -182,8 +183,10 @@ impl ContactGraph {
 
     /// The pairs that touch and are looked at, by slot, ascending.
     pub fn touching(&self) -> impl Iterator<Item = (u32, (u32, u32))> + Clone + '_ {
-        let pair = |slot: u32| self.watches[slot as usize].pair();
-        self.active.both(&self.touching).map(move |slot| (slot, (pair(slot).a, pair(slot).b)))
+        self.active.both(&self.touching).map(|slot| {
+            let Pair { a, b } = self.watches[slot as usize].pair();
+            (slot, (a, b))
+        })
     }
 
     /// Of the slots that a step looks at, those with contact points and those of which a start was told, ascending.
@@ -315,7 +318,7 @@ impl Chunk<'_> {
             }
             let (slot, state) = (&mut self.slots[index as usize], &mut self.states[index as usize]);
             let (a, b) = (&bodies[slot.pair.a as usize], &bodies[slot.pair.b as usize]);
-            let pose = RelativePose::of(a, b);
+            let pose = Pose::relative(a, b);
             if let Some(moved) = slot.moved(&pose)
                 && slot.holds_after(moved, a, b, settings)
             {

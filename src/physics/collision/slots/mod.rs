@@ -10,6 +10,7 @@
 
 pub(super) mod export;
 pub(super) mod graph;
+mod pose;
 pub(super) mod record;
 pub(super) mod slot;
 mod watch;

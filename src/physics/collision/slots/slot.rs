@@ -1,8 +1,9 @@
 //! One pair: which features touch, and when they are looked for again.
 
 use bevy::prelude::*;
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 
+use super::pose::Pose;
 use super::record::{ContactGeometry, ContactState, POINTS};
 use super::watch::Known;
 use crate::physics::bit_set::BitSet;
@@ -17,30 +18,6 @@ use crate::physics::collision::narrow::feature_sat::Feature;
 use crate::physics::contact::{predecessors, surface, tangents};
 use crate::physics::settings::SolverSettings;
 use crate::physics::shape::Geometry;
-
-/// How B lies to A, in A's axes.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RelativePose {
-    offset: Vector3<f64>,
-    rotation: UnitQuaternion<f64>,
-}
-
-impl RelativePose {
-    pub fn of(a: &Body, b: &Body) -> Self {
-        Self {
-            offset: a.rotation.inverse_transform_vector(&(b.position - a.position)),
-            rotation: a.rotation.inverse() * b.rotation,
-        }
-    }
-
-    /// An upper bound of how far a point within `reach` of B's centre has moved in A's axes.
-    fn moved(&self, other: &Self, reach: f64) -> f64 {
-        // The chord between unit quaternions is half the angle, to third order.
-        let (one, two) = (self.rotation.coords, other.rotation.coords);
-        let chord = (one - two).norm_squared().min((one + two).norm_squared()).sqrt();
-        (self.offset - other.offset).norm() + 2.0 * chord * reach
-    }
-}
 
 /// One pair.
 #[derive(Clone, Debug, Default)]
@@ -58,7 +35,7 @@ pub(crate) struct Slot {
     pub ahead: Vector3<f64>,
     pub(super) features: [FeatureId; POINTS],
     /// The pose at which the manifold was found; none: it is to be found.
-    found_at: Option<RelativePose>,
+    found_at: Option<Pose>,
     /// The gap up to which the manifold was looked for, m.
     found_within: f64,
     /// How far apart the bodies were then at least if they do not touch, m.
@@ -92,7 +69,7 @@ impl Slot {
 
     /// How far the bodies have moved against each other since the manifold was found, at most; none: it is to be found.
     #[inline]
-    pub(super) fn moved(&self, pose: &RelativePose) -> Option<f64> {
+    pub(super) fn moved(&self, pose: &Pose) -> Option<f64> {
         self.found_at.as_ref().map(|found| found.moved(pose, self.reach))
     }
 
@@ -131,7 +108,7 @@ impl Slot {
     /// Finds the manifold for the present poses or, if the pair is fast, those at its impact. Returns it if it is.
     pub(super) fn find(
         &mut self,
-        pose: RelativePose,
+        pose: Pose,
         state: &mut ContactState,
         a: &Body,
         b: &Body,

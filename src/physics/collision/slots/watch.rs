@@ -17,33 +17,11 @@
 //! Bodies that fly side by side use up their way without coming nearer. Then the pair is looked at, and how they have
 //! moved against each other tells how much of d is left.
 
-use nalgebra::{UnitQuaternion, Vector3};
-
-use crate::physics::body::{Bodies, Body};
+use super::pose::Pose;
+use crate::physics::body::Bodies;
 use crate::physics::collision::constants::{LONGEST_ARM, SPECULATIVE_MARGIN};
 use crate::physics::collision::gap::turning_speed;
 use crate::physics::collision::manifold::Pair;
-
-/// Where a body was last seen.
-#[derive(Clone, Copy, Debug)]
-struct Seen {
-    position: Vector3<f64>,
-    rotation: UnitQuaternion<f64>,
-}
-
-impl Seen {
-    fn of(body: &Body) -> Self {
-        Self { position: body.position, rotation: body.rotation }
-    }
-
-    /// An upper bound of how far a point of the body has gone since.
-    fn way_to(&self, body: &Body) -> f64 {
-        // The chord between unit quaternions is half the angle, to third order.
-        let (one, two) = (self.rotation.coords, body.rotation.coords);
-        let chord = (one - two).norm_squared().min((one + two).norm_squared()).sqrt();
-        (body.position - self.position).norm() + 2.0 * chord * body.radius.min(LONGEST_ARM)
-    }
-}
 
 /// How far the points of a body have gone at most, m.
 #[derive(Clone, Copy, Debug, Default)]
@@ -57,7 +35,8 @@ struct Way {
 /// How far each body has gone.
 #[derive(Default)]
 pub(super) struct Travels {
-    seen: Vec<Seen>,
+    /// Where each body was last seen.
+    seen: Vec<Pose>,
     ways: Vec<Way>,
 }
 
@@ -71,14 +50,14 @@ impl Travels {
     /// Follows the bodies to where they are now, before a step of h, s.
     pub fn follow(&mut self, bodies: &Bodies, h: f64) {
         let known = self.seen.len();
-        self.seen.extend(bodies.list.iter().skip(known).map(Seen::of));
+        self.seen.extend(bodies.list.iter().skip(known).map(Pose::of));
         self.ways.resize(self.seen.len(), Way::default());
         for index in bodies.awake() {
             let (index, body) = (index as usize, &bodies.list[index as usize]);
-            let way = &mut self.ways[index];
-            way.gone += self.seen[index].way_to(body);
+            let (way, now) = (&mut self.ways[index], Pose::of(body));
+            way.gone += now.moved(&self.seen[index], body.radius.min(LONGEST_ARM));
             way.ahead = way.gone + (body.linear.norm() + turning_speed(body)) * h;
-            self.seen[index] = Seen::of(body);
+            self.seen[index] = now;
         }
     }
 }

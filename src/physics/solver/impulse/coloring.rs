@@ -4,14 +4,11 @@
 //! Greedy, in the order given: each constraint takes the first colour that neither of its bodies
 //! has yet. Bodies of high degree run out of colours; what is left over goes into blocks of one.
 
-use crate::physics::Refill;
+use crate::physics::grouped::Grouped;
 use crate::physics::lanes::{READ_ONLY, WIDTH};
 
 /// Colours told apart: the bits of a mask.
 const COLORS: usize = 64;
-
-/// Keys that a colour may be sorted by.
-pub(super) const KEYS: usize = 8;
 
 /// A colour of joints or contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,7 +22,7 @@ pub(crate) enum Color {
 pub(crate) struct Coloring {
     used: Vec<u64>,
     colors: Vec<u8>,
-    sorted: Vec<u32>,
+    sorted: Grouped,
     /// Constraints, colour after colour.
     pub order: Vec<u32>,
     /// Runs of `order` that make up a block, as (start, end).
@@ -48,25 +45,15 @@ impl Coloring {
         }
     }
 
-    /// Puts the constraints of each colour in the order of a key below [`KEYS`], those of one key in the order that they
+    /// Puts the constraints of each colour in the order of a key below `keys`, those of one key in the order that they
     /// have: blocks are alike, and the outcome is the same.
-    pub fn sort_colors(&mut self, key: impl Fn(u32) -> usize) {
+    pub fn sort_colors(&mut self, keys: u32, key: impl Fn(u32) -> u32) {
         let Self { order, blocks, stages, sorted, .. } = self;
         for &(first, last) in &*stages {
             let (start, end) = (blocks[first as usize].0, blocks[last as usize - 1].1);
             let run = &mut order[start as usize..end as usize];
-            let mut starts = [0; KEYS + 1];
-            for &constraint in &*run {
-                starts[key(constraint) + 1] += 1;
-            }
-            (0..KEYS).for_each(|key| starts[key + 1] += starts[key]);
-            sorted.reset(run.len(), 0);
-            for &constraint in &*run {
-                let place = &mut starts[key(constraint)];
-                sorted[*place] = constraint;
-                *place += 1;
-            }
-            run.copy_from_slice(sorted);
+            sorted.rebuild(keys, run.iter().map(|&constraint| (constraint, key(constraint))));
+            run.copy_from_slice(sorted.all());
         }
     }
 

@@ -15,7 +15,7 @@ use super::method;
 use super::stage::Stage;
 use super::tree::TreeStep;
 use crate::physics::body::{Bodies, Body};
-use crate::physics::collision::{ContactGraph, ContactState};
+use crate::physics::collision::{ContactGraph, ContactState, POINTS};
 use crate::physics::disjoint_sets::DisjointSets;
 use crate::physics::island::Islands;
 use crate::physics::joint::{Joint, Joints};
@@ -154,7 +154,7 @@ pub(crate) struct Group<L: Lanes> {
     pub(super) contact_colors: Coloring,
     pairs: Vec<(u32, u32)>,
     /// Of each contact.
-    point_counts: Vec<usize>,
+    point_counts: Vec<u32>,
     pub(super) bodies: GroupBodies<L::Scalar>,
     /// Of points held at points, and of other joints: numbered one after the other.
     pub(super) joint_blocks: Vec<JointBlock<L>>,
@@ -388,8 +388,8 @@ impl<L: Lanes> Group<L> {
         self.contact_colors.set(count, &self.pairs, [free, self.pairs.len() - free], L::COUNT);
         // A block takes as many rows as the most of its manifolds have points.
         let Self { contacts, point_counts, .. } = self;
-        point_counts.refill(contacts.iter().map(|contact| states[contact.slot as usize].geometry.point_count()));
-        self.contact_colors.sort_colors(|contact| self.point_counts[contact as usize]);
+        point_counts.refill(contacts.iter().map(|contact| states[contact.slot as usize].geometry.point_count() as u32));
+        self.contact_colors.sort_colors(POINTS as u32 + 1, |contact| self.point_counts[contact as usize]);
     }
 
     /// How far a body turns at most in a `step`, s, rad; none where no joint is swept.

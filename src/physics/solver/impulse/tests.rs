@@ -28,8 +28,8 @@ fn colours_share_no_body_and_hold_every_constraint_once() {
     }));
     let mut coloring = Coloring::default();
     coloring.set(41, &pairs, [150, pairs.len() - 150], 8);
-    let key = |constraint: u32| (constraint % 5) as usize;
-    coloring.sort_colors(key);
+    let key = |constraint: u32| constraint % 5;
+    coloring.sort_colors(5, key);
     let mut order = coloring.order.clone();
     order.sort_unstable();
     assert_eq!(order, (0..pairs.len() as u32).collect::<Vec<_>>());
