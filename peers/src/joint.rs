@@ -243,8 +243,7 @@ mod tests {
     #[test]
     fn what_a_joint_leaves_free_is_no_gap() {
         let scene = Scene::parse("car 1").unwrap();
-        let start = |body: &Body| state(body.position, body.rotation);
-        let states: Vec<BodyState> = scene.bodies.iter().map(start).collect();
+        let states = scene.at_rest();
         let joint = scene.joints.iter().find(|joint| joint.kind == JointKindSpec::Slider).unwrap();
         assert!(joint.separation(&states) < 1e-12);
         let moved = |way: DVec3| {

@@ -71,19 +71,10 @@ fn beyond(joint: &Joint, joints: &[Joint]) -> Vec<usize> {
 mod tests {
     use super::*;
 
-    fn states(scene: &Scene) -> Vec<BodyState> {
-        let state = |body: &crate::scene::Body| BodyState {
-            position: body.position,
-            rotation: body.rotation,
-            ..BodyState::default()
-        };
-        scene.bodies.iter().map(state).collect()
-    }
-
     #[test]
     fn an_arm_held_level_weighs_on_its_hinges() {
         let arm = Scene::parse("arm").unwrap();
-        let still = states(&arm);
+        let still = arm.at_rest();
         let loads = Tree::of(&arm).unwrap().loads(&arm, [&still, &still], 0.01);
         let gravity = -arm.spec.gravity.y;
         // Upper arm 2 kg at 0.3 m, forearm 1 kg at 0.85 m, hinges at 0 and 0.6 m.
@@ -95,7 +86,7 @@ mod tests {
     #[test]
     fn what_speeds_up_takes_a_torque() {
         let arm = Scene::parse("arm").unwrap();
-        let still = states(&arm);
+        let still = arm.at_rest();
         let mut turning = still.clone();
         // The forearm about its hinge, 0.25 m from its centre.
         turning[3].angular = DVec3::Z;

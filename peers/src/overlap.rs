@@ -63,13 +63,13 @@ mod tests {
     fn the_deepest_of_all_pairs_is_told_and_what_is_joined_is_left_out() {
         let scene = Scene::parse("pyramid 3").unwrap();
         let states = |lift: f64| -> Vec<BodyState> {
-            let state = |body: &crate::scene::Body| BodyState {
-                position: body.position + if body.kind == RigidBody::Dynamic { DVec3::Y * lift } else { DVec3::ZERO },
-                rotation: body.rotation,
-                linear: DVec3::ZERO,
-                angular: DVec3::ZERO,
-            };
-            scene.bodies.iter().map(state).collect()
+            let mut states = scene.at_rest();
+            for (state, body) in states.iter_mut().zip(&scene.bodies) {
+                if body.kind == RigidBody::Dynamic {
+                    state.position.y += lift;
+                }
+            }
+            states
         };
         assert!(deepest(&scene, &states(0.5)) < 1e-9);
         assert!((deepest(&scene, &states(-0.03)) - 0.03).abs() < 1e-9);
@@ -79,16 +79,6 @@ mod tests {
         moved[last].position = below + DVec3::X * 0.95;
         assert!(deepest(&scene, &moved) > 0.01);
         let joined = Scene::parse("ragdolls 1").unwrap();
-        let start: Vec<BodyState> = joined
-            .bodies
-            .iter()
-            .map(|body| BodyState {
-                position: body.position,
-                rotation: body.rotation,
-                linear: DVec3::ZERO,
-                angular: DVec3::ZERO,
-            })
-            .collect();
-        assert!(deepest(&joined, &start) < 0.01);
+        assert!(deepest(&joined, &joined.at_rest()) < 0.01);
     }
 }

@@ -62,6 +62,17 @@ pub enum ParseError {
 }
 
 impl Scene {
+    /// The bodies where they start, at rest.
+    #[cfg(test)]
+    pub fn at_rest(&self) -> Vec<plumb::lab::BodyState> {
+        let state = |body: &Body| plumb::lab::BodyState {
+            position: body.position,
+            rotation: body.rotation,
+            ..Default::default()
+        };
+        self.bodies.iter().map(state).collect()
+    }
+
     /// From `pyramid 40` or `joint_grid n=100 tilt=30`: a name, then parameters in order or by name.
     pub fn parse(text: &str) -> Result<Self, ParseError> {
         let (name, parameters) = parse(text)?;
