@@ -8,6 +8,7 @@
 //! points, fixed to either body, move along with them, which is exact to first order. Impulses stay with the slot and
 //! are matched by feature when the manifold is found again.
 
+mod behind_impacts;
 pub(super) mod export;
 pub(super) mod graph;
 mod pose;
