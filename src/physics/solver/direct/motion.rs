@@ -7,8 +7,8 @@
 //!
 //! M with the geometric stiffness that the step cannot resolve ([`StiffnessShares`]), so that poses end on the joints to
 //! second order; what is left of gaps is corrected by the same factor in the positions alone. Where joints hold more than
-//! points, or have limits, their gaps are closed by Newton's method on the poses, the nearest way by masses, when the
-//! step is over ([`DualSystem::project`](super::dual::DualSystem::project)). Contacts keep the geometry of the start of the step, as
+//! points, or have limits, their gaps are then closed by Newton's method on the poses, the nearest way by masses
+//! ([`DualSystem::project`](super::dual::DualSystem::project)). Contacts keep the geometry of the start of the step, as
 //! in sweeps, unless a body turns far ([`Substeps`]) and none of the two is round: where a wheel touches does not turn
 //! with it. Where active-set iterations do not end they are left as they stand: a row too many or too few for a substep
 //! is corrected in the next. With limits, they go on for longer while the bodies have more energy than there can be, and
@@ -74,14 +74,13 @@ impl DirectIsland {
     pub fn set_off(&mut self, world: &impl World, terms: &MotionTerms) -> bool {
         let sets_off = self.can_set_off(world, terms);
         if sets_off {
-            // Without contacts, where joints hold more than points, motion is told to second order: fewer substeps would be
-            // felt, unless all has come to lie still and nothing drives it.
+            // Where joints hold more than points, motion is told to second order: fewer substeps would be felt, unless
+            // all has come to lie still and nothing drives it.
             let is_driven = self.joints.iter().any(|&joint| world.joint(joint).definition.is_driven());
             let is_new = self.members.iter().any(|&member| !world.body(member).has_stepped);
             let far = match (&self.dual, &self.posture) {
                 (None, None) => MOTION_TURN,
                 _ if is_driven || is_new => -1.0,
-                (None, Some(_)) => MOTION_TURN,
                 _ => 0.0,
             };
             self.intervals = terms.substeps.for_bodies(self.members.iter().map(|&member| world.body(member)), far);
@@ -177,11 +176,7 @@ impl DirectIsland {
         }
         let rates = [DEPTH_CORRECTION / h, GAP_CORRECTION / h];
         self.correct(&Correction { rates, speeds: [terms.correction_speed; 2] });
-        // In the substeps before the last nobody sees what is left of gaps.
-        self.is_put_together = self.posture.is_some() && substep + 1 == self.intervals.count;
-        if self.is_put_together {
-            self.put_together(world, time, terms.correction_speed, h);
-        }
+        self.put_together(world, time, terms.correction_speed, h);
     }
 
     /// Greatest speed of a point of what moves it by contacts or joints that do not give, m/s.
@@ -261,9 +256,7 @@ impl DirectIsland {
             return;
         }
         match &self.posture {
-            Some(posture) if self.is_put_together && !self.factored.is_empty() => {
-                move_to(posture.projected(local), body, h)
-            }
+            Some(posture) if !self.factored.is_empty() => move_to(posture.projected(local), body, h),
             _ => move_to(&self.end_of(local, body, h), body, h),
         }
     }
