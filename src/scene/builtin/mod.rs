@@ -29,7 +29,7 @@ mod tower;
 use super::SceneInfo;
 
 /// Every built-in scene, the start scene first.
-pub(super) static ALL: [SceneInfo; 41] = [
+pub(super) static ALL: [SceneInfo; 40] = [
     limbs::LIMBS,
     hanging::PENDULUM,
     hanging::RODS,
@@ -53,7 +53,6 @@ pub(super) static ALL: [SceneInfo; 41] = [
     heavy::SLAB,
     heavy::COLUMN,
     heavy::BOULDER,
-    heavy::WRECKING_BALL,
     standing::ARCH,
     standing::CARD_HOUSE,
     dominoes::DOMINOES,

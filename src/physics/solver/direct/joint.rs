@@ -90,7 +90,6 @@ impl Rows for DirectJoint {
         let none = Vector3::zeros();
         RowKey {
             penalty: self.penalty,
-            friction: 0.0,
             arms: self.sides.map(|side| side.arm),
             normal: none,
             levers: [none; POINTS],

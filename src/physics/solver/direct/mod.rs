@@ -1,6 +1,5 @@
 //! Islands solved at once, all contacts and joints together, directly: at rest, for the whole step ([`rest`]); in
-//! motion, where there are joints ([`motion`]) or loads that sweeps would not pass on in time ([`loaded`]), substep by
-//! substep.
+//! motion, where there are joints, substep by substep ([`motion`]).
 //!
 //! Sweeps pass a load on from contact to contact, and springs that sweeps can follow give under it: a column of 30
 //! cubes sinks by centimetres and leans, a light box under a heavy one is crushed. Where all is at rest and the body
@@ -30,8 +29,6 @@ mod contact;
 mod dual;
 mod island;
 mod joint;
-mod loaded;
-mod loads;
 mod motion;
 mod rest;
 mod rows;
@@ -41,7 +38,6 @@ mod tests;
 mod world;
 
 pub(crate) use island::DirectIsland;
-pub(crate) use loads::LoadAccount;
 pub(crate) use motion::MotionTerms;
 pub(crate) use rest::Outcome;
 pub(crate) use world::World;

@@ -67,7 +67,6 @@ impl<L: Lanes> Group<L> {
                 scope.rest && solve_at_rest(island, &view, terms, &mut counts)
                     || scope.trees && solve_in_motion(island, &mut view, terms, &mut counts)
             };
-            counts.spent += island.take_spent();
             counts.changed |= island.is_solved != is_solved;
             island.is_solved = is_solved;
         }
@@ -120,10 +119,8 @@ unsafe fn solve_in_motion(
         return false;
     }
     let (world, Intervals { count, h, replaces, .. }) = (view.world, island.intervals());
-    let may_go_back = island.joints().is_empty();
-    if may_go_back {
-        island.keep(view);
-    }
+    counts.row_updates += island.rows() * count;
+    counts.rows += island.rows();
     for substep in 0..count {
         view.moved.clear();
         for &partner in island.partners() {
@@ -134,12 +131,7 @@ unsafe fn solve_in_motion(
                 view.moved.push((partner, body));
             }
         }
-        if !island.substep(view, terms, substep) {
-            view.moved.clear();
-            // SAFETY: these are the island's alone, and what was read of them is not held any more.
-            unsafe { go_back(island, world) };
-            return false;
-        }
+        island.substep(view, terms, substep);
         // SAFETY: these are the island's alone, and what was read of them is not held any more.
         unsafe {
             for (local, &member) in island.members().iter().enumerate() {
@@ -151,34 +143,9 @@ unsafe fn solve_in_motion(
         }
         island.carry_on(h);
     }
-    counts.row_updates += island.rows() * count;
-    counts.rows += island.rows();
     view.moved.clear();
-    if may_go_back {
-        island.expect_next(view, h);
-        for (index, &slot) in island.contacts().iter().enumerate() {
-            // SAFETY: the island's alone, and what was read of it is not held any more.
-            unsafe { world.store(slot, island.impulses(index, replaces)) };
-        }
-    }
     island.remember_motion(view);
     true
-}
-
-/// Has the bodies and contacts of an island be as its step found them.
-///
-/// # Safety
-/// Nobody else may be using the island's bodies and contacts.
-unsafe fn go_back(island: &DirectIsland, world: SharedWorld) {
-    // SAFETY: as the caller promises.
-    unsafe {
-        for (&member, body) in island.members().iter().zip(&island.kept.bodies) {
-            world.bodies.element(member as usize).clone_from(body);
-        }
-        for (&slot, impulses) in island.contacts().iter().zip(&island.kept.impulses) {
-            world.store(slot, *impulses);
-        }
-    }
 }
 
 /// Keeps the impulses of contacts and joints over a time h, s, of so many substeps.
