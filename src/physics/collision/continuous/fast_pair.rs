@@ -21,6 +21,11 @@ impl Start {
         Self { position, rotation, linear, angular }
     }
 
+    /// The centre of mass after a time, s.
+    pub fn after(&self, time: f64) -> Vector3<f64> {
+        self.position + self.linear * time
+    }
+
     /// The body at a time, with the constant velocities that take it to where it is now, a time `left` later.
     pub fn path_to(&self, body: &Body, time: f64, left: f64) -> Body {
         let Self { position, rotation, linear, angular } = *self;

@@ -11,10 +11,11 @@
 //! would throw it.
 
 use bevy::prelude::*;
+use nalgebra::Vector3;
 
 use super::fast_pair::FastPair;
-use super::time_of_impact::{self, Course, Impact, advanced, inner_radius};
-use crate::physics::collision::constants::CORE_SHARE;
+use super::time_of_impact::{self, Course, Impact, advanced, inner_radius, pass_by};
+use crate::physics::collision::constants::{CORE_SHARE, IMPACT_TOLERANCE};
 use crate::physics::collision::narrow::contact_pair::PairSearch;
 use crate::physics::contact::{rebound, restitution_threshold};
 use crate::physics::{Bodies, Body, ContactGraph, ContactPoint, Geometry, Pair, SolverSettings, world_inverse_inertia};
@@ -63,6 +64,13 @@ pub(crate) fn hold_back(
         let turned_aside = first_impact(a).min(first_impact(b));
         let since = if turned_aside < h { turned_aside } else { 0.0 };
         let pair = [a as usize, b as usize];
+        let [from, to] =
+            [[0, 1].map(|one: usize| starts[one].after(since)), pair.map(|body| bodies.list[body].position)]
+                .map(|[a, b]: [Vector3<f64>; 2]| b - a);
+        let reach: f64 = pair.iter().map(|&body| bodies.list[body].radius).sum();
+        if pass_by(&from, &(to - from), (1.0 + IMPACT_TOLERANCE) * reach) {
+            continue;
+        }
         let paths: [Body; 2] =
             std::array::from_fn(|one| starts[one].path_to(&bodies.list[pair[one]], since, h - since));
         let [one, other] =
