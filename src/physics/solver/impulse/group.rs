@@ -1,8 +1,6 @@
 //! One group of islands: its bodies and constraints, coloured, and the buffers to solve them, kept
 //! from step to step. What is done to it, stage by stage, is in [`super::walk`].
 
-use std::collections::BTreeMap;
-
 use bevy::platform::collections::HashMap;
 
 use super::bodies::GroupBodies;
@@ -16,7 +14,7 @@ use super::stage::Stage;
 use super::tree::TreeStep;
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::{ContactGraph, ContactState, POINTS};
-use crate::physics::disjoint_sets::DisjointSets;
+use crate::physics::grouped::Grouped;
 use crate::physics::island::Islands;
 use crate::physics::joint::{Joint, Joints};
 use crate::physics::lanes::{Lanes, READ_ONLY, WIDTH};
@@ -142,7 +140,10 @@ pub(crate) struct Group<L: Lanes> {
     pub(super) free: Vec<u32>,
     pub(super) trees: Vec<TreeStep>,
     /// Islands with contacts or joints, to be solved directly where they rest or have joints.
-    pub(super) islands: Vec<DirectIsland>,
+    pub(super) islands: Vec<Box<DirectIsland>>,
+    /// Which island each body begins, and members, contacts and joints by island.
+    numbers: Vec<u32>,
+    found: [Grouped; 3],
     pub(super) counts: DirectCounts,
     /// Version of the joints that it was planned for.
     joints_of: u64,
@@ -271,40 +272,41 @@ impl<L: Lanes> Group<L> {
         if !with_joints && !without {
             return;
         }
-        let mut sets = DisjointSets::new(own.len());
-        let moving = |body: u32| input.local_of(body, self.index);
-        let of_contacts = islands.manifolds(self.index).iter().map(|&slot| graph.slots[slot as usize].pair);
-        let of_contacts = of_contacts.map(|pair| [pair.a, pair.b].map(moving));
-        let of_joints = self.other_joints.iter().map(|&joint| &joints.list[joint as usize]);
-        let of_joints = of_joints.map(|joint| [joint.a, joint.b].map(moving));
-        for pair in of_contacts.clone().chain(of_joints.clone()) {
-            if let [Some(a), Some(b)] = pair {
-                sets.union(a, b);
+        let of_contacts = islands.manifolds(self.index).iter().map(|&slot| (slot, graph.slots[slot as usize].pair));
+        let of_contacts = of_contacts.map(|(slot, pair)| (slot, [pair.a, pair.b]));
+        let of_joints = self.other_joints.iter().map(|&joint| (joint, &joints.list[joint as usize]));
+        let of_joints = of_joints.map(|(index, joint)| (index, [joint.a, joint.b]));
+        // The first body of an island stands for it.
+        let first = |body: u32| islands.local_of(islands.root_of(body), self.index).map(|local| local as usize);
+        let of_pair = |pair: [u32; 2]| pair.into_iter().find(|&body| input.local_of(body, self.index).is_some());
+        let Self { numbers, found: [found_members, found_contacts, found_joints], .. } = self;
+        numbers.reset(own.len(), Grouped::NONE);
+        for (_, pair) in of_contacts.clone().chain(of_joints.clone()) {
+            if let Some(first) = of_pair(pair).and_then(first) {
+                numbers[first] = 0;
             }
         }
-        // By the first body of each: its bodies, contacts and joints.
-        let mut found: BTreeMap<u32, [Vec<u32>; 3]> = BTreeMap::new();
-        let slots = of_contacts.zip(islands.manifolds(self.index)).map(|(pair, &slot)| (pair, 1, slot));
-        let joints = of_joints.zip(&self.other_joints).map(|(pair, &joint)| (pair, 2, joint));
-        for ([a, b], kind, constraint) in slots.chain(joints) {
-            if let Some(local) = a.or(b) {
-                found.entry(sets.root(local)).or_default()[kind].push(constraint);
-            }
+        let mut count = 0;
+        for number in numbers.iter_mut().filter(|number| **number != Grouped::NONE) {
+            *number = count;
+            count += 1;
         }
-        for (local, &body) in own.iter().enumerate() {
-            if let Some(island) = found.get_mut(&sets.root(local as u32)) {
-                island[0].push(body);
+        let number = |body: Option<u32>| body.and_then(first).map_or(Grouped::NONE, |first| numbers[first]);
+        found_members.rebuild(count, own.iter().map(|&body| (body, number(Some(body)))));
+        found_contacts.rebuild(count, of_contacts.map(|(slot, pair)| (slot, number(of_pair(pair)))));
+        found_joints.rebuild(count, of_joints.map(|(joint, pair)| (joint, number(of_pair(pair)))));
+        for island in 0..count as usize {
+            let [members, contacts, joints] =
+                [&*found_members, found_contacts, found_joints].map(|found| found.of(island));
+            if members.len() > DIRECT_BODIES || !(without || with_joints && !joints.is_empty()) {
+                continue;
             }
-        }
-        let is_wanted = |[members, _, joints]: &[Vec<u32>; 3]| {
-            members.len() <= DIRECT_BODIES && if joints.is_empty() { without } else { with_joints || without }
-        };
-        for [members, contacts, joints] in found.into_values().filter(is_wanted) {
             while old.next_if(|island| island.members()[0] < members[0]).is_some() {}
-            let mut known = old.next_if(|island| island.is_of(&members, &contacts, &joints));
+            let mut known = old.next_if(|island| island.is_of(members, contacts, joints));
             // By their indices; what has them may be others.
-            known.iter_mut().filter(|_| self.joints_of != input.joints.version).for_each(DirectIsland::renew);
-            self.islands.push(known.unwrap_or_else(|| DirectIsland::new(members, contacts, joints)));
+            known.iter_mut().filter(|_| self.joints_of != input.joints.version).for_each(|known| known.renew());
+            let new = || Box::new(DirectIsland::new(members.to_vec(), contacts.to_vec(), joints.to_vec()));
+            self.islands.push(known.unwrap_or_else(new));
         }
     }
 
