@@ -26,12 +26,12 @@ pub(super) const STEPS_AHEAD: f64 = 4.0;
 
 // Contacts that last, in slots.
 
-/// Share of the smaller bounding radius by which a pair with a curved surface may move before its manifold is found
-/// anew. Where a ball touches does not turn with it: by so much the points lag behind, which is the arm at which they
+/// Share of the smaller bounding radius by which a pair with a curved surface may move before its manifold, of a point or
+/// a line, is found anew. Where a ball touches does not turn with it: by so much the points lag behind, which is the arm at which they
 /// push. A pair without points is looked at anew beyond it, too. `slide_roll`, `cones`, *speed*.
 pub(super) const ROUND_RECYCLING: f64 = 1e-3;
 
-/// Likewise of a pair of polyhedra, or one on a plane: corners and edges turn with their bodies, and points that move
+/// Likewise of a pair of polyhedra, or one on a plane, and where a curved shape stands on its flat side: corners and edges turn with their bodies, and points that move
 /// along with them are right to first order; half the square of this is what they miss. No more than
 /// [`SPECULATIVE_MARGIN`]: what was beyond that margin and has no point cannot touch before the manifold is found anew.
 /// `lasting_contacts::lasting_contacts_are_those_that_a_search_from_nothing_finds`, *speed*.
@@ -43,6 +43,9 @@ pub(super) const SUCCESSION_REACH: f64 = 0.1;
 
 // Work of one thread at a time; results do not depend on it. *speed* on two threads.
 
+/// Bodies that are looked at, and bodies whose new pairs are sought.
+pub(super) const BODIES_A_CHUNK: usize = 256;
+pub(super) const MOVED_A_CHUNK: usize = 32;
 /// Slots: whole words of a bit set.
 pub(super) const SLOTS_A_CHUNK: usize = 128;
 /// Pairs of contacts that are found anew.

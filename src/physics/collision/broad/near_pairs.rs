@@ -128,7 +128,7 @@ pub(crate) fn update_pairs(
     }
     let reach = (!lasts).then_some(&*settings);
     let in_step = InStep { bodies: &bodies.list, joined: &joined, h: settings.step(), reach };
-    pairs.update(&in_step, bodies.awake(), changes);
+    pairs.update(&in_step, bodies.awake(), settings.threads, changes);
     if !dropped.is_empty() {
         dropped.append(&mut changes.removed);
         std::mem::swap(dropped, &mut changes.removed);

@@ -25,10 +25,13 @@ use nalgebra::Vector3;
 use super::bounding_tree::{BoundingBox, BoundingTree, Leaf};
 use super::fat_box::{Extent, Placement, Room};
 use super::pair_slots::{PairSlot, PairSlots};
+use crate::physics::collision::constants::{BODIES_A_CHUNK, MOVED_A_CHUNK};
 use crate::physics::collision::manifold::Pair;
+use crate::physics::refill::Refill;
+use crate::physics::threads::for_each_of;
 
 /// What the broad phase asks about the bodies, which are numbered from 0.
-pub(crate) trait BoundedBodies {
+pub(crate) trait BoundedBodies: Sync {
     /// Asked of each body that may have moved and has a box that moves, in every step: to be answered from packed
     /// arrays.
     fn placement(&self, body: u32) -> Placement;
@@ -104,10 +107,21 @@ pub(crate) struct PersistentPairs {
     to_reconsider: Vec<(u32, u32)>,
     pub(super) moved: Vec<u32>,
     // Scratch.
-    leaving: Vec<u32>,
+    moving: Vec<u32>,
+    findings: Vec<Finding>,
+    pub(super) is_paired: Vec<bool>,
+}
+
+/// What one thread finds of a run of bodies.
+#[derive(Clone, Debug, Default)]
+struct Finding {
+    /// Those that have left their room, and the space that they take.
+    leaving: Vec<(u32, Bounds)>,
+    /// New pairs.
+    pairs: Vec<Pair>,
+    // Scratch.
     stack: Vec<u32>,
     hits: Vec<u32>,
-    pub(super) is_paired: Vec<bool>,
 }
 
 impl PersistentPairs {
@@ -157,28 +171,43 @@ impl PersistentPairs {
 
     /// Brings the pairs up to date. `moving` are the bodies that may have moved or changed their
     /// velocity since the last update, each once, in an order that the results depend on; those
-    /// renewed need not be among them.
+    /// renewed need not be among them. Results do not depend on how many threads may work on it.
     pub fn update(
         &mut self,
         bodies: &impl BoundedBodies,
         moving: impl IntoIterator<Item = u32>,
+        threads: u32,
         changes: &mut PairChanges,
     ) {
         changes.removed.clear();
         changes.added.clear();
         self.moved.clear();
         self.renew_bodies(bodies, &mut changes.removed);
-        let mut leaving = std::mem::take(&mut self.leaving);
-        find_leaving(&self.rooms, bodies, moving, &mut leaving);
-        for &body in &leaving {
-            if !self.has_moved[body as usize] {
-                self.place(body, &bodies.placement(body), bodies.bounds(body));
+        self.moving.refill(moving);
+        self.place_leaving(bodies, threads);
+        self.find_pairs_of_moved_half_spaces(bodies, changes);
+        self.find_pairs_of_moved(bodies, threads, changes);
+        self.reconsider_pairs(bodies, changes);
+    }
+
+    /// Gives what has left its room a new one.
+    fn place_leaving(&mut self, bodies: &impl BoundedBodies, threads: u32) {
+        let (mut findings, moving) = (std::mem::take(&mut self.findings), std::mem::take(&mut self.moving));
+        let chunks = moving.chunks(BODIES_A_CHUNK);
+        if findings.len() < chunks.len() {
+            findings.resize(chunks.len(), Finding::default());
+        }
+        let count = chunks.len();
+        let (rooms, has_moved) = (&self.rooms, &self.has_moved);
+        for_each_of(threads, chunks.zip(&mut findings), |(bodies_of_chunk, finding)| {
+            find_leaving(rooms, has_moved, bodies, bodies_of_chunk, &mut finding.leaving);
+        });
+        for finding in &mut findings[..count] {
+            for (body, bounds) in finding.leaving.drain(..) {
+                self.place(body, &bodies.placement(body), bounds);
             }
         }
-        self.leaving = leaving;
-        self.find_pairs_of_moved_half_spaces(bodies, changes);
-        self.find_pairs_of_moved(bodies, changes);
-        self.reconsider_pairs(bodies, changes);
+        (self.findings, self.moving) = (findings, moving);
     }
 
     fn renew_bodies(&mut self, bodies: &impl BoundedBodies, removed: &mut Vec<(PairSlot, Pair)>) {
@@ -272,33 +301,23 @@ impl PersistentPairs {
     }
 
     /// Pairs of what has a new fat box.
-    fn find_pairs_of_moved(&mut self, bodies: &impl BoundedBodies, changes: &mut PairChanges) {
+    fn find_pairs_of_moved(&mut self, bodies: &impl BoundedBodies, threads: u32, changes: &mut PairChanges) {
         for index in 0..self.moved.len() {
             self.drop_parted(self.moved[index], &mut changes.removed);
         }
-        let mut hits = std::mem::take(&mut self.hits);
-        for &body in &self.moved {
-            let (fat, previous) = (self.fat[body as usize], self.previous[body as usize]);
-            for plane in self.half_spaces.iter().filter(|plane| !plane.moved) {
-                if plane.reaches(&fat) && !plane.reaches(&previous) && bodies.may_pair(plane.body, body) {
-                    changes.added.push(self.pairs.insert(Pair { a: plane.body, b: body }));
-                }
-            }
-            hits.clear();
-            self.tree.query(&fat, &mut self.stack, |other| {
-                // Of two that both moved, the one of lower index finds the pair.
-                let is_its_business = other > body || (other < body && !self.has_moved[other as usize]);
-                if is_its_business && !previous.overlaps(&self.previous[other as usize]) {
-                    hits.push(other);
-                }
-            });
-            hits.sort_unstable();
-            for &other in hits.iter().filter(|&&other| bodies.may_pair(body, other)) {
-                let pair = Pair { a: body.min(other), b: body.max(other) };
-                changes.added.push(self.pairs.insert(pair));
-            }
+        let mut findings = std::mem::take(&mut self.findings);
+        let chunks = self.moved.chunks(MOVED_A_CHUNK);
+        let count = chunks.len();
+        if findings.len() < count {
+            findings.resize(count, Finding::default());
         }
-        self.hits = hits;
+        for_each_of(threads, chunks.zip(&mut findings), |(moved, finding)| {
+            moved.iter().for_each(|&body| self.find_new_pairs(bodies, body, finding));
+        });
+        for pair in findings[..count].iter_mut().flat_map(|finding| finding.pairs.drain(..)) {
+            changes.added.push(self.pairs.insert(pair));
+        }
+        self.findings = findings;
         for &body in &self.moved {
             self.previous[body as usize] = self.fat[body as usize];
             self.has_moved[body as usize] = false;
@@ -306,6 +325,27 @@ impl PersistentPairs {
         for plane in &mut self.half_spaces {
             plane.moved = false;
         }
+    }
+
+    /// Adds the pairs that the new fat box of a body makes.
+    fn find_new_pairs(&self, bodies: &impl BoundedBodies, body: u32, Finding { pairs, stack, hits, .. }: &mut Finding) {
+        let (fat, previous) = (self.fat[body as usize], self.previous[body as usize]);
+        for plane in self.half_spaces.iter().filter(|plane| !plane.moved) {
+            if plane.reaches(&fat) && !plane.reaches(&previous) && bodies.may_pair(plane.body, body) {
+                pairs.push(Pair { a: plane.body, b: body });
+            }
+        }
+        hits.clear();
+        self.tree.query(&fat, stack, |other| {
+            // Of two that both moved, the one of lower index finds the pair.
+            let is_its_business = other > body || (other < body && !self.has_moved[other as usize]);
+            if is_its_business && !previous.overlaps(&self.previous[other as usize]) {
+                hits.push(other);
+            }
+        });
+        hits.sort_unstable();
+        let allowed = hits.iter().filter(|&&other| bodies.may_pair(body, other));
+        pairs.extend(allowed.map(|&other| Pair { a: body.min(other), b: body.max(other) }));
     }
 
     /// Removes those pairs of a body whose fat boxes do not overlap.
@@ -359,20 +399,21 @@ impl PersistentPairs {
     }
 }
 
-/// The bodies that are no longer certain to be in their fat boxes. All that most steps do: kept
-/// apart, so that the loop has the registers to itself.
+/// The bodies that are no longer certain to be in their fat boxes and have none that is new, with the space that they
+/// take. All that most steps do: kept apart, so that the loop has the registers to itself.
 #[inline(never)]
 fn find_leaving(
     rooms: &[Room],
+    has_moved: &[bool],
     bodies: &impl BoundedBodies,
-    moving: impl IntoIterator<Item = u32>,
-    leaving: &mut Vec<u32>,
+    moving: &[u32],
+    leaving: &mut Vec<(u32, Bounds)>,
 ) {
     leaving.clear();
-    for body in moving {
+    for &body in moving {
         let room = &rooms[body as usize];
-        if !room.is_unbounded() && !room.holds(&bodies.placement(body)) {
-            leaving.push(body);
+        if !room.is_unbounded() && !room.holds(&bodies.placement(body)) && !has_moved[body as usize] {
+            leaving.push((body, bodies.bounds(body)));
         }
     }
 }

@@ -30,7 +30,8 @@ use cone::{Cone, length_across, unit_across};
 use edge_contact::{closest, middle};
 use feature_sat::{Feature, Found, Least, PairSearch};
 use polyhedron::{Convex, Cuboid, Edge, Frame, Plane, Polyhedron, Segment, first_max, nearest_on_hull};
-use shape_pair::{Scale, ShapePair};
+pub(super) use shape_pair::Scale;
+use shape_pair::ShapePair;
 
 use super::manifold::Overlap;
 use crate::physics::{ContactPoint, FeatureId};

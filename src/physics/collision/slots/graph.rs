@@ -113,7 +113,7 @@ pub(in crate::physics::collision) fn update_graph(
         graph.slots.iter_mut().for_each(Slot::forget);
         graph.watches.iter_mut().for_each(Watch::end);
     }
-    graph.travels.follow(&bodies, settings.step());
+    graph.travels.follow(&bodies, settings.step(), settings.threads);
     let chunks = graph.slots.len().div_ceil(SLOTS_A_CHUNK);
     finders.resize_with(chunks, Finder::default);
     graph.updates += 1;
@@ -318,18 +318,23 @@ impl Chunk<'_> {
             }
             let (slot, state) = (&mut self.slots[index as usize], &mut self.states[index as usize]);
             let (a, b) = (&bodies[slot.pair.a as usize], &bodies[slot.pair.b as usize]);
-            let pose = Pose::relative(a, b);
-            if let Some(moved) = slot.moved(&pose)
-                && slot.holds_after(moved, a, b, settings)
-            {
-                watch.begin(slot.known_after(moved), slot.size(), self.travels);
-                continue;
-            }
-            slot.found_in = self.update;
-            points.clear();
             let (touched, had) = (slot.touching, state.geometry.point_count());
-            fast.extend(slot.find(pose, state, a, b, self.joined, settings, search, points));
-            watch.begin(slot.known_after(0.0), slot.size(), self.travels);
+            let known = if let Some(known) = slot.find_balls(state, a, b, settings) {
+                known
+            } else {
+                let pose = Pose::relative(a, b);
+                if let Some(moved) = slot.moved(&pose)
+                    && slot.holds_after(moved, a, b, settings)
+                {
+                    watch.begin(slot.known_after(moved), slot.size(), self.travels);
+                    continue;
+                }
+                points.clear();
+                fast.extend(slot.find(pose, state, a, b, self.joined, settings, search, points));
+                slot.known_after(0.0)
+            };
+            slot.found_in = self.update;
+            watch.begin(known, slot.size(), self.travels);
             turned.extend((slot.touching != touched).then_some(self.first + index));
             *manifolds += i64::from(slot.touching) - i64::from(touched);
             *point_count += state.geometry.point_count() as i64 - had as i64;

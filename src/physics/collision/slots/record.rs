@@ -30,14 +30,22 @@ impl ContactGeometry {
         count: usize,
         points: impl Iterator<Item = (Vector3<f64>, Vector3<f64>)>,
     ) -> Self {
-        let mut numbers = [0.0_f32; GEOMETRY * WIDTH];
-        let head = normal.iter().chain(tangent.iter()).copied().chain([friction, count as f64]);
-        let tail = points.flat_map(|(a, b)| [a.x, a.y, a.z, b.x, b.y, b.z]);
-        for (number, value) in numbers.iter_mut().zip(head.chain(tail)) {
-            *number = value as f32;
+        let mut records = [Record::<f32>::default(); GEOMETRY];
+        let mut put = |index: usize, values: &Vector3<f64>| {
+            for (axis, value) in values.iter().enumerate() {
+                let place = index + axis;
+                records[place / WIDTH].0[place % WIDTH] = *value as f32;
+            }
+        };
+        put(0, normal);
+        put(3, tangent);
+        for (index, (a, b)) in points.take(POINTS).enumerate() {
+            put(8 + 6 * index, &a);
+            put(11 + 6 * index, &b);
         }
-        let (records, _) = numbers.as_chunks::<WIDTH>();
-        Self { records: std::array::from_fn(|index| Record(records[index])) }
+        records[0].0[6] = friction as f32;
+        records[0].0[7] = count as f32;
+        Self { records }
     }
 
     /// Points of the patch.

@@ -20,46 +20,60 @@ use crate::physics::settings::SolverSettings;
 use crate::physics::shape::Geometry;
 
 /// One pair.
+///
+/// In the order in which a step needs it: its head is what tells whether the manifold is still good and what the solver
+/// reads, the next cache line what of that is seldom needed, the others are looked at when a manifold is found.
 #[derive(Clone, Debug, Default)]
+#[repr(C, align(64))]
 pub(crate) struct Slot {
     pub pair: Pair,
     /// Whether there are contact points.
     pub touching: bool,
-    /// None: there is no pair.
-    pub entities: Option<(Entity, Entity)>,
+    /// Whether one of the shapes is curved, and whether both are balls.
+    is_curved: bool,
+    pub(super) is_of_balls: bool,
     pub restitution: f32,
-    /// In which of the graph's updates the manifold was found.
-    pub found_in: u64,
-    /// Displacement of B against A until they meet, world axes, m, where the contact was found ahead: its points are
-    /// those of the poses at which they meet.
-    pub ahead: Vector3<f64>,
-    pub(super) features: [FeatureId; POINTS],
-    /// The pose at which the manifold was found; none: it is to be found.
-    found_at: Option<Pose>,
-    /// The gap up to which the manifold was looked for, m.
-    found_within: f64,
-    /// How far apart the bodies were then at least if they do not touch, m.
-    apart: f64,
-    /// The axis that the test ended with: the next one begins there. Manifolds do not depend on it.
-    axis: Option<Feature>,
     /// Smaller bounding radius.
     size: f64,
     /// By how much the bodies may move against each other until the manifold is found anew, m.
     recycling: f64,
     /// Bounding radius of B.
     reach: f64,
+    /// The gap up to which the manifold was looked for, m.
+    found_within: f64,
+    /// How far apart the bodies were then at least if they do not touch, m.
+    apart: f64,
+    /// In which of the graph's updates the manifold was found.
+    pub found_in: u64,
+    /// Displacement of B against A until they meet, world axes, m, where the contact was found ahead: its points are
+    /// those of the poses at which they meet.
+    pub ahead: Vector3<f64>,
     /// Origin of A's axes for this contact, from its centre of mass: none, or near B where A is static, since it may be
     /// a ground that reaches far.
     pub(super) origin: Vector3<f64>,
+    /// The axis that the test ended with: the next one begins there. Manifolds do not depend on it.
+    axis: Option<Feature>,
+    /// The pose at which the manifold was found; none: it is to be found.
+    found_at: Option<Pose>,
+    /// None: there is no pair.
+    pub entities: Option<(Entity, Entity)>,
+    pub(super) features: [FeatureId; POINTS],
 }
 
 impl Slot {
     /// Of a new pair, whose manifold is not known.
     pub(super) fn new(pair: Pair, a: &Body, b: &Body) -> Self {
         let is_round = |body: &Body| body.geometry.as_ref().is_some_and(Geometry::is_round);
-        let share = if is_round(a) || is_round(b) { ROUND_RECYCLING } else { FLAT_RECYCLING };
-        let (entities, size) = (Some((a.entity, b.entity)), a.radius.min(b.radius));
-        Self { pair, entities, size, recycling: share * size, reach: b.radius, ..Self::default() }
+        let is_ball = |body: &Body| matches!(body.geometry, Some(Geometry::Sphere { .. }));
+        Self {
+            pair,
+            is_curved: is_round(a) || is_round(b),
+            is_of_balls: is_ball(a) && is_ball(b),
+            size: a.radius.min(b.radius),
+            reach: b.radius,
+            entities: Some((a.entity, b.entity)),
+            ..Self::default()
+        }
     }
 
     /// Has the manifold found anew.
@@ -98,6 +112,13 @@ impl Slot {
     /// Smaller bounding radius.
     pub(super) fn size(&self) -> f64 {
         self.size
+    }
+
+    /// By how much the bodies may move against each other until a manifold of so many points is found anew, m. Three
+    /// points and more are a patch, on which nothing rolls.
+    pub(super) fn recycling_of(&self, points: usize) -> f64 {
+        let share = if self.is_curved && points < 3 { ROUND_RECYCLING } else { FLAT_RECYCLING };
+        share * self.size
     }
 
     /// From the centre of mass of A, world axes.
@@ -182,6 +203,7 @@ impl Slot {
         });
         state.geometry = ContactGeometry::new(&normal_in_a, &tangent, surface.friction, points.len(), places);
         self.restitution = surface.restitution as f32;
+        self.recycling = self.recycling_of(points.len());
         if self.touching {
             self.carry_pushes(&old, state, points);
             self.carry_friction(&old, state);

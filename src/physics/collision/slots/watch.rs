@@ -19,9 +19,10 @@
 
 use super::pose::Pose;
 use crate::physics::body::Bodies;
-use crate::physics::collision::constants::{LONGEST_ARM, SPECULATIVE_MARGIN};
+use crate::physics::collision::constants::{BODIES_A_CHUNK, LONGEST_ARM, SPECULATIVE_MARGIN};
 use crate::physics::collision::gap::turning_speed;
 use crate::physics::collision::manifold::Pair;
+use crate::physics::threads::for_each_of;
 
 /// How far the points of a body have gone at most, m.
 #[derive(Clone, Copy, Debug, Default)]
@@ -48,17 +49,24 @@ impl Travels {
     }
 
     /// Follows the bodies to where they are now, before a step of h, s.
-    pub fn follow(&mut self, bodies: &Bodies, h: f64) {
+    pub fn follow(&mut self, bodies: &Bodies, h: f64, threads: u32) {
         let known = self.seen.len();
         self.seen.extend(bodies.list.iter().skip(known).map(Pose::of));
         self.ways.resize(self.seen.len(), Way::default());
-        for index in bodies.awake() {
-            let (index, body) = (index as usize, &bodies.list[index as usize]);
-            let (way, now) = (&mut self.ways[index], Pose::of(body));
-            way.gone += now.moved(&self.seen[index], body.radius.min(LONGEST_ARM));
-            way.ahead = way.gone + (body.linear.norm() + turning_speed(body)) * h;
-            self.seen[index] = now;
-        }
+        let runs = self.seen.chunks_mut(BODIES_A_CHUNK).zip(self.ways.chunks_mut(BODIES_A_CHUNK)).enumerate();
+        for_each_of(threads, runs, |(chunk, (seen, ways))| {
+            let first = chunk * BODIES_A_CHUNK;
+            for (place, (seen, way)) in seen.iter_mut().zip(ways).enumerate() {
+                if bodies.asleep.contains((first + place) as u32) {
+                    continue;
+                }
+                let body = &bodies.list[first + place];
+                let now = Pose::of(body);
+                way.gone += now.moved(seen, body.radius.min(LONGEST_ARM));
+                way.ahead = way.gone + (body.linear.norm() + turning_speed(body)) * h;
+                *seen = now;
+            }
+        });
     }
 }
 

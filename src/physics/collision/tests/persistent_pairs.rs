@@ -1,5 +1,6 @@
-use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -26,23 +27,23 @@ struct TestBody {
     spin: Vector3<f64>,
 }
 
-#[derive(Clone, Default)]
+#[derive(Default)]
 struct World {
     bodies: Vec<TestBody>,
     joined: BTreeSet<(u32, u32)>,
-    boxes_computed: Cell<usize>,
-    looked_at: Cell<usize>,
-    asked: RefCell<Vec<(u32, u32)>>,
+    boxes_computed: AtomicUsize,
+    looked_at: AtomicUsize,
+    asked: Mutex<Vec<(u32, u32)>>,
 }
 
 impl BoundedBodies for World {
     fn placement(&self, body: u32) -> Placement {
-        self.looked_at.set(self.looked_at.get() + 1);
+        self.looked_at.fetch_add(1, Ordering::Relaxed);
         self.bodies[body as usize].at
     }
 
     fn bounds(&self, body: u32) -> Bounds {
-        self.boxes_computed.set(self.boxes_computed.get() + 1);
+        self.boxes_computed.fetch_add(1, Ordering::Relaxed);
         let TestBody { shape, dynamic, at, .. } = &self.bodies[body as usize];
         match shape {
             Shape::Nothing => Bounds::None,
@@ -56,7 +57,7 @@ impl BoundedBodies for World {
     }
 
     fn may_pair(&self, a: u32, b: u32) -> bool {
-        self.asked.borrow_mut().push((a, b));
+        self.asked.lock().unwrap().push((a, b));
         let (one, other) = (&self.bodies[a as usize], &self.bodies[b as usize]);
         (one.dynamic || other.dynamic) && one.layers & other.layers != 0 && !self.joined.contains(&(a.min(b), a.max(b)))
     }
@@ -205,7 +206,7 @@ fn started(world: &World) -> (PersistentPairs, PairChanges, Mirror) {
 
 fn start(world: &World, pairs: &mut PersistentPairs, changes: &mut PairChanges, mirror: &mut Mirror) {
     world.all().for_each(|body| pairs.renew(body));
-    pairs.update(world, 0..0, changes);
+    pairs.update(world, 0..0, 1, changes);
     mirror.apply(changes, pairs);
 }
 
@@ -219,7 +220,7 @@ fn the_set_equals_brute_force_over_random_motion() {
         let (mut moved, mut added) = (0, 0);
         for step in 0..400 {
             world.step(&mut random, &origin);
-            pairs.update(&world, world.all(), &mut changes);
+            pairs.update(&world, world.all(), 1, &mut changes);
             mirror.apply(&changes, &pairs);
             check(&world, &pairs, &format!("step {step}"));
             moved += pairs.moved_count();
@@ -279,7 +280,7 @@ fn spawning_despawning_teleports_and_new_filters_keep_the_set_exact() {
                 pairs.renew(random.index(all) as u32);
             }
         }
-        pairs.update(&world, world.all(), &mut changes);
+        pairs.update(&world, world.all(), 1, &mut changes);
         mirror.apply(&changes, &pairs);
         check(&world, &pairs, &format!("step {step}"));
     }
@@ -339,18 +340,19 @@ fn nothing_is_done_where_nothing_leaves_its_box() {
     }
     let (mut pairs, mut changes, _) = started(&world);
     let places: Vec<_> = world.bodies.iter().map(|body| body.at).collect();
-    world.asked.take();
-    world.boxes_computed.set(0);
+    world.asked.lock().unwrap().clear();
+    world.boxes_computed.store(0, Ordering::Relaxed);
     for _ in 0..50 {
         for (body, place) in world.bodies.iter_mut().zip(&places).skip(1) {
             body.at.position = place.position + 0.005 * random.vector();
             body.at.rotation = UnitQuaternion::from_scaled_axis(0.004 * random.vector());
             body.at.travel = 0.005 * random.vector();
         }
-        pairs.update(&world, 1..1001, &mut changes);
+        pairs.update(&world, 1..1001, 1, &mut changes);
         assert_eq!(pairs.moved_count(), 0);
     }
-    assert_eq!((world.boxes_computed.get(), world.asked.take().len()), (0, 0));
+    let boxes = world.boxes_computed.load(Ordering::Relaxed);
+    assert_eq!((boxes, world.asked.lock().unwrap().len()), (0, 0));
 }
 
 #[test]
@@ -363,9 +365,9 @@ fn what_touches_nothing_or_stands_is_not_looked_at() {
     }
     world.add(Shape::Cuboid(Vector3::repeat(0.5)), Vector3::new(-3.0, 0.0, 0.0), true);
     let (mut pairs, mut changes, _) = started(&world);
-    world.looked_at.set(0);
-    pairs.update(&world, world.all(), &mut changes);
-    assert_eq!(world.looked_at.get(), 1, "what moves and may touch");
+    world.looked_at.store(0, Ordering::Relaxed);
+    pairs.update(&world, world.all(), 1, &mut changes);
+    assert_eq!(world.looked_at.load(Ordering::Relaxed), 1, "what moves and may touch");
 }
 
 /// `may_pair` is asked when two boxes begin to overlap and not again while they do.
@@ -379,9 +381,9 @@ fn a_pair_that_may_not_be_is_asked_about_once() {
     for step in 0..20 {
         world.bodies[0].at.position.x -= 0.01;
         world.bodies[1].at.position.z = 0.2 * f64::from(step % 2);
-        pairs.update(&world, 0..2, &mut changes);
+        pairs.update(&world, 0..2, 1, &mut changes);
     }
-    assert_eq!(*world.asked.borrow(), [(0, 1)]);
+    assert_eq!(*world.asked.lock().unwrap(), [(0, 1)]);
     assert_eq!(pairs.pairs().len(), 0);
 }
 
@@ -402,7 +404,7 @@ fn two_runs_give_the_same_slots_whatever_the_tree_went_through() {
             world.bodies[1].shape = Shape::Nothing;
             for body in world.all().rev() {
                 pairs.renew(body);
-                pairs.update(&world, 0..0, &mut changes);
+                pairs.update(&world, 0..0, 1, &mut changes);
                 assert!(changes.added.is_empty());
             }
             world.bodies = there;
@@ -411,7 +413,7 @@ fn two_runs_give_the_same_slots_whatever_the_tree_went_through() {
         let mut history = Vec::new();
         for _ in 0..100 {
             world.step(&mut random, &Vector3::zeros());
-            pairs.update(&world, world.all(), &mut changes);
+            pairs.update(&world, world.all(), 1, &mut changes);
             history.push((changes.removed.clone(), changes.added.clone()));
         }
         (history, pairs.pairs().iter().collect::<Vec<_>>())
