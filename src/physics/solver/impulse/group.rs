@@ -140,6 +140,7 @@ pub(crate) struct Group<L: Lanes> {
     pub(super) free: Vec<u32>,
     pub(super) trees: Vec<TreeStep>,
     /// Islands with contacts or joints, to be solved directly where they rest or have joints.
+    #[expect(clippy::vec_box, reason = "large, and moved from list to list whenever islands are found anew")]
     pub(super) islands: Vec<Box<DirectIsland>>,
     /// Which island each body begins, and members, contacts and joints by island.
     numbers: Vec<u32>,
