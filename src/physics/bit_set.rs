@@ -39,6 +39,11 @@ impl BitSet {
         }
     }
 
+    /// Takes all out.
+    pub fn clear(&mut self) {
+        self.words.clear();
+    }
+
     /// How many there are.
     pub fn len(&self) -> u32 {
         self.words.iter().map(|word| word.count_ones()).sum()

@@ -46,7 +46,7 @@ fn body<'a>(scene: &'a SceneSpec, name: &str) -> &'a BodySpec {
 fn all_scenes_are_there_the_start_scene_first() {
     let names: Vec<_> = catalog().iter().map(|scene| scene.name).collect();
     let expected = "limbs pendulum rods chain hanging joint_grid top heavy_top incline slide_roll rolling painleve \
-                    bounce spheres cradle wall stack pyramid pyramids sandwich slab column boulder arch card_house \
+                    bounce spheres cradle wall stack pyramid pyramids sandwich slab column boulder wrecking_ball arch card_house \
                     dominoes pile heap far four_bar bricard andrews arm servo stop hinge_chain bridge tower car ragdolls";
     assert_eq!(names.join(" "), expected);
     for scene in catalog() {
@@ -167,7 +167,7 @@ fn rods_and_chain_start_where_their_references_do() {
 
 #[test]
 fn gravity_is_as_designed() {
-    let ten = "rods chain hanging joint_grid stack pyramid pyramids sandwich slab column boulder far heap hinge_chain"
+    let ten = "rods chain hanging joint_grid stack pyramid pyramids sandwich slab column boulder wrecking_ball far heap hinge_chain"
         .split(' ')
         .collect::<Vec<_>>();
     for info in catalog() {

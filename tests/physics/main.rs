@@ -19,6 +19,7 @@ mod free_motion;
 mod friction;
 mod gradients;
 mod hard_machines;
+mod heavy_loads;
 mod hulls;
 mod impact;
 mod joints_and_contacts;

@@ -40,6 +40,7 @@ mod top;
 mod tower;
 mod trajectory;
 mod wall;
+mod wrecking_ball;
 
 use crate::physics::{Method, SolverSettings};
 use crate::scene::SceneSpec;
@@ -71,6 +72,7 @@ pub fn of(scene: &SceneSpec, settings: &SolverSettings) -> Option<Truth> {
         "dominoes" => dominoes::truth(scene),
         "wall" => wall::truth(scene),
         "slab" | "column" | "boulder" => landing::truth(scene),
+        "wrecking_ball" => wrecking_ball::truth(scene),
         "four_bar" => four_bar::truth(scene),
         "bricard" => bricard::truth(scene),
         "andrews" => andrews::truth(scene),

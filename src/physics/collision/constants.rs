@@ -176,6 +176,10 @@ pub(super) const FLAT_ELLIPSE: f64 = 1e-12;
 /// `ellipse::feet_are_all_the_nearest_points_on_either_side`.
 pub(super) const FOOT_STEPS: u32 = 60;
 
+/// Mass of a body over that of another from which on the two get contacts before they come together, in case the first is
+/// stopped: the heavier pushes the other into what stops it (`heavy_loads`: a column).
+pub(super) const UNEQUAL_MASSES: f64 = 8.0;
+
 // What is fast.
 
 /// Advances of a pair before it is taken to touch where it is then: at corners that pass each other the bound is far

@@ -10,14 +10,15 @@
 //! - **Force-level rows, all others**: 0. The normal across a gap between bodies that pass beside each other would stop
 //!   them.
 //! - **Contacts that last**: [`SPECULATIVE_MARGIN`] of the smaller radius, and what both can close in the step. The
-//!   manifold is used until the pair has moved against each other.
+//!   manifold is used until the pair has moved against each other. Where something may stop one of two unequal ones
+//!   within the step, what the other moves ([`gap_if_stopped`]).
 //! - **`exact`**: the same margin of each radius, and what each can move in the step, forces included. What is in reach
 //!   goes by another step than what is not, and that must be known before.
 
 use nalgebra::Vector3;
 
 use crate::physics::body::Body;
-use crate::physics::collision::constants::{LONGEST_ARM, SPECULATIVE_MARGIN};
+use crate::physics::collision::constants::{LONGEST_ARM, SPECULATIVE_MARGIN, UNEQUAL_MASSES};
 use crate::physics::contact::may_bounce;
 use crate::physics::settings::{ContactModel, Method, SolverSettings};
 use crate::physics::shape::Geometry;
@@ -38,6 +39,18 @@ pub(super) fn contact_gap(a: &Body, b: &Body, settings: &SolverSettings) -> f64 
     }
     let normal = a.rotation * Vector3::y();
     ((a.linear - b.linear).dot(&normal).max(0.0) + b.angular.norm() * b.radius) * h
+}
+
+/// The gap within which two bodies that move along with each other, one much heavier than the other, may meet in a step in
+/// which something stops one of them, m, where contacts last; none where that is no more than [`contact_gap`].
+pub(super) fn gap_if_stopped(a: &Body, b: &Body, settings: &SolverSettings) -> Option<f64> {
+    if a.mass.max(b.mass) < UNEQUAL_MASSES * a.mass.min(b.mass) || !a.is_dynamic() || !b.is_dynamic() {
+        return None;
+    }
+    let fastest = a.linear.norm_squared().max(b.linear.norm_squared());
+    let margin = SPECULATIVE_MARGIN * a.radius.min(b.radius);
+    let gap = margin + (fastest.sqrt() + turning_speed(a) + turning_speed(b)) * settings.step();
+    (fastest > (a.linear - b.linear).norm_squared()).then_some(gap)
 }
 
 /// A body's own part of the gap of force-level and exact methods, m: those of two bodies together are no less than the

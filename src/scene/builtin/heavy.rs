@@ -1,4 +1,4 @@
-//! Heavy things that come down on light ones: `slab`, `column`, `boulder`. Cubes are unit cubes; all
+//! Heavy things that come down on light ones: `slab`, `column`, `boulder`, `wrecking_ball`. Cubes are unit cubes; all
 //! but every other one of `column` weigh 1 kg.
 
 use bevy::math::DVec3;
@@ -11,6 +11,9 @@ use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
 
 /// Of a ball, m.
 const RADIUS: f64 = 1.0;
+
+/// From the face of the wall to the ball that is thrown at it, m.
+const AHEAD: f64 = 0.5;
 
 const BASE: Parameter = Parameter::whole("n", "cubes in the lowest row", 10.0, 1.0, 100.0);
 
@@ -56,6 +59,20 @@ pub(super) const BOULDER: SceneInfo = SceneInfo {
     build: |values| build_boulder(values[0] as usize, values[1], values[2]),
 };
 
+pub(super) const WRECKING_BALL: SceneInfo = SceneInfo {
+    name: "wrecking_ball",
+    about: "a ball of r kg and 1 m radius thrown level at the face of a wall of cubes in rows of n, n - 1, ... 1",
+    truth: "behind the wall the ball is no slower than if it had taken all cubes along: v r/(r + sum m)",
+    parameters: &[
+        BASE,
+        Parameter::real("r", "mass of the ball, kg", 1e4, 0.001, 1e9),
+        Parameter::real("v", "speed of the ball, m/s", 10.0, 1.0, 1e3),
+    ],
+    seconds: 2.0,
+    bodies: |values| wall_bodies(values[0]),
+    build: |values| build_wrecking_ball(values[0] as usize, values[1], values[2]),
+};
+
 fn build_slab(n: usize, mass: f64, drop: f64) -> SceneSpec {
     let mut scene = SceneSpec::new("slab", TEN);
     scene.bodies.push(BodySpec::ground().with_color(palette::GROUND));
@@ -90,6 +107,15 @@ fn build_boulder(n: usize, mass: f64, drop: f64) -> SceneSpec {
     let top = n as f64 + RADIUS + drop;
     scene.bodies.push(ball(top * DVec3::Y, mass));
     scene.view = Some(ViewSpec::framing(0.5 * top * DVec3::Y, 0.6 * top + 1.0, DVec3::new(0.45, 0.3, 1.0)));
+    scene
+}
+
+fn build_wrecking_ball(n: usize, mass: f64, speed: f64) -> SceneSpec {
+    let mut scene = light_wall("wrecking_ball", n);
+    let place = DVec3::new(0.0, RADIUS.max(0.5 * n as f64), -(0.5 + AHEAD + RADIUS));
+    scene.bodies.push(ball(place, mass).with_velocity(speed * DVec3::Z, DVec3::ZERO));
+    let size = n as f64;
+    scene.view = Some(ViewSpec::framing(0.42 * size * DVec3::Y, 0.7 * size + 2.0, DVec3::new(1.0, 0.3, -0.6)));
     scene
 }
 

@@ -29,7 +29,7 @@ mod tower;
 use super::SceneInfo;
 
 /// Every built-in scene, the start scene first.
-pub(super) static ALL: [SceneInfo; 40] = [
+pub(super) static ALL: [SceneInfo; 41] = [
     limbs::LIMBS,
     hanging::PENDULUM,
     hanging::RODS,
@@ -53,6 +53,7 @@ pub(super) static ALL: [SceneInfo; 40] = [
     heavy::SLAB,
     heavy::COLUMN,
     heavy::BOULDER,
+    heavy::WRECKING_BALL,
     standing::ARCH,
     standing::CARD_HOUSE,
     dominoes::DOMINOES,

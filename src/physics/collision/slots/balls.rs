@@ -122,7 +122,8 @@ mod tests {
                 let Some(known) = short.find_balls(of_short, a, b, &settings) else { break };
                 points.clear();
                 let (search, joined) = (&mut PairSearch::default(), &BitSet::default());
-                long.find(Pose::relative(a, b), of_long, a, b, joined, &settings, search, &mut points);
+                let place = (Pose::relative(a, b), contact_gap(a, b, &settings));
+                long.find(place, of_long, a, b, joined, &settings, search, &mut points);
                 assert_eq!((short.touching, short.features), (long.touching, long.features));
                 let off = difference(of_short, of_long);
                 assert!(off < 2e-6, "off by {off} the {time}. time: {of_short:?} and {of_long:?}");

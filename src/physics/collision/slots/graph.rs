@@ -6,13 +6,14 @@ use nalgebra::Vector3;
 use super::pose::Pose;
 use super::record::{ContactState, POINTS};
 use super::slot::Slot;
-use super::watch::{Travels, Watch};
+use super::watch::{Known, Travels, Watch};
 use crate::physics::bit_set::{BitSet, ones};
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::broad::near_pairs::NearPairs;
 use crate::physics::collision::broad::pair_slots::PairSlot;
 use crate::physics::collision::constants::SLOTS_A_CHUNK;
 use crate::physics::collision::continuous::fast_pair::FastPair;
+use crate::physics::collision::gap::{contact_gap, gap_if_stopped};
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Pair};
 use crate::physics::collision::narrow::contact_pair::PairSearch;
 use crate::physics::collision::narrow::feature_sat::Feature;
@@ -31,8 +32,11 @@ pub(crate) const GONE: u32 = u32::MAX;
 pub(crate) struct ContactGraph {
     pub slots: Vec<Slot>,
     pub states: Vec<ContactState>,
-    watches: Vec<Watch>,
+    pub(super) watches: Vec<Watch>,
     travels: Travels,
+    /// Slots of bodies that move along with each other and are left to look at, and the bodies that touch something.
+    pub(super) together: Vec<u32>,
+    pub(super) touched: BitSet,
     /// Instead of states, where manifolds are found anew in each step.
     pub carried: Vec<Carried>,
     /// What points of pairs without a slot carried in the last solve, by pair, and the forces on B there, N, world axes.
@@ -40,7 +44,7 @@ pub(crate) struct ContactGraph {
     /// Counts every change of which pairs touch.
     pub version: u64,
     /// Counts updates.
-    updates: u64,
+    pub(super) updates: u64,
     /// Slots of which [`ContactStarted`](crate::physics::ContactStarted) was sent, and the end not yet.
     pub started: BitSet,
     /// Whether that may be out of date.
@@ -92,6 +96,8 @@ pub(in crate::physics::collision) struct Finder {
     manifolds: i64,
     point_count: i64,
     fast: Vec<FastPair>,
+    /// Slots of bodies that move along with each other, in case something stops one of them.
+    pub(super) together: Vec<u32>,
 }
 
 /// Takes in which pairs are near and finds their contacts.
@@ -133,16 +139,9 @@ pub(in crate::physics::collision) fn update_graph(
     for_each_of(settings.threads, work, |mut chunk| chunk.update(&bodies.list, &settings));
     stats.axes_tested = 0;
     graph.fast.clear();
-    for finder in finders.iter_mut() {
-        stats.axes_tested += u64::from(std::mem::take(&mut finder.search.axes));
-        graph.version += u64::from(!finder.turned.is_empty());
-        graph.starts_changed |= !finder.turned.is_empty();
-        for slot in finder.turned.drain(..) {
-            graph.touching.set(slot, graph.slots[slot as usize].touching);
-        }
-        graph.manifolds += std::mem::take(&mut finder.manifolds);
-        graph.point_count += std::mem::take(&mut finder.point_count);
-        graph.fast.append(&mut finder.fast);
+    graph.take_found(&mut finders, &mut stats);
+    if graph.find_behind_impacts(&bodies.list, &joints.joined, &settings, &mut finders) {
+        graph.take_found(&mut finders, &mut stats);
     }
     stats.pairs = graph.active.len();
     stats.manifolds = graph.manifolds as u32;
@@ -150,6 +149,21 @@ pub(in crate::physics::collision) fn update_graph(
 }
 
 impl ContactGraph {
+    /// Takes in what was found.
+    fn take_found(&mut self, finders: &mut [Finder], stats: &mut StepStats) {
+        for finder in finders {
+            stats.axes_tested += u64::from(std::mem::take(&mut finder.search.axes));
+            self.version += u64::from(!finder.turned.is_empty());
+            self.starts_changed |= !finder.turned.is_empty();
+            for slot in finder.turned.drain(..) {
+                self.touching.set(slot, self.slots[slot as usize].touching);
+            }
+            self.manifolds += std::mem::take(&mut finder.manifolds);
+            self.point_count += std::mem::take(&mut finder.point_count);
+            self.fast.append(&mut finder.fast);
+        }
+    }
+
     /// Follows bodies to their new indices. Pairs of the gone are dropped in the next step.
     pub fn remap(&mut self, new_index: &[Option<u32>]) {
         self.without_slot.clear();
@@ -295,6 +309,7 @@ impl ContactGraph {
 
 /// A run of slots.
 struct Chunk<'a> {
+    /// Index of the first.
     first: u32,
     slots: &'a mut [Slot],
     states: &'a mut [ContactState],
@@ -310,7 +325,6 @@ struct Chunk<'a> {
 
 impl Chunk<'_> {
     fn update(&mut self, bodies: &[Body], settings: &SolverSettings) {
-        let Finder { search, points, turned, manifolds, point_count, fast } = &mut *self.finder;
         for index in ones(self.active) {
             let watch = &mut self.watches[index as usize];
             if watch.holds(self.travels) {
@@ -318,26 +332,54 @@ impl Chunk<'_> {
             }
             let (slot, state) = (&mut self.slots[index as usize], &mut self.states[index as usize]);
             let (a, b) = (&bodies[slot.pair.a as usize], &bodies[slot.pair.b as usize]);
-            let (touched, had) = (slot.touching, state.geometry.point_count());
+            let before = (slot.touching, state.geometry.point_count());
             let known = if let Some(known) = slot.find_balls(state, a, b, settings) {
+                slot.found_in = self.update;
+                self.finder.note(self.first + index, slot, state, before);
                 known
             } else {
                 let pose = Pose::relative(a, b);
-                if let Some(moved) = slot.moved(&pose)
-                    && slot.holds_after(moved, a, b, settings)
-                {
-                    watch.begin(slot.known_after(moved), slot.size(), self.travels);
-                    continue;
+                let held = slot.moved(&pose).filter(|&moved| slot.holds_after(moved, a, b, settings));
+                if held.is_none() {
+                    let place = (pose, contact_gap(a, b, settings));
+                    let found = (self.first + index, &mut *slot, state);
+                    self.finder.find([a, b], place, found, self.update, self.joined, settings);
                 }
-                points.clear();
-                fast.extend(slot.find(pose, state, a, b, self.joined, settings, search, points));
-                slot.known_after(0.0)
+                slot.known_after(held.unwrap_or(0.0))
             };
-            slot.found_in = self.update;
             watch.begin(known, slot.size(), self.travels);
-            turned.extend((slot.touching != touched).then_some(self.first + index));
-            *manifolds += i64::from(slot.touching) - i64::from(touched);
-            *point_count += state.geometry.point_count() as i64 - had as i64;
+            if let Known::Apart(distance) = known
+                && gap_if_stopped(a, b, settings).is_some_and(|gap| gap > distance)
+            {
+                self.finder.together.push(self.first + index);
+            }
         }
+    }
+}
+
+impl Finder {
+    /// Finds the manifold of a slot of that index at a relative pose within a gap, m, in that of the graph's updates.
+    pub(super) fn find(
+        &mut self,
+        [a, b]: [&Body; 2],
+        place: (Pose, f64),
+        (index, slot, state): (u32, &mut Slot, &mut ContactState),
+        update: u64,
+        joined: &BitSet,
+        settings: &SolverSettings,
+    ) {
+        let Self { search, points, fast, .. } = self;
+        slot.found_in = update;
+        points.clear();
+        let before = (slot.touching, state.geometry.point_count());
+        fast.extend(slot.find(place, state, a, b, joined, settings, search, points));
+        self.note(index, slot, state, before);
+    }
+
+    /// Takes in what has become of a slot of that index that touched before, or not, with so many points.
+    fn note(&mut self, index: u32, slot: &Slot, state: &ContactState, (touched, had): (bool, usize)) {
+        self.turned.extend((slot.touching != touched).then_some(index));
+        self.manifolds += i64::from(slot.touching) - i64::from(touched);
+        self.point_count += state.geometry.point_count() as i64 - had as i64;
     }
 }

@@ -9,6 +9,7 @@
 //! are matched by feature when the manifold is found again.
 
 mod balls;
+mod behind_impacts;
 pub(super) mod export;
 pub(super) mod graph;
 mod pose;

@@ -126,10 +126,11 @@ impl Slot {
         a.rotation * self.origin
     }
 
-    /// Finds the manifold for the present poses or, if the pair is fast, those at its impact. Returns it if it is.
+    /// Finds the manifold for the present poses within a gap, m, or, if the pair is fast, that at its impact. Returns it
+    /// if it is.
     pub(super) fn find(
         &mut self,
-        pose: Pose,
+        (pose, gap): (Pose, f64),
         state: &mut ContactState,
         a: &Body,
         b: &Body,
@@ -140,7 +141,7 @@ impl Slot {
     ) -> Option<FastPair> {
         let h = settings.step();
         self.found_at = Some(pose);
-        self.found_within = contact_gap(a, b, settings);
+        self.found_within = gap;
         self.apart = 0.0;
         search.last = self.axis;
         // One on a joint will not go on as it moves now.

@@ -271,6 +271,7 @@ impl Rows for AnyJoint {
         let none = Vector3::zeros();
         RowKey {
             penalty: self.laws[0].stiffness,
+            friction: 0.0,
             arms: self.sides.map(|side| side.arm),
             normal: none,
             levers: std::array::from_fn::<_, POINTS, _>(|row| self.maps[1].fixed_view::<1, 3>(row, 3).transpose()),

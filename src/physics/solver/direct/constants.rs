@@ -5,9 +5,9 @@
 /// lies, below what one sees (`resting`).
 pub(super) const REST_SPEED: f64 = 0.05;
 
-/// Products of blocks in a factorisation up to which an island is solved at rest: a wall of a hundred bodies. Noticed by
-/// the clock alone.
-pub(super) const REST_PRODUCTS: usize = 4_000;
+/// Products of blocks in a factorisation up to which an island is solved at rest: a wall of two hundred bodies, which one
+/// substep of one sweep does not hold (`heavy_loads`: a wall of 15 rows).
+pub(super) const REST_PRODUCTS: usize = 20_000;
 
 /// Products of blocks in a factorisation up to which an island is solved in motion. Noticed by the clock alone.
 pub(super) const MOTION_PRODUCTS: usize = 1_000;
@@ -21,6 +21,56 @@ pub(super) const REST_CONTACT_PENALTY: f64 = 1e4;
 /// substep; what rests is exact, as the rows act about the impulses of before. With much more, active-set iterations do
 /// not end (`joints_and_contacts`).
 pub(super) const MOTION_CONTACT_PENALTY: f64 = 3.0;
+
+/// Mass of a body over that of one that bears it from which on sweeps do not pass the load on in time (`heavy_loads`).
+pub(super) const HEAVY_LOAD: f64 = 8.0;
+
+/// Cosine of the greatest angle between what pushes a body and what keeps it from giving way: a ball that breaks through a wall
+/// pushes cubes that others only touch at right angles. Noticed by the clock (`wrecking_ball`).
+pub(super) const AGAINST: f64 = 0.5;
+
+/// Products of blocks in a factorisation up to which an island of contacts alone, whose loads are heavy, is solved in
+/// motion, a wall of a hundred and fifty bodies; the same over how many times heavier a load is than what bears it; and
+/// that for each body, of which a tree takes two. Noticed by the clock: heaps are not to pay.
+pub(super) const LOADED_PRODUCTS: usize = 8_000;
+pub(super) const PRODUCTS_OF_RATIO: f64 = 20.0;
+pub(super) const BODY_PRODUCTS_OF_RATIO: f64 = 0.5;
+
+/// Penalty of rows of contacts over the mass of such an island: through a column of n it is as soft as an n-th
+/// (`heavy_loads`).
+pub(super) const LOADED_CONTACT_PENALTY: f64 = 100.0;
+
+/// Slip at which friction of such an island has the largest impulse that it may have, m/s: with the penalty of normal
+/// impulses, bodies that bear little would stick up to some µm/s, and the lines of Newton's method would end at the kink of
+/// each. What rests does not slip, as impulses act about those of before (`heavy_loads`).
+pub(super) const SLIP: f64 = 0.01;
+
+/// Newton iterations in a substep of such an island at most, and products of blocks in all their factorisations; those after
+/// which bounds of friction are not renewed again; and points tried along a line. A ball that lands on a wall of 105 cubes
+/// takes 77, what lies two. Noticed by the clock, and by how many substeps do not end (`heavy_loads`).
+pub(super) const LOADED_ITERATIONS: usize = 150;
+pub(super) const LOADED_WORK: usize = 800_000;
+pub(super) const BOUND_ITERATIONS: usize = 10;
+pub(super) const LOADED_LINE_POINTS: usize = 32;
+
+/// Share of the impulses of its contacts that a body may miss after so many iterations, ten times as much after as many
+/// more, and at most. Noticed by the clock: the last of many rows takes a quarter of the time.
+pub(super) const LATE_ITERATIONS: usize = 20;
+pub(super) const LATE_SHARE: f64 = 1e-5;
+pub(super) const MOST_SHARE: f64 = 1e-3;
+
+/// How often the bounds of friction are renewed at most in a substep.
+pub(super) const RENEWALS: usize = 8;
+
+/// Share of an impulse that stops the fastest body by a row's penalty alone which is lost in rounding.
+pub(super) const BALANCE_ROUNDING: f64 = 1e-12;
+
+/// Speed of a body over that of the fastest before a substep beyond which what came out is not believed (`heavy_loads`).
+pub(super) const BELIEVED_SPEED: f64 = 2.0;
+
+/// Steps for which such an island is swept after one that was not believed, besides twice as many as the last time if that
+/// was so, too. What is heavy sinks meanwhile. Noticed by the clock alone.
+pub(super) const DOUBTFUL_STEPS: u32 = 1;
 
 /// Penalty of a contact that bounces over that of one that does not: it is to part as it should in a single substep
 /// (`joints_and_contacts`).

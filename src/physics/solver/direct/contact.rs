@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::constants::{ARM_CHANGE, BOUNCE_PENALTY, TOUCHING};
+use super::constants::{ARM_CHANGE, BOUNCE_PENALTY, SLIP, TOUCHING};
 use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, Stiffness, bits};
 use crate::physics::collision::{ContactState, POINTS};
 use crate::physics::constraint::row::{Twist, Wrench};
@@ -35,6 +35,8 @@ pub(super) struct DirectContact {
     pub prescribed: Twist<f64>,
     /// Impulse over speed of its rows, kg.
     pub penalty: f64,
+    /// The same of its friction, where that is another.
+    slip_penalty: Option<f64>,
     /// 1/h, 1/s.
     pub per_step: f64,
     normal: Vector3<f64>,
@@ -140,6 +142,71 @@ impl DirectContact {
         self.penalty = if bounces { BOUNCE_PENALTY * penalty } else { penalty };
     }
 
+    /// The impulse expected.
+    pub fn expected(&self) -> Wrench<f64> {
+        self.wrench(self.points[..self.count].iter().map(|point| (point, point.expected)), self.expected)
+    }
+
+    /// Expects a share of what it did.
+    pub fn expect_share(&mut self, share: f64) {
+        self.points[..self.count].iter_mut().for_each(|point| point.expected *= share);
+        self.expected = self.expected.map(|impulse| impulse * share);
+    }
+
+    /// Bounds friction by the normal impulses expected.
+    pub fn expect_limit(&mut self) {
+        self.bound_friction(self.points[..self.count].iter().map(|point| point.expected).sum());
+    }
+
+    /// Bounds friction by the normal impulses at hand.
+    pub fn renew_limit(&mut self) {
+        self.bound_friction(self.points[..self.count].iter().map(|point| point.impulse).sum());
+    }
+
+    /// Bounds friction by a normal impulse, N·s, and has it give way by [`SLIP`] when at its bound.
+    fn bound_friction(&mut self, load: f64) {
+        self.limit = self.coefficient * load;
+        self.slip_penalty = Some((self.limit / SLIP).min(self.penalty));
+    }
+
+    fn friction_penalty(&self) -> f64 {
+        self.slip_penalty.unwrap_or(self.penalty)
+    }
+
+    /// Takes in a motion: which rows act at it, and their impulses, with the bound of friction as it is.
+    pub fn settle(&mut self, motion: &Twist<f64>) {
+        for index in 0..self.count {
+            let trial = self.trial(&self.points[index], motion);
+            let point = &mut self.points[index];
+            (point.is_active, point.impulse) = (trial > 0.0, trial.max(0.0));
+        }
+        if self.coefficient == 0.0 {
+            return;
+        }
+        let trial = self.friction_if_stuck(motion);
+        let size = length(trial[0], trial[1]);
+        self.is_sliding = size > self.limit;
+        self.is_twisting = trial[2].abs() > self.limit * self.radius;
+        self.friction = self.bounded(trial);
+        self.turn_across(trial, size);
+    }
+
+    /// Sets `across` for friction that would be that if it stuck, of that size.
+    fn turn_across(&mut self, trial: [f64; 3], size: f64) {
+        let left = if self.is_sliding && size > 0.0 { (self.limit / size).sqrt() / size } else { 0.0 };
+        self.across = [-trial[1] * left, trial[0] * left];
+    }
+
+    /// Twice the energy that it can give in taking back what it expected, J: λ̂²/ρ of a point, and of friction no more than
+    /// at [`SLIP`].
+    pub fn stored(&self) -> f64 {
+        let [x, y, torsion] = self.expected;
+        let about = if self.radius > 0.0 { torsion / self.radius } else { 0.0 };
+        let points = self.points[..self.count].iter().map(|point| point.expected);
+        let of_points = points.map(|impulse| impulse * impulse).sum::<f64>() / self.penalty;
+        of_points + 2.0 * SLIP * (length(x, y) + about.abs())
+    }
+
     /// How many points it has.
     pub fn points(&self) -> usize {
         self.count
@@ -155,14 +222,15 @@ impl DirectContact {
             ww += point.lever * point.lever.transpose() * penalty;
         }
         let square = normal * normal.transpose();
-        let across = if self.is_sliding || self.coefficient == 0.0 { 0.0 } else { penalty };
+        let friction = self.friction_penalty();
+        let across = if self.is_sliding || self.coefficient == 0.0 { 0.0 } else { friction };
         if !self.is_twisting && self.coefficient != 0.0 {
-            ww += square * (penalty * self.radius * self.radius);
+            ww += square * (friction * self.radius * self.radius);
         }
         let mut uu = Matrix3::from_diagonal_element(across) + square * (along - across);
         if self.is_sliding {
             let turned = self.tangents[0] * self.across[0] + self.tangents[1] * self.across[1];
-            uu += turned * turned.transpose() * penalty;
+            uu += turned * turned.transpose() * friction;
         }
         Stiffness { uu, uw: normal * lever.transpose(), ww }
     }
@@ -207,9 +275,10 @@ impl DirectContact {
 
     fn friction_if_stuck(&self, motion: &Twist<f64>) -> [f64; 3] {
         let [slip_x, slip_y] = self.tangents.map(|tangent| tangent.dot(&motion.linear));
-        let torsion = self.penalty * self.radius * self.radius * self.normal.dot(&motion.angular);
+        let penalty = self.friction_penalty();
+        let torsion = penalty * self.radius * self.radius * self.normal.dot(&motion.angular);
         let [x, y, about] = self.expected;
-        [x - self.penalty * slip_x, y - self.penalty * slip_y, about - torsion]
+        [x - penalty * slip_x, y - penalty * slip_y, about - torsion]
     }
 
     /// The nearest that the limit admits.
@@ -246,6 +315,7 @@ impl Rows for DirectContact {
         let sticks = [self.is_sliding, self.is_twisting].map(|slips| !slips && self.coefficient != 0.0);
         RowKey {
             penalty: self.penalty,
+            friction: self.slip_penalty.unwrap_or(0.0),
             arms: self.sides.map(|side| side.arm),
             normal: self.normal,
             levers: self.points.map(|point| point.lever),
@@ -300,8 +370,7 @@ impl Rows for DirectContact {
         holds &= !is_sliding || moved(0).max(moved(1)) <= tolerance;
         holds &= !is_twisting || moved(2) <= tolerance * self.radius;
         (self.is_sliding, self.is_twisting, self.friction) = (is_sliding, is_twisting, friction);
-        let left = if is_sliding && size > 0.0 { (self.limit / size).sqrt() / size } else { 0.0 };
-        self.across = [-trial[1] * left, trial[0] * left];
+        self.turn_across(trial, size);
         holds
     }
 

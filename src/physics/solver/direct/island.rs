@@ -12,6 +12,7 @@ use super::constants::{
 use super::contact::DirectContact;
 use super::dual::DualSystem;
 use super::joint::{DirectJoint, SoftLaw};
+use super::loads::{Kept, Loads};
 use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, body_vector, halves};
 use super::snapshot::Snapshot;
 use super::world::World;
@@ -56,6 +57,8 @@ pub(crate) struct DirectIsland {
     /// Of contacts, then joints: both bodies' places among the members.
     ends: Vec<[Option<u32>; 2]>,
     analysis: Analysis,
+    pub(super) loads: Loads,
+    pub kept: Kept,
     pub(super) elimination: Elimination,
     /// Whether it was solved here in the last step, at rest or in motion.
     pub is_solved: bool,
@@ -74,12 +77,12 @@ pub(crate) struct DirectIsland {
     /// Steps for which none was tried at rest after the last that failed, and those left.
     pub(super) pause: u32,
     pub(super) pause_left: u32,
-    matrix: BlockLdl<f64, Inverse>,
+    pub(super) matrix: BlockLdl<f64, Inverse>,
     /// M v₀ + h f, by place in the elimination, like the next three.
     pub(super) momentum: Vec<BodyVector>,
     pub(super) velocity: Vec<BodyVector>,
     /// Velocity of the iteration before.
-    before: Vec<BodyVector>,
+    pub(super) before: Vec<BodyVector>,
     /// Velocity that corrects position errors besides.
     pub(super) correction: Vec<BodyVector>,
     /// Of contacts, then joints: the relative motion of the iteration before, and how far to the one at hand.
@@ -380,7 +383,7 @@ impl DirectIsland {
                 [&*before, &*velocity].map(|velocity| relative_motion(elimination, velocity, rows, rows.prescribed()));
             lines.push((from, to.plus(&from, -1.0)));
         });
-        level(|share| {
+        level(LINE_SEARCH_POINTS, |share| {
             let (mut given, mut lines) = (0.0, lines.iter());
             for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
                 let (from, line) = lines.next().expect("each constraint has one");
@@ -391,7 +394,7 @@ impl DirectIsland {
     }
 
     /// Factors the matrix of the active rows, unless the factor at hand will do.
-    fn factor(&mut self) -> bool {
+    pub(super) fn factor(&mut self) -> bool {
         let Self { matrix, contact_rows, joint_rows, any_rows, elimination, ends, factored, inertias, blocks, .. } =
             self;
         let (mut then, mut is_same) = (factored.iter(), factored.len() == ends.len());
@@ -466,14 +469,15 @@ impl DirectIsland {
     }
 }
 
-/// Where a slope that starts negative and only grows is level, or 1 if it still falls there.
-pub(super) fn level(slope: impl Fn(f64) -> f64) -> f64 {
+/// Where a slope that starts negative and only grows is level, or 1 if it still falls there; looked for at so many points
+/// at most.
+pub(super) fn level(points: usize, slope: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = ((0.0, slope(0.0)), (1.0, slope(1.0)));
     let flat = LINE_SEARCH_SLOPE * low.1.abs();
     if high.1 <= flat || low.1 >= 0.0 {
         return 1.0;
     }
-    for _ in 0..LINE_SEARCH_POINTS {
+    for _ in 0..points {
         // By the secant, but not too near the ends.
         let (width, secant) = (high.0 - low.0, low.1 / (low.1 - high.1));
         let share = low.0 + width * secant.clamp(0.1, 0.9);
@@ -570,7 +574,7 @@ fn inverse_mass_at(body: &Body, side: &Side) -> Matrix3<f64> {
 }
 
 /// Adds an impulse of rows on B, and its reaction on A.
-fn apply(elimination: &Elimination, vectors: &mut [BodyVector], rows: &impl Rows, impulse: &Wrench<f64>) {
+pub(super) fn apply(elimination: &Elimination, vectors: &mut [BodyVector], rows: &impl Rows, impulse: &Wrench<f64>) {
     let [a, b] = rows.sides();
     if let Some(body) = a.body {
         vectors[elimination.place(body) as usize] -= rows.wrench_on(0, impulse);

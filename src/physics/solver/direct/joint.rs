@@ -90,6 +90,7 @@ impl Rows for DirectJoint {
         let none = Vector3::zeros();
         RowKey {
             penalty: self.penalty,
+            friction: 0.0,
             arms: self.sides.map(|side| side.arm),
             normal: none,
             levers: [none; POINTS],

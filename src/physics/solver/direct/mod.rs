@@ -1,5 +1,6 @@
 //! Islands solved at once, all contacts and joints together, directly: at rest, for the whole step ([`rest`]); in
-//! motion, where there are joints, substep by substep ([`motion`]).
+//! motion, where there are joints ([`motion`]) or loads that sweeps would not pass on in time ([`loaded`]), substep by
+//! substep.
 //!
 //! Sweeps pass a load on from contact to contact, and springs that sweeps can follow give under it: a column of 30
 //! cubes sinks by centimetres and leans, a light box under a heavy one is crushed. Where all is at rest and the body
@@ -29,6 +30,8 @@ mod contact;
 mod dual;
 mod island;
 mod joint;
+mod loaded;
+mod loads;
 mod motion;
 mod rest;
 mod rows;

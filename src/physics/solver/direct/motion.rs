@@ -1,4 +1,4 @@
-//! Islands with joints in motion: the same direct solve, substep by substep.
+//! Islands with joints in motion ([`loaded`](super::loaded) tells of those without): the same direct solve, substep by substep.
 //!
 //! Sweeps pass the load of a limb on from joint to joint, and what is light under it is thrown about. So islands
 //! with joints are solved here in motion, too, contacts and all, with the geometry that joints have in each substep:
@@ -59,6 +59,11 @@ impl MotionTerms {
             restitution_speed: restitution_threshold(settings),
         }
     }
+
+    /// Fastest way out of an error, m/s.
+    pub(super) fn correction_speed(&self) -> f64 {
+        self.correction_speed
+    }
 }
 
 impl DirectIsland {
@@ -83,7 +88,8 @@ impl DirectIsland {
     }
 
     fn can_set_off(&mut self, world: &impl World, terms: &MotionTerms) -> bool {
-        if self.joints.is_empty() || !self.members.iter().all(|&member| moves_freely(world.body(member))) {
+        let may = !self.joints.is_empty() || self.may_set_off_loaded(world);
+        if !may || !self.members.iter().all(|&member| moves_freely(world.body(member))) {
             return false;
         }
         let bounces = |&slot: &u32| {
@@ -95,7 +101,12 @@ impl DirectIsland {
         self.bounces = self.contacts.iter().any(bounces);
         self.is_analysed(world, terms.time)
             && (!self.bounces || self.posture.is_some())
-            && (self.dual.is_some() || self.elimination.products() <= MOTION_PRODUCTS)
+            && (self.dual.is_some() || self.elimination.products() <= self.most_products())
+    }
+
+    /// Products of blocks up to which it is solved in motion.
+    fn most_products(&self) -> usize {
+        if self.joints.is_empty() { self.loaded_products() } else { MOTION_PRODUCTS }
     }
 
     /// Into what its step is cut.
@@ -108,8 +119,18 @@ impl DirectIsland {
         &self.partners
     }
 
-    /// Solves for the substep of that index: velocities and impulses, and the correction of position errors.
-    pub fn substep(&mut self, world: &impl World, terms: &MotionTerms, substep: u32) {
+    /// Solves for the substep of that index: velocities and impulses, and the correction of position errors. Whether what
+    /// came out is to be believed; if not, the step is to be as if it had not begun, and is for the sweeps.
+    pub fn substep(&mut self, world: &impl World, terms: &MotionTerms, substep: u32) -> bool {
+        if self.joints.is_empty() {
+            self.has_rows = false;
+            return self.substep_loaded(world, terms, substep == 0);
+        }
+        self.substep_with_joints(world, terms, substep);
+        true
+    }
+
+    fn substep_with_joints(&mut self, world: &impl World, terms: &MotionTerms, substep: u32) {
         let Intervals { h, replaces, turns_far, .. } = self.intervals;
         let (time, is_first) = (terms.time + h * f64::from(substep), substep == 0);
         self.has_rows = false;
@@ -120,9 +141,7 @@ impl DirectIsland {
             return;
         }
         if is_first || turns_far {
-            // What is round rolls: its contact does not turn with it.
-            let stays = |body: &Body| !is_first && body.geometry.as_ref().is_some_and(Geometry::is_round);
-            self.make_contact_rows(world, [h, replaces, MOTION_CONTACT_PENALTY], stays, |_, _| {});
+            self.make_turned_rows(world, [h, replaces, MOTION_CONTACT_PENALTY], is_first);
         }
         if self.bounces {
             self.bounce(world, terms.restitution_speed, MOTION_CONTACT_PENALTY);
@@ -167,6 +186,13 @@ impl DirectIsland {
         moving.map(|body| body.linear.norm() + turning_speed(body)).fold(0.0, f64::max)
     }
 
+    /// Makes the rows of contacts, in a substep that is not the first of those that have turned.
+    pub(super) fn make_turned_rows(&mut self, world: &impl World, terms: [f64; 3], is_first: bool) {
+        // What is round rolls: its contact does not turn with it.
+        let stays = |body: &Body| !is_first && body.geometry.as_ref().is_some_and(Geometry::is_round);
+        self.make_contact_rows(world, terms, stays, |_, _| {});
+    }
+
     /// Closes what the substep left of gaps of joints, in the poses alone.
     fn put_together(&mut self, world: &impl World, time: f64, correction_speed: f64, h: f64) {
         let Some(mut posture) = self.posture.take() else { return };
@@ -193,7 +219,7 @@ impl DirectIsland {
     }
 
     /// Momenta, and inertias with the geometric stiffness of the impulses of joints.
-    fn take_momenta(&mut self, world: &impl World, h: f64) {
+    pub(super) fn take_momenta(&mut self, world: &impl World, h: f64) {
         let Self { stiffnesses, joint_rows, any_rows, members, inertias, momentum, elimination, .. } = self;
         stiffnesses.clear();
         stiffnesses.resize(members.len(), Matrix3::zeros());

@@ -195,6 +195,8 @@ impl RowBlocks {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RowKey {
     pub penalty: f64,
+    /// Penalty of friction, where it has one of its own; else 0.
+    pub friction: f64,
     pub arms: [Vector3<f64>; 2],
     pub normal: Vector3<f64>,
     pub levers: [Vector3<f64>; POINTS],
@@ -217,6 +219,7 @@ impl RowKey {
         let squared = (0..2).map(|side| (self.arms[side] - other.arms[side]).norm_squared());
         let levers = (0..POINTS).map(|point| (self.levers[point] - other.levers[point]).norm_squared());
         let moved = squared.chain(levers).fold(size * (self.normal - other.normal).norm_squared(), f64::max);
-        self.active == other.active && self.across == other.across && moved <= ARM_CHANGE * ARM_CHANGE * size
+        let is_same = self.active == other.active && self.across == other.across && self.friction == other.friction;
+        is_same && moved <= ARM_CHANGE * ARM_CHANGE * size
     }
 }

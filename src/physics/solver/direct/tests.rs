@@ -191,11 +191,11 @@ fn a_line_is_followed_to_where_it_is_level() {
         (&|share: f64| share.powi(5) - 0.1, 0.1_f64.powf(0.2)),
         (&bent, 0.013),
     ] {
-        let found = level(slope);
+        let found = level(8, slope);
         assert!((found - expected).abs() < 0.1, "{found} instead of {expected}");
         assert!(slope(found) < 0.1 * slope(1.0));
     }
-    assert_eq!(level(|share| share - 2.0), 1.0, "all the way down");
+    assert_eq!(level(8, |share| share - 2.0), 1.0, "all the way down");
 }
 
 #[test]

@@ -119,8 +119,10 @@ unsafe fn solve_in_motion(
         return false;
     }
     let (world, Intervals { count, h, replaces, .. }) = (view.world, island.intervals());
-    counts.row_updates += island.rows() * count;
-    counts.rows += island.rows();
+    let may_go_back = island.joints().is_empty();
+    if may_go_back {
+        island.keep(view);
+    }
     for substep in 0..count {
         view.moved.clear();
         for &partner in island.partners() {
@@ -131,7 +133,12 @@ unsafe fn solve_in_motion(
                 view.moved.push((partner, body));
             }
         }
-        island.substep(view, terms, substep);
+        if !island.substep(view, terms, substep) {
+            view.moved.clear();
+            // SAFETY: these are the island's alone, and what was read of them is not held any more.
+            unsafe { go_back(island, world) };
+            return false;
+        }
         // SAFETY: these are the island's alone, and what was read of them is not held any more.
         unsafe {
             for (local, &member) in island.members().iter().enumerate() {
@@ -143,9 +150,27 @@ unsafe fn solve_in_motion(
         }
         island.carry_on(h);
     }
+    counts.row_updates += island.rows() * count;
+    counts.rows += island.rows();
     view.moved.clear();
     island.remember_motion(view);
     true
+}
+
+/// Has the bodies and contacts of an island be as its step found them.
+///
+/// # Safety
+/// Nobody else may be using the island's bodies and contacts.
+unsafe fn go_back(island: &DirectIsland, world: SharedWorld) {
+    // SAFETY: as the caller promises.
+    unsafe {
+        for (&member, body) in island.members().iter().zip(&island.kept.bodies) {
+            world.bodies.element(member as usize).clone_from(body);
+        }
+        for (&slot, impulses) in island.contacts().iter().zip(&island.kept.impulses) {
+            world.store(slot, *impulses);
+        }
+    }
 }
 
 /// Keeps the impulses of contacts and joints over a time h, s, of so many substeps.
