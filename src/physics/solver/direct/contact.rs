@@ -153,6 +153,12 @@ impl DirectContact {
         self.expected = self.expected.map(|impulse| impulse * share);
     }
 
+    /// Has what it expects be what it did.
+    pub fn keep_expected(&mut self) {
+        self.points[..self.count].iter_mut().for_each(|point| point.impulse = point.expected);
+        self.friction = self.expected;
+    }
+
     /// Bounds friction by the normal impulses expected.
     pub fn expect_limit(&mut self) {
         self.bound_friction(self.points[..self.count].iter().map(|point| point.expected).sum());

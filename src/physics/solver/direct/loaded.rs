@@ -9,8 +9,10 @@
 //! **Cost.** A factorisation takes some number of products of blocks, about two a body where the island is a tree (a
 //! column, a slab on a row), twenty a body in a wall of ten rows. What sweeps would have to do for a body grows with r; so
 //! up to [`BODY_PRODUCTS_OF_RATIO`] r products a body are spent, and in all up to [`PRODUCTS_OF_RATIO`] r, and never
-//! over [`LOADED_PRODUCTS`]. Trees are always solved; they come to rest so soon that they take less time than by sweeps.
-//! Heaps, whose bodies differ in mass by 8 to 20 and which are no trees once there are many, hardly ever are.
+//! over [`LOADED_PRODUCTS`]. Trees come to rest so soon that they take less time than by sweeps. What all islands of a world
+//! take beyond them comes from a reserve that fills up again ([`LoadAccount`](super::loads::LoadAccount)): enough for what
+//! lands now and then, not for a heap of unequal bodies that tumbles. Heaps of bodies that differ in mass by 8 to 20 hardly
+//! ever come here.
 //!
 //! **Solving.** With the bound of friction of each contact given,
 //!
@@ -24,7 +26,7 @@
 //!
 //! Impulses λ are told from λ̂, those of the substep before ([`Rows`]), so that what rests is exact and takes two
 //! iterations. After an impact they would say that there is another. So they are taken s times, by as much as they explain of what
-//! forces do ([`DirectIsland::expect_what_balances`]): a ball that has landed on a wall of 55 cubes takes a seventh of
+//! forces do ([`DirectIsland::expect_what_balances`]), and so they are left to the next step, which may be swept: a ball that has landed on a wall of 55 cubes takes a seventh of
 //! the time, and one of 105 comes to an end at all.
 //!
 //! What it ends with is no more than the bodies brought along: from φ(v) + ½ vᵀMv ≤ φ(0), the energy is less than that of v₀
@@ -59,15 +61,15 @@ use crate::physics::solver::substeps::Intervals;
 
 impl DirectIsland {
     /// Whether it is to be tried in a step in motion, if it has no joints.
-    pub(super) fn may_set_off_loaded(&mut self, world: &impl World) -> bool {
+    pub(super) fn may_set_off_loaded(&mut self, world: &impl World, terms: &MotionTerms) -> bool {
+        self.loads.may_spend = terms.may_spend;
         let most = *self.loads.mass_ratio.get_or_insert_with(|| mass_ratio(world, &self.members, &self.contacts));
         self.loads.ratio = 0.0;
-        // A tree takes two products a body, whatever is not one more.
-        if most < HEAVY_LOAD || 2 * self.members.len() > LOADED_PRODUCTS {
+        if most < HEAVY_LOAD || self.tree_products() > LOADED_PRODUCTS {
             return false;
         }
         self.loads.ratio = self.load_ratio(world);
-        if self.loads.ratio < HEAVY_LOAD || 2 * self.members.len() > self.loaded_products() {
+        if self.loads.ratio < HEAVY_LOAD || self.tree_products() > self.loaded_products() {
             return false;
         }
         let may = self.loads.pause_left == 0;
@@ -79,7 +81,18 @@ impl DirectIsland {
     pub(super) fn loaded_products(&self) -> usize {
         let ratio = self.loads.ratio;
         let in_all = LOADED_PRODUCTS.min((PRODUCTS_OF_RATIO * ratio) as usize);
-        in_all.min((BODY_PRODUCTS_OF_RATIO * ratio * self.members.len() as f64) as usize)
+        let by_size = in_all.min((BODY_PRODUCTS_OF_RATIO * ratio * self.members.len() as f64) as usize);
+        if self.loads.may_spend { by_size } else { by_size.min(self.tree_products()) }
+    }
+
+    /// Products of blocks of a tree of as many members; what is none takes more.
+    fn tree_products(&self) -> usize {
+        2 * self.members.len()
+    }
+
+    /// How many products of blocks it took beyond those of a tree since this was asked for.
+    pub fn take_spent(&mut self) -> u64 {
+        std::mem::take(&mut self.loads.spent) as u64
     }
 
     /// The greatest mass of a body over that of one that bears it: that it pushes, and that something else pushes about the
@@ -112,6 +125,24 @@ impl DirectIsland {
         kept.impulses.extend(contacts.iter().map(|&slot| world.state(slot).impulses));
     }
 
+    /// Has contacts keep, of the impulses of the last substep, of length `h`, s, what the next may begin with, whoever
+    /// solves it: sweeps would have that of an impact throw what is heavy up again.
+    pub fn expect_next(&mut self, world: &impl World, h: f64) {
+        self.take_momenta(world, h);
+        self.take_velocities(world);
+        self.expect_what_balances();
+        self.contact_rows.iter_mut().for_each(|rows| rows.keep_expected());
+    }
+
+    /// Takes in the velocities of members.
+    fn take_velocities(&mut self, world: &impl World) {
+        for (local, &member) in self.members.iter().enumerate() {
+            let Body { linear, angular, .. } = world.body(member);
+            let place = self.place(local);
+            self.velocity[place] = body_vector(linear, angular);
+        }
+    }
+
     /// Solves for a substep. Whether what came out is to be believed.
     pub(super) fn substep_loaded(&mut self, world: &impl World, terms: &MotionTerms, is_first: bool) -> bool {
         let Intervals { h, replaces, turns_far, .. } = self.intervals;
@@ -140,18 +171,16 @@ impl DirectIsland {
 
     /// Finds the least of φ, and the bounds of friction. Whether it did.
     fn find_velocities(&mut self, world: &impl World) -> bool {
-        for (local, &member) in self.members.iter().enumerate() {
-            let Body { linear, angular, .. } = world.body(member);
-            let place = self.place(local);
-            self.velocity[place] = body_vector(linear, angular);
-        }
+        self.take_velocities(world);
         self.expect_what_balances();
         self.contact_rows.iter_mut().for_each(|rows| rows.expect_limit());
         let least = self.rounding();
         let tolerance = self.speed_tolerance();
         let (mut is_renewed, mut renewals) = (false, 0);
         let most = LOADED_ITERATIONS.min(LOADED_WORK / self.elimination.products().max(1));
+        let cost = self.elimination.products().saturating_sub(self.tree_products());
         for iteration in 0..most {
+            self.loads.spent += cost;
             self.settle();
             self.take_imbalance();
             if self.is_balanced(tolerance, least, missing_share(iteration)) {

@@ -41,6 +41,7 @@ mod tests;
 mod world;
 
 pub(crate) use island::DirectIsland;
+pub(crate) use loads::LoadAccount;
 pub(crate) use motion::MotionTerms;
 pub(crate) use rest::Outcome;
 pub(crate) use world::World;

@@ -43,6 +43,8 @@ pub(crate) struct MotionTerms {
     pub substeps: Substeps,
     /// Simulation time at its start, s.
     pub time: f64,
+    /// Whether there is something to spend on heavy loads.
+    pub may_spend: bool,
     /// Fastest way out of an error, m/s.
     correction_speed: f64,
     /// Approach from which a contact bounces, m/s.
@@ -50,10 +52,11 @@ pub(crate) struct MotionTerms {
 }
 
 impl MotionTerms {
-    /// As the settings want it.
-    pub fn of(settings: &SolverSettings, time: f64) -> Self {
+    /// As the settings want it, and whether there is something to spend on heavy loads.
+    pub fn of(settings: &SolverSettings, time: f64, may_spend: bool) -> Self {
         Self {
             time,
+            may_spend,
             substeps: Substeps::of(settings),
             correction_speed: settings.correction_speed.unwrap_or(f64::INFINITY),
             restitution_speed: restitution_threshold(settings),
@@ -88,7 +91,7 @@ impl DirectIsland {
     }
 
     fn can_set_off(&mut self, world: &impl World, terms: &MotionTerms) -> bool {
-        let may = !self.joints.is_empty() || self.may_set_off_loaded(world);
+        let may = !self.joints.is_empty() || self.may_set_off_loaded(world, terms);
         if !may || !self.members.iter().all(|&member| moves_freely(world.body(member))) {
             return false;
         }

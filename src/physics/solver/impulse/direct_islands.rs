@@ -67,6 +67,7 @@ impl<L: Lanes> Group<L> {
                 scope.rest && solve_at_rest(island, &view, terms, &mut counts)
                     || scope.trees && solve_in_motion(island, &mut view, terms, &mut counts)
             };
+            counts.spent += island.take_spent();
             counts.changed |= island.is_solved != is_solved;
             island.is_solved = is_solved;
         }
@@ -153,6 +154,13 @@ unsafe fn solve_in_motion(
     counts.row_updates += island.rows() * count;
     counts.rows += island.rows();
     view.moved.clear();
+    if may_go_back {
+        island.expect_next(view, h);
+        for (index, &slot) in island.contacts().iter().enumerate() {
+            // SAFETY: the island's alone, and what was read of it is not held any more.
+            unsafe { world.store(slot, island.impulses(index, replaces)) };
+        }
+    }
     island.remember_motion(view);
     true
 }

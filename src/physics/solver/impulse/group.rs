@@ -119,6 +119,8 @@ pub(super) struct DirectCounts {
     pub rows: u32,
     /// Rows solved, over all substeps.
     pub row_updates: u32,
+    /// Products of blocks that heavy loads took.
+    pub spent: u64,
     /// Whether other islands are than in the step before.
     pub changed: bool,
 }

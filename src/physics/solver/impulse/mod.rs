@@ -48,7 +48,7 @@ mod xpbd;
 use bevy::prelude::*;
 use simba::simd::WideF32x8;
 
-use super::direct::MotionTerms;
+use super::direct::{LoadAccount, MotionTerms};
 use crate::physics::body::{Bodies, RigidBody};
 use crate::physics::collision::ContactGraph;
 use crate::physics::island::Islands;
@@ -81,6 +81,7 @@ struct GroupsOf<L: Lanes> {
     /// Version of the islands that the groups were planned for, and what was to be solved without sweeps.
     planned: Option<(u64, DirectScope)>,
     claims: WorldClaims,
+    loads: LoadAccount,
 }
 
 fn solve_groups(
@@ -142,8 +143,9 @@ impl<L: Lanes> GroupsOf<L> {
             let input = PlanInput { islands, bodies, joints, graph };
             for_each_block(threads, groups, |group| group.plan(&input, scope));
         }
+        let may_spend = self.loads.begin_step((0..count).map(|group| islands.bodies(group).len()).sum());
         if !groups.iter().all(|group| group.islands.is_empty()) {
-            let terms = MotionTerms::of(settings, time);
+            let terms = MotionTerms::of(settings, time, may_spend);
             SharedWorld::share(bodies, joints, graph, &mut self.claims, |world| {
                 for_each_block(threads, groups, |group| {
                     // SAFETY: no two groups share what either writes, see above.
@@ -161,6 +163,7 @@ impl<L: Lanes> GroupsOf<L> {
             total.resting += counts.resting;
             total.rows += counts.rows;
             total.row_updates += counts.row_updates;
+            self.loads.spend(counts.spent);
             let plan = Plan {
                 substeps: settings.substeps,
                 iterations: settings.iterations,
