@@ -23,7 +23,7 @@ pub(crate) struct Joint {
     pub torque: Vector3<f64>,
     /// What each row carried, where it is not a ball joint's along a world axis, N or N·m.
     pub multipliers: [f64; 6],
-    /// Whether that was found by iterations that did not end: sweeps do not start from it.
+    /// Whether that was found in a step in which some iterations did not end: sweeps do not start from it.
     pub is_doubtful: bool,
 }
 

@@ -64,6 +64,8 @@ pub(crate) struct DirectIsland {
     pub is_solved: bool,
     /// Whether the iterations of the last substep in motion ended.
     pub(super) has_converged: bool,
+    /// Whether those of all substeps of its last step in motion did.
+    pub(super) is_trusted: bool,
     /// Whether its last solve was in motion.
     pub(super) moves: bool,
     /// Whether some contact may bounce in its step in motion.
@@ -115,7 +117,7 @@ pub(crate) struct DirectIsland {
 impl DirectIsland {
     /// Of bodies that move and contacts by slot, both ascending, and joints, first those that hold a point at a point.
     pub fn new(members: Vec<u32>, contacts: Vec<u32>, joints: Vec<u32>) -> Self {
-        Self { members, contacts, joints, has_converged: true, ..Self::default() }
+        Self { members, contacts, joints, has_converged: true, is_trusted: true, ..Self::default() }
     }
 
     /// Whether it can be factored, and then what that takes.
@@ -457,7 +459,7 @@ impl DirectIsland {
 
     /// Writes what a joint carried in `h`, s.
     pub fn store_joint(&self, index: usize, joint: &mut Joint, h: f64) {
-        joint.is_doubtful = self.moves && self.posture.is_some() && !self.has_converged;
+        joint.is_doubtful = self.moves && self.posture.is_some() && !self.is_trusted;
         if let Some(dual) = self.dual.as_ref().filter(|_| self.moves) {
             dual.store(self.joints[index], joint);
             return;

@@ -12,7 +12,8 @@
 //! in sweeps, unless a body turns far ([`Substeps`]) and none of the two is round: where a wheel touches does not turn
 //! with it. Where active-set iterations do not end they are left as they stand: a row too many or too few for a substep
 //! is corrected in the next. With limits, they go on for longer while the bodies have more energy than there can be, and
-//! what is left of that is taken back.
+//! what is left of that is taken back. Impulses that were found so may be far too large, and cancel each other: sweeps
+//! that take over such an island start from none of them.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -133,6 +134,11 @@ impl DirectIsland {
         true
     }
 
+    /// Whether sweeps are to start from none of its impulses: iterations that found what its joints carried did not end.
+    pub fn is_doubtful(&self, world: &impl World) -> bool {
+        self.joints.iter().any(|&joint| world.joint(joint).is_doubtful)
+    }
+
     fn substep_with_joints(&mut self, world: &impl World, terms: &MotionTerms, substep: u32) {
         let Intervals { h, replaces, turns_far, .. } = self.intervals;
         let (time, is_first) = (terms.time + h * f64::from(substep), substep == 0);
@@ -167,6 +173,7 @@ impl DirectIsland {
         let least = if self.has_converged { MOTION_ITERATIONS } else { SHORT_ITERATIONS };
         let has_limits = self.posture.is_some();
         self.has_converged = self.iterate(least..=if has_limits { LONG_ITERATIONS } else { MOTION_ITERATIONS });
+        self.is_trusted = self.has_converged && (is_first || self.is_trusted);
         if has_limits && !self.has_converged {
             self.take_back_gain(self.fastest_support(world));
         }

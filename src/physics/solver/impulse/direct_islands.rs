@@ -67,6 +67,12 @@ impl<L: Lanes> Group<L> {
                 scope.rest && solve_at_rest(island, &view, terms, &mut counts)
                     || scope.trees && solve_in_motion(island, &mut view, terms, &mut counts)
             };
+            if !is_solved && island.is_doubtful(&view) {
+                for &slot in island.contacts() {
+                    // SAFETY: the island's alone, and nothing that was read of it is held.
+                    unsafe { world.store(slot, Record::default()) };
+                }
+            }
             counts.spent += island.take_spent();
             counts.changed |= island.is_solved != is_solved;
             island.is_solved = is_solved;
