@@ -136,6 +136,10 @@ pub(super) const GAP_CORRECTION: f64 = 0.5;
 /// this fast, and their joints part no more; from 0.13 rad on some do by centimetres (`limbs`).
 pub(super) const MOTION_TURN: f64 = 0.1;
 
+/// The same where joints have limits or hold more than points: figures that come to rest turn less (`pulled`: those that
+/// were jerked about come to rest).
+pub(super) const POSTURE_TURN: f64 = 0.03;
+
 /// Turns of a body in a substep, rad, up to which what curves its way is taken in whole, and from which on not at all
 /// (`pulled`: figures that are jerked about).
 pub(super) const CURVING_TURNS: [f64; 2] = [0.25, 0.5];

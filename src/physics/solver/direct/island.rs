@@ -106,6 +106,10 @@ pub(crate) struct DirectIsland {
     pub(super) dual: Option<Box<DualSystem>>,
     /// The same beside contacts, by which its joints are put together in the poses once all was solved for.
     pub(super) posture: Option<Box<DualSystem>>,
+    /// Whether a spring pulls at some point, as the hand of a user does.
+    pub(super) is_pulled: bool,
+    /// Whether joints were put together so in the substep at hand.
+    pub(super) is_put_together: bool,
     /// Bodies that do not move here but touch or hold it, global indices.
     pub(super) partners: Vec<u32>,
     /// Members, then partners, after a step that changed nothing; else empty.

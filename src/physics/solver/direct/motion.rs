@@ -7,11 +7,12 @@
 //!
 //! M with the geometric stiffness that the step cannot resolve ([`StiffnessShares`]), so that poses end on the joints to
 //! second order; what is left of gaps is corrected by the same factor in the positions alone. Where joints hold more than
-//! points, or have limits, their gaps are then closed by Newton's method on the poses, the nearest way by masses
-//! ([`DualSystem::project`](super::dual::DualSystem::project)). Contacts keep the geometry of the start of the step, as
-//! in sweeps, unless a body turns far ([`Substeps`]) and none of the two is round: where a wheel touches does not turn
-//! with it. Where active-set iterations do not end they are left as they stand: a row too many or too few for a substep
-//! is corrected in the next. With limits, they go on for longer while the bodies have more energy than there can be, and
+//! points, or have limits, their gaps are closed by Newton's method on the poses, the nearest way by masses, when the
+//! step is over, and after each substep where something turns far or a spring pulls
+//! ([`DualSystem::project`](super::dual::DualSystem::project)). Contacts keep the geometry of the start of the step, as in
+//! sweeps, unless a body turns far ([`Substeps`]) and none of the two is round: where a wheel touches does not turn with
+//! it. Where active-set iterations do not end they are left as they stand: a row too many or too few for a substep is
+//! corrected in the next. With limits, they go on for longer while the bodies have more energy than there can be, and
 //! what is left of that is taken back. Impulses that were found so may be far too large, and cancel each other: sweeps
 //! that take over such an island start from none of them.
 
@@ -19,7 +20,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{
     DEPTH_CORRECTION, GAP_CORRECTION, LONG_ITERATIONS, MOTION_CONTACT_PENALTY, MOTION_ITERATIONS, MOTION_PRODUCTS,
-    MOTION_TURN, SHORT_ITERATIONS,
+    MOTION_TURN, POSTURE_TURN, SHORT_ITERATIONS,
 };
 use super::dual::{DualTerms, move_to};
 use super::island::{DirectIsland, momentum_of, relative_motion};
@@ -75,13 +76,15 @@ impl DirectIsland {
     pub fn set_off(&mut self, world: &impl World, terms: &MotionTerms) -> bool {
         let sets_off = self.can_set_off(world, terms);
         if sets_off {
-            // Where joints hold more than points, motion is told to second order: fewer substeps would be felt, unless
-            // all has come to lie still and nothing drives it.
+            self.is_pulled = self.joints.iter().any(|&joint| world.joint(joint).softness().is_some());
+            // Without contacts, where joints hold more than points, motion is told to second order: fewer substeps would be
+            // felt, unless all has come to lie still and nothing drives it. What a hand presses to the ground gets into it.
             let is_driven = self.joints.iter().any(|&joint| world.joint(joint).definition.is_driven());
             let is_new = self.members.iter().any(|&member| !world.body(member).has_stepped);
             let far = match (&self.dual, &self.posture) {
                 (None, None) => MOTION_TURN,
                 _ if is_driven || is_new => -1.0,
+                (None, Some(_)) if !self.is_pulled => POSTURE_TURN,
                 _ => 0.0,
             };
             self.intervals = terms.substeps.for_bodies(self.members.iter().map(|&member| world.body(member)), far);
@@ -183,7 +186,12 @@ impl DirectIsland {
         }
         let rates = [DEPTH_CORRECTION / h, GAP_CORRECTION / h];
         self.correct(&Correction { rates, speeds: [terms.correction_speed; 2] });
-        self.put_together(world, time, terms.correction_speed, h);
+        // In the substeps before the last nobody sees what is left of gaps.
+        let is_last = substep + 1 == self.intervals.count;
+        self.is_put_together = self.posture.is_some() && (is_last || turns_far || self.is_pulled);
+        if self.is_put_together {
+            self.put_together(world, time, terms.correction_speed, h);
+        }
     }
 
     /// Greatest speed of a point of what moves it by contacts or joints that do not give, m/s.
@@ -263,7 +271,9 @@ impl DirectIsland {
             return;
         }
         match &self.posture {
-            Some(posture) if !self.factored.is_empty() => move_to(posture.projected(local), body, h),
+            Some(posture) if self.is_put_together && !self.factored.is_empty() => {
+                move_to(posture.projected(local), body, h)
+            }
             _ => move_to(&self.end_of(local, body, h), body, h),
         }
     }
