@@ -13,11 +13,15 @@ use nalgebra::Vector3;
 use super::joint::LawPart;
 use super::{
     Bodies, BodyQuarantined, BodyState, Breakable, BrokenJoint, Collider, Joint, JointBroke, JointDefinition,
-    JointLimits, JointSlot, Joints, LimitReached, PhysicsSchedule, PhysicsSystems, PlacedCollider, Position,
+    JointLimits, JointSlot, Joints, Keep, LimitReached, PhysicsSchedule, PhysicsSystems, PlacedCollider, Position,
     QuarantineReason, Quarantined, Rotation, SolverSettings, StepStats, set_aside,
 };
 
 pub(super) fn plugin(app: &mut App) {
+    app.keep_component::<Breakable>()
+        .keep_component::<BrokenJoint>()
+        .keep_result::<LoadHistory>()
+        .keep_result::<LimitWatch>();
     app.register_required_components::<Breakable, LoadHistory>();
     app.register_required_components::<JointLimits, LimitWatch>();
     let part = part_broken.run_if(any_with_component::<BrokenJoint>);

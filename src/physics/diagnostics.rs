@@ -11,8 +11,8 @@ use nalgebra::Vector3;
 
 use super::{
     Bodies, ContactForce, ContactForces, ContactGraph, Contacts, Diagnostics, ExactGroups, Gravity, GravityScale,
-    IslandSolvers, Joint, JointForce, JointForces, Joints, LaggedContacts, Method, PhysicsSchedule, PhysicsSystems,
-    Refill, SolverSettings, StepStats,
+    IslandSolvers, Joint, JointForce, JointForces, Joints, Keep, LaggedContacts, Method, PhysicsSchedule,
+    PhysicsSystems, Refill, SolverSettings, StepStats,
 };
 
 /// How long the last step's measuring took.
@@ -23,6 +23,7 @@ pub(super) struct MeasuringTime {
 }
 
 pub(super) fn plugin(app: &mut App) {
+    app.keep_resource::<Diagnostics>().keep_resource::<ContactForces>().keep_resource::<JointForces>();
     app.init_resource::<MeasuringTime>().add_systems(
         PhysicsSchedule,
         (

@@ -4,7 +4,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::{
-    Bodies, Collision, ContactEnded, ContactGraph, ContactStarted, Contacts, Manifold, ObserveContacts,
+    Bodies, Collision, ContactEnded, ContactGraph, ContactStarted, Contacts, Keep, Manifold, ObserveContacts,
     PhysicsSchedule, PhysicsSystems, ReportCollisions, contacts_last,
 };
 
@@ -12,14 +12,14 @@ pub(super) fn plugin(app: &mut App) {
     // Before the solve, while velocities are those at which the contacts were found.
     let found = report_collisions.after(PhysicsSystems::NarrowPhase).before(PhysicsSystems::Islands);
     let changes = (report_changes.run_if(not(contacts_last)), report_starts_and_ends.run_if(contacts_last));
-    app.init_resource::<Touching>().add_systems(
+    app.init_resource::<Touching>().keep_resource::<Touching>().add_systems(
         PhysicsSchedule,
         (found.run_if(any_with_component::<ReportCollisions>), changes.in_set(PhysicsSystems::Events)),
     );
 }
 
 /// The pairs that touched in the last step, sorted, the lower entity first.
-#[derive(Resource, Default)]
+#[derive(Resource, Default, Clone)]
 struct Touching {
     pairs: Vec<(Entity, Entity)>,
     present: Vec<(Entity, Entity)>,

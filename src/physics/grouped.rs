@@ -3,7 +3,7 @@
 use super::Refill;
 
 /// Items, group after group; those of one group in the order in which they came.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Grouped {
     items: Vec<u32>,
     /// Group g has `items[starts[g]..starts[g + 1]]`.

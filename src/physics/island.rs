@@ -11,17 +11,19 @@ mod tests;
 use bevy::prelude::*;
 
 use super::grouped::Grouped;
-use super::{Bodies, ContactGraph, Contacts, Joints, LaggedContacts, Refill, RigidBody, SolverSettings, StepStats};
+use super::{
+    Bodies, ContactGraph, Contacts, Joints, Keep, LaggedContacts, Refill, RigidBody, SolverSettings, StepStats,
+};
 
 /// Islands are packed until a group has this many bodies.
 const BODIES_PER_GROUP: u32 = 128;
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<Islands>();
+    app.init_resource::<Islands>().keep_resource::<Islands>();
 }
 
 /// The islands of this step, packed into groups that share no body that moves.
-#[derive(Resource, Default)]
+#[derive(Resource, Default, Clone)]
 pub(crate) struct Islands {
     /// Group of each body; [`Grouped::NONE`] for static ones.
     group_of: Vec<u32>,

@@ -10,8 +10,9 @@ use bevy::ecs::schedule::{ScheduleBuildSettings, ScheduleLabel, SingleThreadedEx
 use bevy::prelude::*;
 
 use super::diagnostics::{self, MeasuringTime};
+use super::rewind::step_and_note;
 use super::{
-    BodyQuarantined, Collision, ContactEnded, ContactStarted, Gravity, JointBroke, LimitReached, PhysicsSchedule,
+    BodyQuarantined, Collision, ContactEnded, ContactStarted, Gravity, JointBroke, Keep, LimitReached, PhysicsSchedule,
     PhysicsSystems, RenderOrigin, SolverSettings, StepStats, breaking, collision, events, island, prepare, sleep,
     solver, transform, write_back,
 };
@@ -43,6 +44,10 @@ impl Plugin for PhysicsPlugin {
             .init_resource::<Gravity>()
             .init_resource::<RenderOrigin>()
             .init_resource::<StepStats>()
+            .keep_setting::<SolverSettings>()
+            .keep_setting::<Gravity>()
+            .keep_resource::<StepStats>()
+            .keep_look::<Name>()
             .add_message::<ContactStarted>()
             .add_message::<ContactEnded>()
             .add_message::<Collision>()
@@ -105,7 +110,7 @@ fn run_step(world: &mut World) {
         return;
     }
     let start = Instant::now();
-    world.run_schedule(PhysicsSchedule);
+    step_and_note(world);
     let measuring = std::mem::take(&mut world.resource_mut::<MeasuringTime>().spent);
     world.resource_mut::<StepStats>().step_seconds = start.elapsed().saturating_sub(measuring).as_secs_f64();
 }

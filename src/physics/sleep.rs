@@ -22,8 +22,8 @@ use nalgebra::Vector3;
 
 use super::island::find_islands;
 use super::{
-    BitSet, Bodies, Body, BodySlot, ContactGraph, GONE, Islands, Joints, NearPairs, PhysicsSchedule, PhysicsSystems,
-    Presence, Refill, RigidBody, Sleeping, SolverSettings, StepStats, contacts_last,
+    BitSet, Bodies, Body, BodySlot, ContactGraph, GONE, Islands, Joints, Keep, NearPairs, PhysicsSchedule,
+    PhysicsSystems, Presence, Refill, RigidBody, Sleeping, SolverSettings, StepStats, contacts_last,
 };
 
 #[cfg(test)]
@@ -38,6 +38,7 @@ const GAIN: f64 = 0.01;
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Sleep>()
+        .keep_resource::<Sleep>()
         .add_systems(PhysicsSchedule, wake_near.after(PhysicsSystems::BroadPhase).before(PhysicsSystems::NarrowPhase))
         .add_systems(
             PhysicsSchedule,
@@ -48,7 +49,7 @@ pub(super) fn plugin(app: &mut App) {
 }
 
 /// Who sleeps, with whom, and how long the others have been calm.
-#[derive(Resource, Default)]
+#[derive(Resource, Default, Clone)]
 pub(crate) struct Sleep {
     /// The bodies of each sleeping island; none: the place is free.
     islands: Vec<Vec<u32>>,

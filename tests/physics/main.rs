@@ -34,6 +34,7 @@ mod public_face;
 mod pulled;
 mod quarantine;
 mod resting;
+mod rewind;
 mod rig;
 mod sleeping;
 mod transforms;

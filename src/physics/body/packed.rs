@@ -115,7 +115,7 @@ impl Body {
 }
 
 /// All bodies, in the order in which they became bodies.
-#[derive(Resource, Default)]
+#[derive(Resource, Default, Clone)]
 pub(crate) struct Bodies {
     pub list: Vec<Body>,
     /// Counts every time a body came, went or changed its kind.
@@ -128,6 +128,8 @@ pub(crate) struct Bodies {
     pub sleep_version: u64,
     /// When the last step wrote bodies back: what was written then is known here already.
     pub written_back: Option<Tick>,
+    /// When the last step ended: its commands were applied with that tick.
+    pub ended: Option<Tick>,
 }
 
 impl Bodies {

@@ -25,7 +25,7 @@ impl Default for BodySlot {
 }
 
 /// Numbers bodies and joints in the order in which they are made.
-#[derive(Resource, Default)]
+#[derive(Resource, Default, Clone)]
 pub(crate) struct BirthCounter(u64);
 
 impl BirthCounter {

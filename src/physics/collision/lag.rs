@@ -8,7 +8,7 @@ use super::slots::graph::ContactGraph;
 use crate::physics::settings::SolverSettings;
 
 /// What the step before found, and what the solver is to use now, with a lag of one step.
-#[derive(Resource, Default)]
+#[derive(Resource, Default, Clone)]
 pub(crate) struct LaggedContacts {
     active: Contacts,
     next: Contacts,

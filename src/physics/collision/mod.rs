@@ -41,6 +41,7 @@ use bevy::prelude::*;
 
 use super::body::ReportCollisions;
 use super::readings::{ContactForces, Diagnostics};
+use super::rewind::Keep;
 use super::schedule::PhysicsSystems;
 use super::settings::{contacts_are_of_2009, contacts_last};
 use broad::near_pairs;
@@ -48,6 +49,11 @@ use classic::sweep_and_sort;
 use continuous::hold_back;
 
 pub(super) fn plugin(app: &mut App) {
+    app.keep_resource::<sweep_and_sort::SweptPairs>()
+        .keep_resource::<Contacts>()
+        .keep_resource::<ContactGraph>()
+        .keep_resource::<NearPairs>()
+        .keep_resource::<LaggedContacts>();
     app.init_resource::<sweep_and_sort::SweptPairs>()
         .init_resource::<Contacts>()
         .init_resource::<ContactGraph>()

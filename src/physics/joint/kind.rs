@@ -11,7 +11,7 @@ use super::definition::JointDefinition;
 use crate::physics::body::Rotation;
 
 /// A component that is a joint: a builder of the definition beside it on its entity.
-pub(crate) trait JointKind: Component<Mutability = Mutable> {
+pub(crate) trait JointKind: Component<Mutability = Mutable> + Clone {
     /// What it holds.
     fn definition(&self) -> JointDefinition;
 

@@ -28,7 +28,7 @@ pub(crate) struct Joint {
 }
 
 /// All joints, in the order in which they were made.
-#[derive(Resource, Default)]
+#[derive(Resource, Default, Clone)]
 pub(crate) struct Joints {
     pub list: Vec<Joint>,
     /// The bodies that they hold.

@@ -5,10 +5,11 @@ use bevy::prelude::*;
 use super::gather_bodies;
 use super::gather_joints::renew_laws;
 use crate::physics::joint::{JointKind, define_joints, kind_changed};
-use crate::physics::{Constraint, JointDefinition, PhysicsSchedule, PhysicsSystems};
+use crate::physics::{Constraint, JointDefinition, Keep, PhysicsSchedule, PhysicsSystems};
 
 /// Gives every component of a kind its definition, for as long as it is there.
 pub(super) fn add_joint<J: JointKind>(app: &mut App) {
+    app.keep_component::<J>();
     app.register_required_components::<J, JointDefinition>();
     app.add_observer(|removed: On<Remove, J>, mut commands: Commands| {
         commands.entity(removed.entity).try_remove::<JointDefinition>();

@@ -20,9 +20,11 @@ pub(super) struct Gathering {
     new: Vec<(u64, Entity)>,
     /// Rows of the table at hand that others wrote to.
     stale: Vec<bool>,
-    /// Gravity and drag that went into all forces and drags.
-    summed: Option<Terms>,
 }
+
+/// Gravity and drag that went into all forces and drags.
+#[derive(Resource, Clone, Copy, Default)]
+pub(super) struct Summed(Option<Terms>);
 
 /// The bodies of the world, and what a jump of a pose, or the end of a body, makes worthless.
 #[derive(SystemParam)]
@@ -43,11 +45,12 @@ pub(super) fn gather_bodies(
     settings: Res<SolverSettings>,
     origin: Res<RenderOrigin>,
     mut stats: ResMut<StepStats>,
+    mut summed: ResMut<Summed>,
     mut quarantine: MessageWriter<BodyQuarantined>,
     mut gathering: Local<Gathering>,
     ticks: SystemChangeTick,
 ) {
-    let Gathering { new, stale, summed } = &mut *gathering;
+    let Gathering { new, stale } = &mut *gathering;
     let bodies = &mut *bodies;
     bodies.renewed.clear();
     if !is_list_complete(&known.query, bodies, new) {
@@ -59,7 +62,7 @@ pub(super) fn gather_bodies(
     let written_back = bodies.written_back.unwrap_or(last_run);
     let watch = Watch { last_run, this_run: ticks.this_run(), written_back };
     let terms = Terms { gravity: gravity.0, drag: settings.drag };
-    let all = summed.replace(terms) != Some(terms);
+    let all = summed.0.replace(terms) != Some(terms);
     for mut table in known.query.contiguous_iter_mut().expect(IN_TABLES) {
         if all {
             stale.reset(table.entity.len(), true);

@@ -8,7 +8,7 @@ use crate::physics::joint::{Attached, any_changed};
 use crate::physics::{
     Bodies, BodyQuarantined, BodySlot, BrokenJoint, JoinedPairs, Joint, JointCoordinate, JointDefinition,
     JointFriction, JointLimits, JointMotor, JointSlot, Joints, QuarantineReason, Quarantined, Refill, RigidBody, Sleep,
-    StepStats, set_aside,
+    StepStats, bury, set_aside,
 };
 
 /// What the joints were packed for. Counts tell that one is gone or was let go; events would be lost
@@ -141,7 +141,8 @@ pub(super) fn gather_joints(
     for mut joint in &mut query {
         let index_before = std::mem::replace(&mut joint.slot.index, u32::MAX);
         let [Some((a, kind_a)), Some((b, kind_b))] = joint.definition.bodies.map(member) else {
-            commands.entity(joint.entity).despawn();
+            let joint = joint.entity;
+            commands.queue(move |world: &mut World| _ = bury(world, joint));
             continue;
         };
         packed_for.joints += 1;

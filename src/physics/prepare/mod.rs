@@ -20,12 +20,15 @@ mod tests;
 
 use add_joint::add_joint;
 use bevy::prelude::*;
-use gather_bodies::gather_bodies;
+use gather_bodies::{Summed, gather_bodies};
 use gather_joints::{PackedFor, attachments_changed, gather_joints, joints_changed, keep_driven_awake, renew_laws};
 
 use crate::physics::{
-    BallJoint, BirthCounter, Bodies, DistanceJoint, FixedJoint, GenericJoint, HingeJoint, JoinedPairs, JointCoordinate,
-    Joints, PhysicsSchedule, PhysicsSystems, SliderJoint,
+    BallJoint, BirthCounter, Bodies, BodySlot, Collider, CollisionLayers, Damping, Density, DistanceJoint,
+    ExternalForce, FixedJoint, GenericJoint, GravityScale, HingeJoint, Inertia, JoinedPairs, JointCoordinate,
+    JointDefinition, JointFriction, JointLimits, JointLoad, JointMotor, JointSlot, Joints, Keep, LockedAxes, Mass,
+    ObserveContacts, PhysicsSchedule, PhysicsSystems, PoseHistory, Position, Quarantined, ReportCollisions, RigidBody,
+    Rotation, Sleeping, SliderJoint, SurfaceMaterial, Velocity,
 };
 pub use add_joint::AddConstraint;
 
@@ -35,6 +38,7 @@ pub(super) fn plugin(app: &mut App) {
         .init_resource::<JoinedPairs>()
         .init_resource::<PackedFor>()
         .init_resource::<BirthCounter>()
+        .init_resource::<Summed>()
         .add_systems(
             PhysicsSchedule,
             (
@@ -46,6 +50,7 @@ pub(super) fn plugin(app: &mut App) {
                 .chain()
                 .in_set(PhysicsSystems::Prepare),
         );
+    keep(app);
     add_joint::<BallJoint>(app);
     add_joint::<HingeJoint>(app);
     add_joint::<SliderJoint>(app);
@@ -54,4 +59,42 @@ pub(super) fn plugin(app: &mut App) {
     add_joint::<GenericJoint>(app);
     app.register_required_components::<HingeJoint, JointCoordinate>();
     app.register_required_components::<GenericJoint, JointCoordinate>();
+}
+
+/// What a body is, and what joins them.
+fn keep(app: &mut App) {
+    app.keep_resource::<Bodies>()
+        .keep_resource::<Joints>()
+        .keep_resource::<JoinedPairs>()
+        .keep_resource::<PackedFor>()
+        .keep_resource::<Summed>()
+        .keep_setting::<BirthCounter>();
+    app.keep_component::<RigidBody>()
+        .keep_component::<Position>()
+        .keep_component::<Rotation>()
+        .keep_component::<Velocity>()
+        .keep_component::<Collider>()
+        .keep_component::<Mass>()
+        .keep_component::<Density>()
+        .keep_component::<Inertia>()
+        .keep_component::<ExternalForce>()
+        .keep_component::<Damping>()
+        .keep_component::<SurfaceMaterial>()
+        .keep_component::<CollisionLayers>()
+        .keep_component::<LockedAxes>()
+        .keep_component::<GravityScale>()
+        .keep_component::<ReportCollisions>()
+        .keep_component::<ObserveContacts>()
+        .keep_component::<Quarantined>()
+        .keep_result::<Sleeping>()
+        .keep_result::<BodySlot>()
+        .keep_transforms()
+        .keep_result::<PoseHistory>();
+    app.keep_component::<JointDefinition>()
+        .keep_component::<JointLimits>()
+        .keep_component::<JointMotor>()
+        .keep_component::<JointFriction>()
+        .keep_result::<JointCoordinate>()
+        .keep_reading::<JointLoad>()
+        .keep_result::<JointSlot>();
 }

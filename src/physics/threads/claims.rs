@@ -82,6 +82,16 @@ impl Drop for Before {
 #[derive(Debug, Default)]
 pub(crate) struct Claims(#[cfg(debug_assertions)] Vec<[AtomicU64; LEVELS]>);
 
+/// As long, and claimed by nobody.
+impl Clone for Claims {
+    fn clone(&self) -> Self {
+        Self(
+            #[cfg(debug_assertions)]
+            self.0.iter().map(|_| Default::default()).collect(),
+        )
+    }
+}
+
 impl Claims {
     /// Makes room for a list of that length.
     pub fn cover(&mut self, len: usize) {

@@ -39,6 +39,13 @@ pub(crate) struct Stages {
     is_broken: AtomicBool,
 }
 
+/// Nobody is anywhere.
+impl Clone for Stages {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
 /// Tells the other workers of a panic that passes by.
 struct Alarm<'a>(&'a AtomicBool);
 

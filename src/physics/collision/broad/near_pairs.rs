@@ -19,7 +19,7 @@ use crate::physics::shape::Geometry;
 use crate::physics::stats::StepStats;
 
 /// Pairs near each other, and what changed about them in this step.
-#[derive(Resource, Default)]
+#[derive(Resource, Default, Clone)]
 pub(crate) struct NearPairs {
     pairs: PersistentPairs,
     pub changes: PairChanges,

@@ -42,7 +42,7 @@ struct Projection {
 }
 
 /// The pairs that the sweep found in this step, half-space pairs first.
-#[derive(Resource, Default)]
+#[derive(Resource, Default, Clone)]
 pub(crate) struct SweptPairs(pub Vec<Pair>);
 
 /// Finds the pairs of this step.

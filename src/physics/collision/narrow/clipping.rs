@@ -20,7 +20,7 @@ use crate::physics::{ContactPoint, FeatureId, Refill};
 pub(crate) const MAX_POINTS: usize = 4;
 
 /// Buffers of the clipping, kept from pair to pair.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct ClipBuffers {
     /// Corners of the reference face, counter-clockwise seen from outside.
     pub reference: Vec<Vector3<f64>>,

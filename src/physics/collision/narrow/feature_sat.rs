@@ -116,7 +116,7 @@ impl Found {
 }
 
 /// The edges of two polyhedra that may count.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct EdgeBuffers {
     /// In A's axes.
     pub of_a: Vec<Edge>,
@@ -127,7 +127,7 @@ pub(crate) struct EdgeBuffers {
 }
 
 /// What one pair's test needs and leaves: buffers, and the axis that next step's test begins with.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct PairSearch {
     pub edges: EdgeBuffers,
     pub clip: ClipBuffers,

@@ -28,7 +28,7 @@ use crate::physics::threads::for_each_of;
 pub(crate) const GONE: u32 = u32::MAX;
 
 /// All pairs near each other, slot by slot. A slot's index stays the same for its life.
-#[derive(Resource, Default)]
+#[derive(Resource, Default, Clone)]
 pub(crate) struct ContactGraph {
     pub slots: Vec<Slot>,
     pub states: Vec<ContactState>,
@@ -77,7 +77,7 @@ pub(crate) struct Carried {
 }
 
 /// What the forces at contact points are computed from.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Recording {
     /// What each slot's contact pushed in all substeps, N·s.
     pub totals: Vec<Record<f32>>,

@@ -34,7 +34,7 @@ struct Way {
 }
 
 /// How far each body has gone.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Travels {
     /// Where each body was last seen.
     seen: Vec<Pose>,

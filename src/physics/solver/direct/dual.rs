@@ -96,7 +96,7 @@ impl Mobility {
 }
 
 /// The joints of an island as one system, with its buffers.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct DualSystem {
     /// In the order of elimination.
     links: Vec<DualLink>,

@@ -46,7 +46,7 @@ enum Analysis {
 }
 
 /// An island and its factor.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct DirectIsland {
     /// Bodies that move, contacts by slot and joints, global indices; of joints first those that hold a point at a point.
     pub(super) members: Vec<u32>,

@@ -9,7 +9,7 @@ use crate::physics::constraint::row::Twist;
 use crate::physics::lanes::Record;
 
 /// What is known of an island of contacts alone.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Loads {
     /// Mass of a member over that of one that it touches, the greatest; none: not asked for yet.
     pub mass_ratio: Option<f64>,
@@ -30,7 +30,7 @@ pub(super) struct Loads {
 }
 
 /// Members and impulses of contacts as the step found them.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Kept {
     pub bodies: Vec<Body>,
     pub impulses: Vec<Record<f32>>,
@@ -38,7 +38,7 @@ pub(crate) struct Kept {
 
 /// What may be spent on heavy loads in motion, in products of blocks beyond those of trees: a reserve, and an income by
 /// steps and bodies.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct LoadAccount {
     /// What is missing of the reserve.
     spent: f64,

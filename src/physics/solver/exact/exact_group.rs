@@ -14,7 +14,7 @@ use crate::physics::joint::{Joint, Joints};
 use crate::physics::settings::{ExactIntegrator, FrictionModel};
 
 /// A mechanism with the bodies and joints that it is made of.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct JointedPiece {
     /// The body of each member.
     bodies: Vec<u32>,
@@ -38,7 +38,7 @@ struct GroupContents {
 }
 
 /// One group, with what is kept from step to step while its contents stay the same.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct ExactGroup {
     group: usize,
     plan: GroupContents,

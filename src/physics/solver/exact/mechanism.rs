@@ -413,7 +413,7 @@ pub(crate) fn links_at(moving: usize, links: &[[u32; 2]]) -> Vec<Vec<(u32, usize
 }
 
 /// Which links share members, and in what order they are to be eliminated.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Couplings {
     /// The link at each place.
     pub order: Vec<u32>,

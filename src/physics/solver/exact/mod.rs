@@ -45,13 +45,14 @@ use crate::physics::collision::{ContactGraph, Contacts};
 use crate::physics::contact::restitution_threshold;
 use crate::physics::island::Islands;
 use crate::physics::joint::{Breakable, JointLoad, Joints};
+use crate::physics::rewind::Keep;
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::physics::settings::{Method, SolverSettings};
 use crate::physics::stats::StepStats;
 use crate::physics::threads;
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<ExactGroups>().add_systems(
+    app.init_resource::<ExactGroups>().keep_resource::<ExactGroups>().add_systems(
         PhysicsSchedule,
         solve_exactly.in_set(PhysicsSystems::Solve).run_if(|settings: Res<SolverSettings>| is_exact(&settings)),
     );
@@ -63,7 +64,7 @@ pub(super) fn is_exact(settings: &SolverSettings) -> bool {
 }
 
 /// The groups, kept with their plans and buffers from step to step.
-#[derive(Resource, Default)]
+#[derive(Resource, Default, Clone)]
 pub(crate) struct ExactGroups {
     list: Vec<ExactGroup>,
     used: usize,

@@ -25,7 +25,7 @@ use crate::physics::threads::{Claims, Shared};
 const FRAME: usize = 3;
 
 /// The bodies of a group, own ones first, guests after.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct GroupBodies<S> {
     velocity: Vec<Record<S>>,
     displacement: Vec<Record<S>>,

@@ -18,7 +18,7 @@ pub(crate) enum Color {
 }
 
 /// Constraints in the order in which blocks take them.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Coloring {
     used: Vec<u64>,
     colors: Vec<u8>,

@@ -126,7 +126,7 @@ pub(super) struct DirectCounts {
 }
 
 /// A group of islands.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Group<L: Lanes> {
     /// Which of the islands' groups it is.
     pub(super) index: usize,

@@ -54,6 +54,7 @@ use crate::physics::collision::ContactGraph;
 use crate::physics::island::Islands;
 use crate::physics::joint::Joints;
 use crate::physics::lanes::Lanes;
+use crate::physics::rewind::Keep;
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::physics::settings::{Precision, SolverSettings, contacts_last};
 use crate::physics::stats::StepStats;
@@ -64,18 +65,19 @@ use world::{SharedWorld, WorldClaims};
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Groups>()
+        .keep_resource::<Groups>()
         .add_systems(PhysicsSchedule, solve_groups.in_set(PhysicsSystems::Solve).run_if(contacts_last));
 }
 
 /// All groups, kept with their buffers from step to step.
-#[derive(Resource, Default)]
+#[derive(Resource, Default, Clone)]
 struct Groups {
     single: GroupsOf<WideF32x8>,
     double: GroupsOf<f64>,
 }
 
 /// Groups that are solved in the same lanes.
-#[derive(Default)]
+#[derive(Default, Clone)]
 struct GroupsOf<L: Lanes> {
     list: Vec<Group<L>>,
     /// Version of the islands that the groups were planned for, and what was to be solved without sweeps.

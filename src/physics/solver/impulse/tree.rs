@@ -87,6 +87,7 @@ struct AnchoredJoint {
 }
 
 /// A tree of joints and the state of its bodies.
+#[derive(Clone)]
 pub(crate) struct TreeStep {
     tree: JointTree,
     /// Global indices, in the tree's order.

@@ -11,7 +11,7 @@ use crate::physics::joint::{Joint, Joints};
 use crate::physics::threads::{Claims, Shared};
 
 /// What debug builds know of who touches the world.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct WorldClaims([Claims; 4]);
 
 /// Bodies, joints and contacts; see [`super`] for who touches which.

@@ -28,7 +28,7 @@ const LEAST_PASSES: u32 = 4;
 const SLOW: f64 = 0.5;
 
 /// Buffers of [`solve`].
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Primer<N> {
     sides: Vec<Side>,
     face: Face<N>,

@@ -16,7 +16,7 @@ use crate::physics::constraint::row::{Row, Twist};
 use crate::physics::scalar::Scalar;
 
 /// The free rows with the method's vectors; in `of_z` and `response` as many twists as bodies.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Face<N> {
     free: Vec<FreeRow<N>>,
     /// M⁻¹Jᵀz.
@@ -26,6 +26,7 @@ pub(super) struct Face<N> {
 }
 
 /// A row that may move within its bounds.
+#[derive(Clone)]
 struct FreeRow<N> {
     index: u32,
     lower: N,

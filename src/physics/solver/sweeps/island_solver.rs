@@ -17,7 +17,7 @@ use crate::physics::joint::{Joint, JointRow, Joints};
 use crate::physics::scalar::Scalar;
 use crate::physics::settings::{Integrator, Method, Precision};
 
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Workspace<N> {
     terms: Vec<BodyTerms<N>>,
     rows: Vec<Row<N>>,
@@ -44,7 +44,7 @@ impl<N: Scalar> Workspace<N> {
 }
 
 /// A group of islands and the buffers to solve it, kept from step to step.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct IslandSolver {
     group: usize,
     bodies: Vec<LocalBody>,

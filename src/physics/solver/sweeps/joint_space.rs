@@ -39,7 +39,7 @@ const HELD: f64 = 1e-9;
 const NONE: u32 = u32::MAX;
 
 /// Mechanisms and the responses of rows with bounds, with their buffers.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct JointSpace<N> {
     /// First row of each joint that nothing bounds.
     firsts: Vec<usize>,
@@ -56,6 +56,7 @@ pub(super) struct JointSpace<N> {
 }
 
 /// A row with bounds.
+#[derive(Clone)]
 struct Swept<N> {
     row: usize,
     /// Where its responses end.
@@ -65,7 +66,7 @@ struct Swept<N> {
 }
 
 /// Bodies that joints connect.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Mechanism {
     bodies: Vec<u32>,
     /// In the order of elimination.

@@ -18,7 +18,7 @@ use crate::physics::constraint::row::{Row, Twist};
 use crate::physics::scalar::Scalar;
 
 /// The conjugate direction and what the last sweep did, in rows and in bodies.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Directions<N> {
     /// s.
     steps: Vec<N>,

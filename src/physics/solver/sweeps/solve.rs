@@ -9,6 +9,7 @@ use crate::physics::collision::{ContactGraph, Contacts, LaggedContacts};
 use crate::physics::island::Islands;
 use crate::physics::joint::Joints;
 use crate::physics::readings::ContactForces;
+use crate::physics::rewind::Keep;
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::physics::settings::{Gravity, SolverSettings};
 use crate::physics::stats::StepStats;
@@ -16,6 +17,7 @@ use crate::physics::threads;
 
 pub(in crate::physics::solver) fn plugin(app: &mut App) {
     app.init_resource::<IslandSolvers>()
+        .keep_resource::<IslandSolvers>()
         .add_systems(PhysicsSchedule, solve_islands.in_set(PhysicsSystems::Solve).run_if(sweeps_force_rows));
 }
 
@@ -24,7 +26,7 @@ fn sweeps_force_rows(settings: Res<SolverSettings>) -> bool {
 }
 
 /// One solver per island, kept with its buffers from step to step.
-#[derive(Resource, Default)]
+#[derive(Resource, Default, Clone)]
 pub(crate) struct IslandSolvers {
     pub list: Vec<IslandSolver>,
     /// How many of them the last step used.

@@ -77,7 +77,7 @@ pub(crate) struct ContactTerms {
 }
 
 /// Bodies in reach of each other, and what joints hold to them.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct ContactGroup {
     /// Those that move first.
     bodies: Vec<u32>,

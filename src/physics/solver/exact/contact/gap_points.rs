@@ -105,7 +105,7 @@ impl GapPoints {
 }
 
 /// Buffers of the search.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct PointSearch {
     search: PairSearch,
     points: Vec<ContactPoint>,

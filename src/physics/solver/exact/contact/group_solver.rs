@@ -19,7 +19,7 @@ pub(super) struct GroupView<'a> {
 }
 
 /// The cone solver with its input and output.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct GroupSolver {
     solver: ConeSolver,
     bodies: Vec<ConeBody>,

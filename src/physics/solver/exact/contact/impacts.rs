@@ -18,7 +18,7 @@ use crate::physics::contact::rebound;
 use crate::physics::joint::JointRow;
 
 /// The impacts at one time.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Impacts {
     pub solver: GroupSolver,
     held: Vec<GapPoint>,

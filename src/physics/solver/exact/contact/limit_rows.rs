@@ -20,7 +20,7 @@ pub(super) struct LimitRow {
 }
 
 /// All limits at some states.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct LimitRows {
     pub list: Vec<LimitRow>,
     rows: Vec<JointRow<f64>>,

@@ -51,7 +51,7 @@ pub(super) struct SmoothTerms<'a> {
 }
 
 /// The step and its buffers.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct SmoothStep {
     pub positions: GroupSolver,
     pub velocities: GroupSolver,

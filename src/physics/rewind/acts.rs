@@ -1,0 +1,65 @@
+//! What others than the step did to a world between two steps.
+
+use bevy::ecs::change_detection::Tick;
+use bevy::prelude::*;
+
+use super::kinds::{AnyValue, Column, Kinds, Removals};
+
+/// What was written, added, taken off and buried between two steps.
+#[derive(Default)]
+pub(super) struct Acts {
+    written: Vec<Box<dyn Column>>,
+    /// Kinds by their place, and whose component it was.
+    removed: Vec<(usize, Entity)>,
+    /// Kinds by their place.
+    resources: Vec<(usize, AnyValue)>,
+    /// Entities that were emptied.
+    buried: Vec<Entity>,
+}
+
+impl Acts {
+    /// Those since then.
+    pub fn since(world: &mut World, kinds: &mut Kinds, since: Tick) -> Self {
+        let removed = world.resource::<Removals>().list.clone();
+        let written = kinds.components.iter_mut().filter_map(|kind| kind.written(world, since)).collect();
+        let resources = kinds.resources.iter().enumerate();
+        let resources = resources.filter_map(|(place, kind)| Some((place, (kind.written)(world, since)?))).collect();
+        let mut gone: Vec<Entity> = removed.iter().map(|&(_, entity)| entity).collect();
+        gone.sort_unstable();
+        gone.dedup();
+        gone.retain(|&entity| world.get_entity(entity).is_ok_and(|entity| entity.archetype().components().is_empty()));
+        Self { written, removed, resources, buried: gone }
+    }
+
+    /// Whether nothing was done.
+    pub fn is_empty(&self) -> bool {
+        self.written.is_empty() && self.removed.is_empty() && self.resources.is_empty() && self.buried.is_empty()
+    }
+
+    /// Does the same again.
+    pub fn repeat(&self, world: &mut World, kinds: &Kinds) {
+        // Whole, so that it is known what they looked like.
+        for &entity in &self.buried {
+            if let Ok(mut entity) = world.get_entity_mut(entity) {
+                entity.clear();
+            }
+        }
+        for &(kind, entity) in &self.removed {
+            if let Ok(mut entity) = world.get_entity_mut(entity) {
+                kinds.components[kind].remove(&mut entity);
+            }
+        }
+        self.written.iter().for_each(|column| column.put_on(world));
+        Removals::dress(world, kinds);
+        self.written.iter().for_each(|column| column.write(world));
+        for (kind, value) in &self.resources {
+            (kinds.resources[*kind].write)(world, value);
+        }
+    }
+
+    /// What they take, bytes.
+    pub fn bytes(&self) -> usize {
+        let removed = size_of_val(&self.removed[..]) + size_of_val(&self.buried[..]);
+        self.written.iter().map(|column| column.bytes()).sum::<usize>() + removed
+    }
+}

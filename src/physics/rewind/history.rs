@@ -1,0 +1,232 @@
+//! Keyframes and acts of a running world, and the way back to any step that they reach.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use bevy::ecs::change_detection::Tick;
+use bevy::prelude::*;
+
+use super::acts::Acts;
+use super::keyframe::Keyframe;
+use super::kinds::{Kinds, Removals};
+use crate::physics::body::Bodies;
+use crate::physics::schedule::PhysicsSchedule;
+use crate::physics::stats::StepStats;
+
+/// Steps between two keyframes at least.
+const LEAST_INTERVAL: u64 = 15;
+/// Share of the time of the steps that keyframes may take.
+const SHARE: f64 = 0.05;
+/// Steps between two keyframes at most, once they thin out: beyond it the oldest goes.
+const MOST_INTERVAL: u64 = 600;
+
+/// What happened to a world, from a first step on: kept from its insertion by [`History::begin`] until it is removed.
+#[derive(Resource)]
+pub struct History {
+    /// By step, ascending; the first is where the history begins.
+    frames: Vec<Keyframe>,
+    /// What was done after so many steps, in its order.
+    acts: BTreeMap<u64, Vec<Acts>>,
+    /// Steps up to which it reaches.
+    last: u64,
+    /// What it may take, bytes.
+    limit: usize,
+    /// What is newer was done by others since the last step.
+    since: Tick,
+    /// What steps took since the last keyframe, and what that took.
+    steps: Duration,
+    keyframe: Duration,
+}
+
+/// Why a world cannot be brought back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum GoError {
+    /// Nothing is kept.
+    #[error("nothing is kept of what happened")]
+    NoHistory,
+    /// What is kept does not reach there.
+    #[error("step {step} is not kept: what is begins at {first} and ends at {last}")]
+    OutOfReach {
+        /// Where it was to go.
+        step: u64,
+        /// First that is kept.
+        first: u64,
+        /// Last that is kept.
+        last: u64,
+    },
+    /// Somebody despawned an entity instead of burying it.
+    #[error("{0} is gone for good: it was despawned and not buried")]
+    Gone(Entity),
+}
+
+impl History {
+    /// Keeps what happens to a world from now on, in so many bytes.
+    pub fn begin(world: &mut World, limit: usize) {
+        Self::end(world);
+        let step = world.resource::<StepStats>().steps;
+        let mut history = Self {
+            frames: Vec::new(),
+            acts: BTreeMap::new(),
+            last: step,
+            limit,
+            since: world.change_tick(),
+            steps: Duration::ZERO,
+            keyframe: Duration::ZERO,
+        };
+        history.take(world, step);
+        history.note_end(world);
+        world.resource_mut::<Removals>().is_read = true;
+        world.insert_resource(history);
+    }
+
+    /// Keeps nothing any more; what was emptied goes.
+    pub fn end(world: &mut World) {
+        world.remove_resource::<Self>();
+        let removals = std::mem::take(&mut *world.resource_mut::<Removals>());
+        for entity in removals.buried {
+            let is_empty = |entity: EntityRef| entity.archetype().components().is_empty();
+            if world.get_entity(entity).is_ok_and(is_empty) {
+                world.despawn(entity);
+            }
+        }
+    }
+
+    /// The first step and the last one that it reaches.
+    pub fn reach(&self) -> [u64; 2] {
+        [self.frames.first().map_or(self.last, |frame| frame.step), self.last]
+    }
+
+    /// The steps before which somebody did something.
+    pub fn acts(&self) -> impl Iterator<Item = u64> + '_ {
+        self.acts.keys().copied()
+    }
+
+    /// The steps of which the whole state is kept.
+    pub fn keyframes(&self) -> impl Iterator<Item = u64> + '_ {
+        self.frames.iter().map(|frame| frame.step)
+    }
+
+    /// About what it takes, bytes.
+    pub fn bytes(&self) -> usize {
+        self.frames.iter().map(Keyframe::bytes).sum::<usize>()
+            + self.acts.values().flatten().map(Acts::bytes).sum::<usize>()
+    }
+
+    fn take(&mut self, world: &mut World, step: u64) {
+        let start = Instant::now();
+        let frame = world.resource_scope(|world, mut kinds: Mut<Kinds>| Keyframe::of(world, &mut kinds, step));
+        let place = self.frames.partition_point(|frame| frame.step < step);
+        self.frames.insert(place, frame);
+        (self.steps, self.keyframe) = (Duration::ZERO, start.elapsed());
+        self.thin_out();
+    }
+
+    /// Drops keyframes until the rest fits: those that stand closest for their age, or the first where none is close.
+    fn thin_out(&mut self) {
+        while self.frames.len() > 2 && self.bytes() > self.limit {
+            let now = self.last as f64 + 1.0;
+            let gaps = self.frames.windows(3).enumerate().map(|(place, frames)| {
+                let gap = frames[2].step - frames[0].step;
+                (place + 1, gap, gap as f64 / (now - frames[1].step as f64))
+            });
+            let closest = gaps.min_by(|a, b| a.2.total_cmp(&b.2)).filter(|&(_, gap, _)| gap <= MOST_INTERVAL);
+            self.frames.remove(closest.map_or(0, |(place, ..)| place));
+            let first = self.frames[0].step;
+            self.acts = self.acts.split_off(&first);
+        }
+    }
+
+    /// The end of a step: what is written from now on is somebody else's.
+    fn note_end(&mut self, world: &mut World) {
+        world.resource_mut::<Removals>().list.clear();
+        self.since = world.increment_change_tick();
+    }
+
+    fn go(&mut self, world: &mut World, step: u64) -> Result<(), GoError> {
+        self.note_acts(world);
+        let [first, last] = self.reach();
+        if !(first..=last).contains(&step) {
+            return Err(GoError::OutOfReach { step, first, last });
+        }
+        let frame = &self.frames[self.frames.partition_point(|frame| frame.step <= step) - 1];
+        if let Some(entity) = frame.missing(world) {
+            return Err(GoError::Gone(entity));
+        }
+        world.resource_scope(|world, mut kinds: Mut<Kinds>| frame.bring_back(world, &mut kinds));
+        self.repeat(world, frame.step);
+        for made in frame.step..step {
+            make_step(world);
+            self.repeat(world, made + 1);
+        }
+        self.note_end(world);
+        Ok(())
+    }
+
+    /// Does again what was done after so many steps.
+    fn repeat(&self, world: &mut World, step: u64) {
+        let acts = self.acts.get(&step).map_or(&[][..], |acts| acts);
+        for acts in acts {
+            world.resource_scope(|world, kinds: Mut<Kinds>| acts.repeat(world, &kinds));
+        }
+    }
+
+    /// Takes in what was done since the last step. Where that lies in the past, what came after it is forgotten.
+    fn note_acts(&mut self, world: &mut World) {
+        let (step, since) = (world.resource::<StepStats>().steps, self.since);
+        let acts = world.resource_scope(|world, mut kinds: Mut<Kinds>| Acts::since(world, &mut kinds, since));
+        if acts.is_empty() {
+            return;
+        }
+        if step < self.last {
+            self.frames.retain(|frame| frame.step <= step);
+            self.acts.retain(|&before, _| before <= step);
+            self.last = step;
+        }
+        self.acts.entry(step).or_default().push(acts);
+        self.note_end(world);
+    }
+
+    /// Takes in a step that was made, and took so long: what was done after it is done again where it lies in the past.
+    fn note_step(&mut self, world: &mut World, took: Duration) {
+        let step = world.resource::<StepStats>().steps;
+        self.steps += took;
+        if step <= self.last {
+            self.repeat(world, step);
+        } else {
+            self.last = step;
+            let newest = self.frames.last().map_or(0, |frame| frame.step);
+            if step >= newest + LEAST_INTERVAL && self.keyframe <= self.steps.mul_f64(SHARE) {
+                self.take(world, step);
+            }
+        }
+        self.note_end(world);
+    }
+}
+
+/// One step, whatever the settings.
+fn make_step(world: &mut World) {
+    world.run_schedule(PhysicsSchedule);
+    let ended = world.change_tick();
+    world.resource_mut::<Bodies>().bypass_change_detection().ended = Some(ended);
+}
+
+/// One step, noted where a history is kept.
+pub(crate) fn step_and_note(world: &mut World) {
+    let Some(mut history) = world.remove_resource::<History>() else { return make_step(world) };
+    history.note_acts(world);
+    let start = Instant::now();
+    make_step(world);
+    history.note_step(world, start.elapsed());
+    world.insert_resource(history);
+}
+
+/// Brings a world back to where it was after so many steps since its start, or forward again.
+///
+/// # Errors
+/// No [`History`] was kept that far, or one of the entities is gone for good.
+pub fn go_to(world: &mut World, step: u64) -> Result<(), GoError> {
+    let mut history = world.remove_resource::<History>().ok_or(GoError::NoHistory)?;
+    let outcome = history.go(world, step);
+    world.insert_resource(history);
+    outcome
+}
