@@ -21,6 +21,7 @@ pub mod verdict;
 mod whole_file;
 
 pub use crate::physics::BodyState;
+pub use angle::turn_between;
 pub use metrics::{
     ContactResidual, EnergyMetrics, ExactCounts, JointGap, JointLoadMax, LimitOvershoot, Metrics, MomentumMetrics,
     Shares, StepCounts, StepMilliseconds, TruthMetrics,

@@ -9,7 +9,8 @@ use xxhash_rust::xxh3::Xxh3;
 
 use crate::physics::hash_state;
 use crate::physics::{
-    BodyState, JointLoad, Position, Quarantined, Rotation, SolverSettings, StepStats, Velocity, headless_app, step,
+    BodyState, GoError, History, JointLoad, Position, Quarantined, Rotation, SolverSettings, StepStats, Velocity,
+    go_to, headless_app, step,
 };
 use crate::scene::{SceneSpec, SpawnedScene};
 
@@ -77,6 +78,21 @@ impl Simulation {
         let entities = self.entities.joints.iter();
         self.loads.clear();
         self.loads.extend(entities.map_while(|&joint| self.world.get::<JointLoad>(joint)));
+    }
+
+    /// Keeps what happens from now on, in so many bytes, so that it can go back.
+    pub fn keep_history(&mut self, limit: usize) {
+        History::begin(&mut self.world, limit);
+    }
+
+    /// Goes back to where it was after so many steps, or on again.
+    ///
+    /// # Errors
+    /// That is not kept.
+    pub fn go_to(&mut self, step: u64) -> Result<(), GoError> {
+        go_to(&mut self.world, step)?;
+        self.gather();
+        Ok(())
     }
 
     /// Has samples tell the loads of joints, from the next step on.

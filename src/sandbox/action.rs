@@ -30,6 +30,23 @@ pub enum SandboxAction {
     TogglePause,
     /// Pauses and makes one step.
     StepOnce,
+    /// Pauses and goes one step back.
+    StepBack,
+    /// Pauses and goes to where the scene was after that many steps of the world, back or on again.
+    GoTo {
+        /// As [`StepStats::steps`](crate::physics::StepStats::steps) counts them.
+        step: u64,
+    },
+    /// Pauses and goes back as far as is kept.
+    GoToStart,
+    /// Pauses and goes on to the last moment that there was.
+    GoToNow,
+    /// Plays backwards, or stops.
+    TogglePlayBackwards,
+    /// Marks the present moment, or takes its mark away.
+    ToggleMark,
+    /// Plays over and over what lies between the two marks around the present moment, or no longer.
+    ToggleLoop,
     /// Slow motion on or off.
     ToggleSlowMotion,
     /// Throws a ball from the camera, at what the pointer is on.

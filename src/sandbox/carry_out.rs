@@ -9,6 +9,7 @@ use super::follow::{self, Followed};
 use super::joint_readings::ReadJoints;
 use super::motor_keys::check_keys;
 use super::state::SceneProblem;
+use super::timeline::{self, Timeline};
 use super::watch::Watch;
 use super::{CurrentScene, Notice, Playback, SandboxAction, Selection, build, files, panel, screenshot};
 use crate::physics::{Collider, ContactForces, Position, RigidBody, Velocity};
@@ -38,13 +39,21 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         SandboxAction::SaveSettings { path, overwrite } => files::save_settings(world, &path, overwrite),
         SandboxAction::LoadSettings { path } => files::load_settings(world, &path),
         SandboxAction::TogglePause => {
+            world.resource_mut::<Timeline>().backwards = false;
             let mut playback = world.resource_mut::<Playback>();
             playback.paused = !playback.paused;
         }
         SandboxAction::StepOnce => {
-            world.resource_mut::<Playback>().paused = true;
+            timeline::stop(world);
             world.run_schedule(FixedMain);
         }
+        SandboxAction::StepBack => timeline::step_back(world),
+        SandboxAction::GoTo { step } => timeline::go(world, step),
+        SandboxAction::GoToStart => timeline::go_to_end(world, 0),
+        SandboxAction::GoToNow => timeline::go_to_end(world, 1),
+        SandboxAction::TogglePlayBackwards => timeline::toggle_backwards(world),
+        SandboxAction::ToggleMark => timeline::toggle_mark(world),
+        SandboxAction::ToggleLoop => timeline::toggle_loop(world),
         SandboxAction::ToggleSlowMotion => {
             let mut playback = world.resource_mut::<Playback>();
             playback.slow = !playback.slow;
@@ -79,6 +88,7 @@ fn load_scene(world: &mut World, scene: String, parameters: Vec<(String, f64)>) 
             let kept = build::keep_what_was_built(world);
             despawn_scene(world);
             let entities = spec.spawn(world);
+            timeline::begin(world);
             world.insert_resource(watch.with_meshes(&spec));
             world.insert_resource(CurrentScene { scene, parameters, spec, entities });
             *world.resource_mut::<Notice>() = kept.map_or(Notice::None, |name| Notice::Info(kept_text(&name)));
@@ -101,6 +111,7 @@ fn kept_text(name: &str) -> String {
 fn bring_back(world: &mut World, scene: build::KeptScene) {
     despawn_scene(world);
     let (scene, view) = scene.bring_back(world);
+    timeline::begin(world);
     world.insert_resource(Watch::on(&scene.scene).with_meshes(&scene.spec));
     world.insert_resource(Followed::default());
     if let Some(ViewSpec { eye, target }) = view {
@@ -153,6 +164,7 @@ fn respawn(world: &mut World, entities: &mut SpawnedScene, spec: &SceneSpec) -> 
     let kept = build::keep_what_was_built(world);
     despawn_scene(world);
     let now = spec.spawn(world);
+    timeline::begin(world);
     world.resource_mut::<ReadJoints>().follow(entities, &now);
     world.resource_mut::<Followed>().follow(entities, &now);
     *entities = now;
@@ -161,6 +173,7 @@ fn respawn(world: &mut World, entities: &mut SpawnedScene, spec: &SceneSpec) -> 
 
 /// Despawns what the scene and the user spawned.
 fn despawn_scene(world: &mut World) {
+    timeline::end(world);
     let old: Vec<Entity> = world.query_filtered::<Entity, With<SceneEntity>>().iter(world).collect();
     for entity in old {
         world.despawn(entity);

@@ -39,6 +39,12 @@ impl Binding {
 pub const BINDINGS: &[Binding] = &[
     binding(&[KeyCode::Space], "Space", "play or pause", SandboxAction::TogglePause),
     binding(&[KeyCode::Period, KeyCode::KeyN], ". or N", "one step", SandboxAction::StepOnce),
+    binding(&[KeyCode::Comma], ",", "one step back", SandboxAction::StepBack),
+    binding(&[KeyCode::KeyU], "U", "play backwards", SandboxAction::TogglePlayBackwards),
+    binding(&[KeyCode::Home], "Home", "back to the first moment that is kept", SandboxAction::GoToStart),
+    binding(&[KeyCode::End], "End", "on to the last moment that there was", SandboxAction::GoToNow),
+    binding(&[KeyCode::KeyK], "K", "mark this moment, or take its mark away", SandboxAction::ToggleMark),
+    binding(&[KeyCode::KeyL], "L", "loop between the two marks around this moment", SandboxAction::ToggleLoop),
     binding(&[KeyCode::KeyM], "M", "slow motion", SandboxAction::ToggleSlowMotion),
     binding(&[KeyCode::KeyR], "R", "reset the scene", SandboxAction::Reset),
     binding(&[KeyCode::KeyB], "B", "throw a ball at the pointer", SandboxAction::ThrowBall),

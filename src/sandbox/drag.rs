@@ -13,11 +13,11 @@ use bevy::prelude::*;
 use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
 
 use super::any_joint::{AnyJoint, IsJoint};
-use super::held::{Drag, Held};
+use super::held::{Drag, DragPart, Held};
 use super::{Picked, Selection};
 use crate::physics::{
     BallJoint, BrokenJoint, Collider, Damping, Mass, Position, Quarantined, RenderOrigin, RigidBody, Rotation, Shape,
-    Softness, SolverSettings,
+    Softness, SolverSettings, bury,
 };
 
 /// Frequency of the joint that holds a single body, Hz: firm, and calm at 60 steps a second.
@@ -114,22 +114,21 @@ fn pick(
         return;
     }
     let target = origin.0 + hit.as_dvec3();
-    let handle = commands.spawn((Name::new("drag handle"), RigidBody::Kinematic, Position(target))).id();
+    let part = DragPart { body: press.entity, damping: damping.copied() };
+    let handle = commands.spawn((Name::new("drag handle"), part, RigidBody::Kinematic, Position(target))).id();
     let joint = BallJoint::new(handle, press.entity)
         .with_anchors(DVec3::ZERO, anchor)
         .with_softness(joined.softness_for(press.entity));
-    let joint = commands.spawn((Name::new("drag joint"), joint)).id();
+    commands.spawn((Name::new("drag joint"), part, joint));
     let own = damping.copied().unwrap_or_default();
     commands.entity(press.entity).insert(Damping { angular: own.angular + GRIP_DRAG, ..own });
     drag.0 = Some(Held {
         body: press.entity,
         anchor,
         handle,
-        joint,
         pointer: press.pointer_id,
         depth: f64::from((hit - camera.translation()).dot(*camera.forward())),
         target,
-        damping: damping.copied(),
     });
 }
 
@@ -207,15 +206,22 @@ fn end_drag(
 
 /// Lets go of what is held, if anything is.
 pub(super) fn release(world: &mut World) {
-    let Some(held) = world.resource_mut::<Drag>().0.take() else { return };
-    for part in [held.joint, held.handle] {
-        let _ = world.try_despawn(part); // gone with the body, perhaps
+    if world.resource_mut::<Drag>().0.take().is_some() {
+        let_go_of_all(world);
     }
-    if let Ok(mut body) = world.get_entity_mut(held.body) {
-        match held.damping {
-            Some(damping) => body.insert(damping),
-            None => body.remove::<Damping>(),
-        };
+}
+
+/// Takes away all that drags are made of, also what nobody holds any more.
+pub(super) fn let_go_of_all(world: &mut World) {
+    let mut parts = world.query::<(Entity, &DragPart)>();
+    let parts: Vec<(Entity, DragPart)> = parts.iter(world).map(|(part, of)| (part, *of)).collect();
+    for (part, DragPart { body, damping }) in parts {
+        bury(world, part);
+        let Ok(mut body) = world.get_entity_mut(body) else { continue };
+        match damping {
+            Some(damping) => _ = body.insert(damping),
+            None => _ = body.remove::<Damping>(),
+        }
     }
 }
 

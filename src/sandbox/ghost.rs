@@ -14,11 +14,11 @@ use bevy_egui::egui;
 use super::meshes::dress_bodies;
 use super::panel::vary;
 use super::{CurrentScene, SandboxAction};
-use crate::lab::Simulation;
 use crate::lab::chart::SERIES;
 use crate::lab::truth;
 use crate::lab::vary::Assignment;
-use crate::physics::{Collider, Position, RenderOrigin, RigidBody, Rotation, SolverSettings, StepStats};
+use crate::lab::{Simulation, turn_between};
+use crate::physics::{Collider, History, Position, RenderOrigin, RigidBody, Rotation, SolverSettings, StepStats};
 use crate::physics::{PhysicsSchedule, PhysicsSystems};
 use crate::scene::SceneSpec;
 
@@ -27,6 +27,9 @@ use crate::scene::SceneSpec;
 /// than a pixel's width on most screens, and far above what rounding makes of two poses alike. A larger mesh would
 /// not do: it would part from the body where the two are one, and hollows would shrink into it.
 const DEPTH_BIAS: f32 = 4096.0;
+
+/// What a ghost's history may take, bytes.
+const HISTORY: usize = 128 << 20;
 
 /// What is drawn as a ghost.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
@@ -85,7 +88,11 @@ enum Source {
 
 impl Source {
     fn of(choice: GhostChoice, scene: &SceneSpec, present: &SolverSettings) -> Option<Self> {
-        let method = |settings| Self::Method(Box::new(Simulation::new(scene.clone(), settings)));
+        let method = |settings| {
+            let mut simulation = Simulation::new(scene.clone(), settings);
+            simulation.keep_history(HISTORY);
+            Self::Method(Box::new(simulation))
+        };
         match choice {
             GhostChoice::Off => None,
             GhostChoice::Method(index) => {
@@ -105,7 +112,13 @@ impl Source {
         match self {
             Self::Method(simulation) => {
                 // Half a step short of it is as near as whole steps come.
-                let half = 0.5 * simulation.world().resource::<SolverSettings>().step();
+                let step = simulation.settings().step();
+                let half = 0.5 * step;
+                if simulation.sample().time > time + half {
+                    // As far back as is kept; it waits there.
+                    let first = simulation.world().resource::<History>().reach()[0];
+                    let _ = simulation.go_to(((time / step).round() as u64).max(first));
+                }
                 while simulation.sample().time < time - half {
                     simulation.step();
                 }
@@ -186,19 +199,10 @@ pub(super) fn follow(
         if let Ok((at, turned, collider)) = bodies.get(pair.body) {
             let distance = collider.largest_displacement(position - at.0, [turned.0, rotation]);
             apart.distance = apart.distance.max(distance);
-            apart.angle = apart.angle.max(angle_between(turned.0, rotation));
+            apart.angle = apart.angle.max(turn_between(turned.0, rotation));
         }
     }
     distance.0 = Some(apart);
-}
-
-/// rad, to all digits however small; none of what is the same.
-fn angle_between(from: DQuat, to: DQuat) -> f64 {
-    if from == to {
-        return 0.0;
-    }
-    let turn = to * from.inverse();
-    2.0 * turn.xyz().length().atan2(turn.w.abs())
 }
 
 /// Gives ghosts the meshes of their bodies, in glass.

@@ -16,18 +16,23 @@ impl Drag {
     }
 }
 
+/// Marks what a drag is made of: the handle and the joint.
+#[derive(Component, Clone, Copy)]
+pub(super) struct DragPart {
+    pub body: Entity,
+    /// The body's own, to be given back.
+    pub damping: Option<Damping>,
+}
+
 /// What is held, and how.
 pub(super) struct Held {
     pub body: Entity,
     /// From its centre of mass to the held point, body axes, m.
     pub anchor: DVec3,
     pub handle: Entity,
-    pub joint: Entity,
     pub pointer: PointerId,
     /// Of the plane in which the handle moves: from the camera along its view, m.
     pub depth: f64,
     /// Where the handle is to be, world, m.
     pub target: DVec3,
-    /// The body's own, to be given back.
-    pub damping: Option<Damping>,
 }

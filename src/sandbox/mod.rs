@@ -40,6 +40,7 @@ mod reload;
 mod screenshot;
 mod sky;
 mod state;
+mod timeline;
 mod watch;
 mod window;
 
@@ -51,4 +52,5 @@ pub use panel::{ChartOf, ChartSource};
 pub use playback::StepBudget;
 pub use plugin::SandboxPlugin;
 pub use state::{CurrentScene, Notice, Picked, Playback, Selection};
+pub use timeline::Timeline;
 pub use window::{Launch, LaunchError, launch};

@@ -58,7 +58,9 @@ pub(super) fn plugin(app: &mut App) {
         .init_resource::<StepBudget>()
         .init_resource::<FrameClock>()
         .add_systems(Startup, |mut time: ResMut<Time<Virtual>>| time.set_max_delta(LONGEST_FRAME))
+        // At the end of a frame too, so that the next one stands still that is to.
         .add_systems(PreUpdate, apply_playback)
+        .add_systems(Last, apply_playback)
         .add_systems(
             RunFixedMainLoop,
             (

@@ -6,7 +6,7 @@ use bevy_panorbit_camera::PanOrbitCameraPlugin;
 
 use super::{
     build, camera, carry_out, controls, drag, follow, ghost, gizmos, ground, help, highlight, joint_readings, light,
-    meshes, motor_keys, panel, playback, plots, quality, reload, screenshot, sky, state,
+    meshes, motor_keys, panel, playback, plots, quality, reload, screenshot, sky, state, timeline,
 };
 use crate::physics::PhysicsPlugin;
 
@@ -28,6 +28,7 @@ impl Plugin for SandboxPlugin {
                 meshes::plugin,
             ))
             .add_plugins((drag::plugin, highlight::plugin, build::plugin, reload::plugin, motor_keys::plugin))
+            .add_plugins(timeline::plugin)
             .add_plugins((
                 panel::plugin,
                 joint_readings::plugin,

@@ -218,12 +218,6 @@ impl JointComponent {
         for_kind!(self, |joint| [joint.body_a, joint.body_b])
     }
 
-    /// A and B, to be changed.
-    #[cfg(feature = "sandbox")]
-    pub fn bodies_mut(&mut self) -> [&mut Entity; 2] {
-        for_kind!(self, |joint| [&mut joint.body_a, &mut joint.body_b])
-    }
-
     /// The joint's points on A and B, in their principal axes, m.
     pub fn anchors(&self) -> [DVec3; 2] {
         for_kind!(self, |joint| [joint.anchor_a, joint.anchor_b])
@@ -283,12 +277,6 @@ impl JointParts {
     /// A and B.
     pub fn bodies(&self) -> [Entity; 2] {
         self.joint.bodies()
-    }
-
-    /// A and B, to be changed.
-    #[cfg(feature = "sandbox")]
-    pub fn bodies_mut(&mut self) -> [&mut Entity; 2] {
-        self.joint.bodies_mut()
     }
 
     /// The joint's points on A and B, in their principal axes, m.

@@ -31,7 +31,7 @@ pub(crate) use joint::JointComponent;
 pub(crate) use joint::JointParts;
 pub use joint::{JointKindSpec, JointSpec, LimitSpec, MotorKeys};
 pub use mesh::{MAX_MESH_BYTES, MeshError, MeshSpec, PictureMesh, TriangleMesh, builtin_meshes};
-pub use spawn::{BodyColor, SceneEntity, SpawnedScene};
+pub use spawn::{BodyColor, SceneEntity, SpawnedScene, keep_scene};
 pub use spec::{MAX_BODIES, SceneSpec, ViewSpec};
 #[cfg(feature = "sandbox")]
 pub(crate) use validate::check_parts;

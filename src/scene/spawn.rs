@@ -6,8 +6,8 @@ use bevy::prelude::*;
 
 use super::{BodySpec, HullSpec, JointParts, JointSpec, PictureMesh, SceneSpec, ShapeSpec};
 use crate::physics::{
-    Collider, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia, Mass, Position, RenderOrigin, Rotation,
-    SurfaceMaterial, Velocity,
+    Collider, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia, Keep, Mass, Position, RenderOrigin,
+    Rotation, SurfaceMaterial, Velocity,
 };
 
 /// Marks what a scene spawned (bodies and joints), so that a reset can despawn it.
@@ -42,7 +42,12 @@ impl SceneSpec {
     pub fn spawn(&self, world: &mut World) -> SpawnedScene {
         world.insert_resource(Gravity(self.gravity));
         let origin = world.get_resource::<RenderOrigin>().copied().unwrap_or_default();
-        let bodies: Vec<Entity> = self.bodies.iter().map(|body| spawn_body(body, origin, world)).collect();
+        let spawn = |body: &BodySpec| {
+            let mut entity = world.spawn_empty();
+            insert_body(body, origin, &mut entity);
+            entity.id()
+        };
+        let bodies: Vec<Entity> = self.bodies.iter().map(spawn).collect();
         let by_name: HashMap<&str, (Entity, &BodySpec)> =
             self.bodies.iter().zip(&bodies).map(|(body, &entity)| (body.name.as_str(), (entity, body))).collect();
         let joints = self.joints.iter().map(|joint| spawn_joint(joint, &by_name, world)).collect();
@@ -53,16 +58,26 @@ impl SceneSpec {
 impl BodySpec {
     /// Spawns it alone, as [`SceneSpec::spawn`] does with each of its bodies. It must be valid.
     pub fn spawn(&self, world: &mut World) -> Entity {
+        let entity = world.spawn_empty().id();
+        self.spawn_at(world, entity);
+        entity
+    }
+
+    /// Makes an entity that has nothing this body. It must be valid.
+    ///
+    /// # Panics
+    /// There is no such entity.
+    pub fn spawn_at(&self, world: &mut World, entity: Entity) {
         let origin = world.get_resource::<RenderOrigin>().copied().unwrap_or_default();
-        spawn_body(self, origin, world)
+        insert_body(self, origin, &mut world.entity_mut(entity));
     }
 }
 
 /// Components that have a default are left out where the body has it, so that what a scene does
 /// not need costs it nothing.
-fn spawn_body(body: &BodySpec, origin: RenderOrigin, world: &mut World) -> Entity {
+fn insert_body(body: &BodySpec, origin: RenderOrigin, entity: &mut EntityWorldMut) {
     let rotation = body.principal_rotation();
-    let mut entity = world.spawn((
+    entity.insert((
         Name::new(body.name.clone()),
         SceneEntity,
         body.kind,
@@ -74,10 +89,10 @@ fn spawn_body(body: &BodySpec, origin: RenderOrigin, world: &mut World) -> Entit
     if let Some(shape) = &body.shape {
         entity.insert(shape.collider());
         insert_unless_default(
-            &mut entity,
+            entity,
             SurfaceMaterial { friction: body.material.friction, restitution: body.material.restitution },
         );
-        insert_unless_default(&mut entity, body.layers);
+        insert_unless_default(entity, body.layers);
         match shape {
             ShapeSpec::Mesh(mesh) => _ = entity.insert(PictureMesh(mesh.clone())),
             ShapeSpec::Hull(hull) => _ = entity.insert(GivenHull(hull.clone())),
@@ -86,20 +101,19 @@ fn spawn_body(body: &BodySpec, origin: RenderOrigin, world: &mut World) -> Entit
     }
     match body.mass {
         Some(mass) => _ = entity.insert(Mass(mass)),
-        None => insert_unless_default(&mut entity, Density(body.density)),
+        None => insert_unless_default(entity, Density(body.density)),
     }
     if let Some(inertia) = body.inertia {
         entity.insert(Inertia(inertia));
     }
-    insert_unless_default(&mut entity, ExternalForce { force: body.force, torque: body.torque });
-    insert_unless_default(&mut entity, body.locked);
-    insert_unless_default(&mut entity, GravityScale(body.gravity_scale));
+    insert_unless_default(entity, ExternalForce { force: body.force, torque: body.torque });
+    insert_unless_default(entity, body.locked);
+    insert_unless_default(entity, GravityScale(body.gravity_scale));
     if let Some(color) = body.color {
         entity.insert(BodyColor(color));
     }
     let (linear, angular) = body.damping;
-    insert_unless_default(&mut entity, Damping { linear, angular });
-    entity.id()
+    insert_unless_default(entity, Damping { linear, angular });
 }
 
 fn insert_unless_default<C: Component + Default + PartialEq>(entity: &mut EntityWorldMut, component: C) {
@@ -131,4 +145,9 @@ fn spawn_joint(joint: &JointSpec, bodies: &HashMap<&str, (Entity, &BodySpec)>, w
     let mut entity = world.spawn((name, SceneEntity));
     JointParts::of_spec(joint, ends).insert(&mut entity);
     entity.id()
+}
+
+/// Has bodies and joints of scenes that come back by [`go_to`](crate::physics::go_to) be what they were to a scene.
+pub fn keep_scene(app: &mut App) {
+    app.keep_look::<SceneEntity>().keep_look::<BodyColor>().keep_look::<PictureMesh>().keep_look::<GivenHull>();
 }

@@ -128,12 +128,12 @@ fn delete_removes_the_picked_body_and_its_joints() {
     let mut stage = Stage::open(FALLING);
     let (bob, hook) = (stage.body("bob"), stage.body("hook"));
     stage.act(SandboxAction::DeletePicked);
-    assert!(stage.world().get_entity(bob).is_ok(), "nothing is picked, nothing goes");
+    assert!(stage.world().get::<RigidBody>(bob).is_some(), "nothing is picked, nothing goes");
     *stage.world().resource_mut::<Selection>() = Selection::of(bob);
     stage.act(SandboxAction::DeletePicked);
     stage.frames(2);
-    assert!(stage.world().get_entity(bob).is_err());
-    assert!(stage.world().get_entity(hook).is_ok());
+    assert!(stage.world().get::<RigidBody>(bob).is_none());
+    assert!(stage.world().get::<RigidBody>(hook).is_some());
     assert_eq!(count::<BallJoint>(&mut stage), 0);
     assert_eq!(stage.world().resource::<Selection>().entity(), None);
 }

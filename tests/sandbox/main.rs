@@ -17,4 +17,5 @@ mod pictures;
 mod rough_hands;
 mod stage;
 mod startup;
+mod timeline;
 mod window;

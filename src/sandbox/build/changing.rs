@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use super::joint_change::JointChange;
 use super::names::name_of;
-use super::undo::{Deed, UndoStack};
+use super::undo::{Deed, UndoStack, remember};
 use crate::sandbox::state::report;
 use crate::scene::{JointParts, check_parts};
 
@@ -21,9 +21,8 @@ fn try_change(world: &mut World, joint: Entity, mut change: JointChange, continu
     check_parts(&changed)?;
     change.write(world, joint);
     let what = format!("changing the {} of {}", change.noun(), name_of(world, joint));
-    let mut undo = world.resource_mut::<UndoStack>();
-    if !(continues && undo.goes_on(joint, &change)) {
-        undo.push(what, Deed::Changed { joint, back: change });
+    if !(continues && world.resource::<UndoStack>().goes_on(joint, &change)) {
+        remember(world, what, Deed::Changed { joint, back: change });
     }
     Ok(())
 }

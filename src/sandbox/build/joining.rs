@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use super::join_kind::{JoinKind, place_of};
 use super::joints::{Pin, idle_without, joints};
 use super::names::{name_of, unique_name};
-use super::undo::{Deed, UndoStack, remove};
+use super::undo::{Deed, remember, remove};
 use crate::physics::{BallJoint, Collider, RigidBody};
 use crate::sandbox::any_joint::noun;
 use crate::sandbox::state::report;
@@ -44,7 +44,7 @@ fn try_join(world: &mut World) -> Result<String, String> {
     let mut entity = world.spawn((Name::new(what.clone()), SceneEntity));
     joint.insert(&mut entity);
     let entity = entity.id();
-    world.resource_mut::<UndoStack>().push(format!("joining {what}"), Deed::Added(vec![entity]));
+    remember(world, format!("joining {what}"), Deed::Added(vec![entity]));
     Ok(format!("joined {what} by a {}", noun(&joint)))
 }
 
@@ -83,7 +83,7 @@ fn try_pin(world: &mut World) -> Result<String, String> {
     world.entity_mut(pin).insert(Pin);
     let ball = BallJoint::new(pin, picked.entity).with_anchors(DVec3::ZERO, picked.point);
     let joint = world.spawn((Name::new(format!("{name} to the world")), SceneEntity, ball)).id();
-    world.resource_mut::<UndoStack>().push(format!("pinning {name}"), Deed::Added(vec![joint, pin]));
+    remember(world, format!("pinning {name}"), Deed::Added(vec![joint, pin]));
     Ok(format!("pinned {name} to the world"))
 }
 
@@ -146,7 +146,7 @@ fn try_cut(world: &mut World, joint: Entity) -> Result<String, String> {
     let what = name_of(world, joint);
     let pins = idle_without(world, &[joint]);
     let deed = remove(world, pins, &[joint]);
-    world.resource_mut::<UndoStack>().push(format!("cutting {what}"), deed);
+    remember(world, format!("cutting {what}"), deed);
     Ok(format!("cut {what}"))
 }
 

@@ -6,7 +6,7 @@ use crate::sandbox::any_joint::IsJoint;
 use crate::scene::{JointComponent, JointParts, SceneEntity};
 
 /// A body without a shape that stands still, made by [`pin_picked`](super::pin_picked): it goes when it holds nothing.
-#[derive(Component)]
+#[derive(Component, Clone, Copy)]
 pub struct Pin;
 
 /// The joints of the scene and of the user; not the one that drags.

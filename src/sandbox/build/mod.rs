@@ -20,6 +20,7 @@ pub(super) use changing::change_joint;
 pub use join_kind::JoinKind;
 pub(super) use joining::{cut, cut_picked, join_picked, pin_picked};
 pub use joint_change::JointChange;
+pub(super) use joints::Pin;
 pub(super) use kept::KeptScene;
 pub(super) use names::unique_name;
 pub(super) use spawning::spawn_body;

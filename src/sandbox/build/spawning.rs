@@ -6,7 +6,7 @@ use bevy::prelude::*;
 
 use super::blueprint::Blueprint;
 use super::names::unique_name;
-use super::undo::{Deed, UndoStack};
+use super::undo::{Deed, remember};
 use crate::physics::{Collider, CollisionLayers, Gravity, PlacedCollider, Position, RenderOrigin, RigidBody, Rotation};
 use crate::sandbox::camera::{self, Aim};
 use crate::sandbox::ground::GroundOf;
@@ -42,7 +42,7 @@ fn try_spawn(world: &mut World) -> Result<String, String> {
         .map_err(|error| error.to_string())?
         .ok_or("there is no room for a body")?;
     let entity = body.spawn(world);
-    world.resource_mut::<UndoStack>().push(format!("adding {name}"), Deed::Added(vec![entity]));
+    remember(world, format!("adding {name}"), Deed::Added(vec![entity]));
     Ok(name)
 }
 

@@ -1,14 +1,12 @@
 //! Taking back what was built, cut or deleted, the last first.
 
-use std::collections::HashMap;
-
 use bevy::prelude::*;
 
 use super::joint_change::JointChange;
 use super::joints::{Pin, idle_without, joints_of};
 use super::kept::KeptScene;
 use super::names::name_of;
-use crate::physics::RigidBody;
+use crate::physics::{RigidBody, StepStats, bury};
 use crate::sandbox::state::report;
 use crate::sandbox::{Selection, drag};
 use crate::scene::{BodySpec, JointParts, SceneEntity};
@@ -20,7 +18,18 @@ const DEPTH: usize = 64;
 /// was built before it.
 #[derive(Resource, Default)]
 pub struct UndoStack {
-    deeds: Vec<(String, Deed)>,
+    deeds: Vec<Done>,
+    /// Those that the scene has not come to (it went back), the next last.
+    ahead: Vec<Done>,
+}
+
+/// A deed, and when it was done.
+struct Done {
+    /// Completes "undid …".
+    what: String,
+    deed: Deed,
+    /// Steps that the world had made.
+    step: u64,
 }
 
 /// What a deed did to the world.
@@ -46,48 +55,49 @@ pub enum Deed {
 }
 
 impl UndoStack {
-    /// Remembers a deed; `what` completes "undid …".
-    pub fn push(&mut self, what: String, deed: Deed) {
-        if self.deeds.len() == DEPTH {
-            self.deeds.remove(0);
-        }
-        self.deeds.push((what, deed));
-    }
-
-    /// The bodies and joints that deeds mean are about to go. Tells whether there were such deeds.
+    /// Forgets the bodies and joints that deeds mean, which are about to go. Tells whether there were such deeds.
     pub fn leave_scene(&mut self) -> bool {
+        self.ahead.clear();
         let count = self.deeds.len();
-        self.deeds.retain(|(_, deed)| matches!(deed, Deed::Left(_)));
+        self.deeds.retain(|done| matches!(done.deed, Deed::Left(_)));
         self.deeds.len() < count
     }
 
     /// What the next undo would take back.
     pub fn next(&self) -> Option<&str> {
-        self.deeds.last().map(|(what, _)| what.as_str())
+        self.deeds.last().map(|done| done.what.as_str())
     }
 
     /// Whether a change of that joint would be one more like the last deed.
     pub fn goes_on(&self, joint: Entity, change: &JointChange) -> bool {
-        match self.deeds.last() {
-            Some((_, Deed::Changed { joint: last, back })) => *last == joint && back.is_alike(change),
+        match self.deeds.last().map(|done| &done.deed) {
+            Some(Deed::Changed { joint: last, back }) => *last == joint && back.is_alike(change),
             _ => false,
         }
     }
 
-    /// What came back came back as other entities: earlier deeds mean those from now on.
-    fn rename(&mut self, renamed: &HashMap<Entity, Entity>) {
-        let now = |entity: &mut Entity| *entity = *renamed.get(entity).unwrap_or(entity);
-        for (_, deed) in &mut self.deeds {
-            match deed {
-                Deed::Added(entities) => entities.iter_mut().for_each(now),
-                Deed::Changed { joint, .. } => now(joint),
-                Deed::Left(_) => {} // its entities are made anew when it comes back
-                Deed::Removed { joints, .. } => {
-                    joints.iter_mut().flat_map(|(_, _, parts)| parts.bodies_mut()).for_each(now);
-                }
-            }
+    /// The scene went to another of its moments: what was done later is not done there, and is again once it comes to
+    /// it.
+    pub fn go(&mut self, step: u64) {
+        let is_done = |done: &Done| done.step <= step || matches!(done.deed, Deed::Left(_));
+        while self.deeds.last().is_some_and(|done| !is_done(done)) {
+            self.ahead.extend(self.deeds.pop());
+        }
+        while self.ahead.last().is_some_and(is_done) {
+            self.deeds.extend(self.ahead.pop());
         }
     }
+}
+
+/// Remembers a deed; `what` completes "undid …". What was to come after this moment will not.
+pub fn remember(world: &mut World, what: String, deed: Deed) {
+    let step = world.resource::<StepStats>().steps;
+    let mut stack = world.resource_mut::<UndoStack>();
+    stack.ahead.clear();
+    if stack.deeds.len() == DEPTH {
+        stack.deeds.remove(0);
+    }
+    stack.deeds.push(Done { what, deed, step });
 }
 
 /// Deletes the picked body and its joints.
@@ -100,7 +110,7 @@ pub fn delete_picked(world: &mut World) {
     let mut bodies = idle_without(world, &joints);
     bodies.push(body);
     let deed = remove(world, bodies, &joints);
-    world.resource_mut::<UndoStack>().push(format!("deleting {name}"), deed);
+    remember(world, format!("deleting {name}"), deed);
     report(world, Ok(format!("deleted {name}")));
 }
 
@@ -112,7 +122,7 @@ pub fn remove(world: &mut World, bodies: Vec<Entity>, joints: &[Entity]) -> Deed
     let joints: Vec<_> = joints.iter().filter_map(whole).collect();
     let gone = joints.iter().map(|&(joint, ..)| joint).chain(bodies.iter().map(|&(body, _)| body));
     for entity in gone.collect::<Vec<_>>() {
-        world.despawn(entity);
+        bury(world, entity);
     }
     Deed::Removed { bodies, joints }
 }
@@ -125,7 +135,7 @@ pub fn keep_what_was_built(world: &mut World) -> Option<String> {
     }
     let kept = KeptScene::of(world)?;
     let name = kept.name().to_owned();
-    world.resource_mut::<UndoStack>().push(format!("leaving {name}"), Deed::Left(Box::new(kept)));
+    remember(world, format!("leaving {name}"), Deed::Left(Box::new(kept)));
     Some(name)
 }
 
@@ -134,11 +144,11 @@ pub fn undo(world: &mut World) -> Option<KeptScene> {
     let mut left = None;
     let outcome = match world.resource_mut::<UndoStack>().deeds.pop() {
         None => Err("nothing to undo".to_owned()),
-        Some((what, Deed::Left(scene))) => {
+        Some(Done { what, deed: Deed::Left(scene), .. }) => {
             left = Some(*scene);
             Ok(format!("undid {what}"))
         }
-        Some((what, deed)) => match take_back(world, deed) {
+        Some(Done { what, deed, .. }) => match take_back(world, deed) {
             true => Ok(format!("undid {what}")),
             false => Err(format!("cannot undo {what}: it is gone")),
         },
@@ -151,8 +161,8 @@ pub fn undo(world: &mut World) -> Option<KeptScene> {
 fn take_back(world: &mut World, deed: Deed) -> bool {
     match deed {
         Deed::Added(entities) => {
-            let gone: Vec<bool> = entities.into_iter().map(|entity| world.try_despawn(entity).is_err()).collect();
-            !gone.contains(&true)
+            let was_there: Vec<bool> = entities.into_iter().map(|entity| bury(world, entity)).collect();
+            !was_there.contains(&false)
         }
         Deed::Removed { bodies, joints } => restore(world, bodies, joints),
         Deed::Changed { joint, mut back } => back.write(world, joint),
@@ -160,36 +170,32 @@ fn take_back(world: &mut World, deed: Deed) -> bool {
     }
 }
 
-/// Spawns bodies and joints anew; a joint whose other body has gone meanwhile stays away. Tells
-/// whether anything came back.
+/// Has bodies and joints come back as the entities that they were; a joint whose other body has gone meanwhile stays
+/// away. Tells whether anything came back.
 fn restore(world: &mut World, bodies: Vec<(Entity, BodySpec)>, joints: Vec<(Entity, Name, JointParts)>) -> bool {
-    let mut renamed = HashMap::new();
-    for (was, body) in bodies {
-        renamed.insert(was, respawn(world, &body));
-    }
-    for (was, name, mut parts) in joints {
-        for end in parts.bodies_mut() {
-            *end = *renamed.get(end).unwrap_or(end);
+    let mut came_back = false;
+    for (entity, body) in bodies {
+        let Ok(mut emptied) = world.get_entity_mut(entity) else { continue };
+        if body.shape.is_none() {
+            emptied.insert(Pin); // nothing else without a shape is ever removed
         }
-        if parts.bodies().into_iter().all(|end| world.get::<RigidBody>(end).is_some()) {
-            let mut joint = world.spawn((name, SceneEntity));
-            renamed.insert(was, joint.id());
+        body.spawn_at(world, entity);
+        came_back = true;
+    }
+    for (entity, name, parts) in joints {
+        let holds = parts.bodies().into_iter().all(|end| world.get::<RigidBody>(end).is_some());
+        if let Ok(mut joint) = world.get_entity_mut(entity)
+            && holds
+        {
+            joint.insert((name, SceneEntity));
             parts.insert(&mut joint);
+            came_back = true;
         }
     }
-    world.resource_mut::<UndoStack>().rename(&renamed);
-    !renamed.is_empty()
+    came_back
 }
 
 /// A body as it is now.
 fn describe(world: &World, body: Entity) -> Option<BodySpec> {
     Some(BodySpec { name: name_of(world, body), ..BodySpec::of_entity(world, body)? })
-}
-
-fn respawn(world: &mut World, body: &BodySpec) -> Entity {
-    let entity = body.spawn(world);
-    if body.shape.is_none() {
-        world.entity_mut(entity).insert(Pin); // nothing else without a shape is ever removed
-    }
-    entity
 }

@@ -16,6 +16,7 @@ mod readouts;
 mod scenes;
 mod selection;
 mod solver;
+mod strip;
 mod theme;
 mod toast;
 pub(super) mod vary;
@@ -38,7 +39,7 @@ pub struct PanelOpen(pub bool);
 pub(super) fn plugin(app: &mut App) {
     app.insert_resource(PanelOpen(true))
         .add_plugins((playback::plugin, scenes::plugin, files::plugin, chart::plugin, toast::plugin))
-        .add_systems(EguiPrimaryContextPass, (theme::apply, show).chain());
+        .add_systems(EguiPrimaryContextPass, (theme::apply, show, strip::show).chain());
 }
 
 const DEFAULT_WIDTH: f32 = 334.0;

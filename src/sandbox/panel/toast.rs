@@ -5,6 +5,7 @@ use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 
 use super::super::Notice;
 use super::entry::take_refused;
+use super::strip;
 
 /// How long a notice stays, s.
 const SECONDS: f64 = 6.0;
@@ -35,14 +36,14 @@ fn show(
         Notice::Info(text) => (text, egui::Color32::from_gray(225)),
         Notice::Error(text) => (text, context.global_style().visuals.error_fg_color),
     };
-    egui::Area::new(egui::Id::new("notice")).anchor(egui::Align2::LEFT_BOTTOM, [12.0, -12.0]).interactable(false).show(
-        context,
-        |ui| {
+    egui::Area::new(egui::Id::new("notice"))
+        .anchor(egui::Align2::LEFT_BOTTOM, [12.0, -12.0 - strip::HEIGHT])
+        .interactable(false)
+        .show(context, |ui| {
             egui::Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_max_width(560.0);
                 ui.colored_label(color, text);
             });
-        },
-    );
+        });
     Ok(())
 }

@@ -1,0 +1,138 @@
+//! The strip under the picture: how far back what happened is kept, and the head that goes there.
+
+use bevy::prelude::*;
+use bevy_egui::{EguiContexts, egui};
+
+use super::buttons::tooltip;
+use super::theme::{Quantity, palette};
+use crate::physics::{History, SolverSettings, StepStats};
+use crate::sandbox::state::Covered;
+use crate::sandbox::timeline::head_and_reach;
+use crate::sandbox::{CurrentScene, Playback, SandboxAction, Timeline};
+
+/// What the strip takes of the window's height, points, its margins too.
+pub(super) const HEIGHT: f32 = 62.0;
+const MARGIN: f32 = 8.0;
+const BAR: f32 = 18.0;
+/// Marks that are nearer than this to the pointer, points, draw the head to them.
+const SNAP: f32 = 5.0;
+
+/// Draws it beside the panel, which is drawn before.
+pub(super) fn show(
+    mut contexts: EguiContexts,
+    scene: Option<Res<CurrentScene>>,
+    history: Option<Res<History>>,
+    stats: Res<StepStats>,
+    settings: Res<SolverSettings>,
+    timeline: Res<Timeline>,
+    playback: Res<Playback>,
+    covered: Res<Covered>,
+    mut actions: MessageWriter<SandboxAction>,
+) -> Result {
+    let (Some(history), Some(_)) = (history, scene) else { return Ok(()) };
+    let context = contexts.ctx_mut()?;
+    let width = context.content_rect().width() - covered.0 / context.zoom_factor() - 2.0 * MARGIN;
+    let (head, reach) = head_and_reach(&stats, Some(&history));
+    egui::Area::new(egui::Id::new("strip")).anchor(egui::Align2::LEFT_BOTTOM, [MARGIN, -MARGIN]).constrain(false).show(
+        context,
+        |ui| {
+            egui::Frame::popup(ui.style()).inner_margin(6.0).show(ui, |ui| {
+                ui.set_width((width - 12.0).max(1.0));
+                ui.set_height(HEIGHT - 2.0 * MARGIN - 12.0);
+                ui.horizontal_centered(|ui| {
+                    buttons(ui, &timeline, &playback, &mut actions);
+                    let said = said(head, reach, &settings);
+                    let text =
+                        egui::WidgetText::from(&said).into_galley(ui, None, f32::INFINITY, egui::TextStyle::Body);
+                    let room = ui.available_width() - text.size().x - ui.spacing().item_spacing.x;
+                    let bar = Bar { head, reach, history: &history, timeline: &timeline };
+                    if let Some(step) = bar.show(ui, room.max(40.0)) {
+                        actions.write(SandboxAction::GoTo { step });
+                    }
+                    ui.label(said).on_hover_text(format!(
+                        "{} of 512 MiB; what is older thins out and goes",
+                        Quantity::text(history.bytes() as f64, "B")
+                    ));
+                });
+            });
+        },
+    );
+    Ok(())
+}
+
+fn buttons(ui: &mut egui::Ui, timeline: &Timeline, playback: &Playback, actions: &mut MessageWriter<SandboxAction>) {
+    let play = if playback.paused { "▶" } else { "⏸" };
+    for (label, action, lit) in [
+        ("⏮", SandboxAction::GoToStart, false),
+        ("◀", SandboxAction::TogglePlayBackwards, timeline.backwards),
+        ("⏴", SandboxAction::StepBack, false),
+        (play, SandboxAction::TogglePause, false),
+        ("⏵", SandboxAction::StepOnce, false),
+        ("⏭", SandboxAction::GoToNow, false),
+        ("⚑", SandboxAction::ToggleMark, false),
+        ("🔁", SandboxAction::ToggleLoop, timeline.looped.is_some()),
+    ] {
+        let button = egui::Button::new(label).selected(lit).min_size(egui::vec2(24.0, 24.0));
+        if ui.add(button).on_hover_text(tooltip(&action)).clicked() {
+            actions.write(action);
+        }
+    }
+}
+
+/// How far the head is from the last moment.
+fn said(head: u64, [_, last]: [u64; 2], settings: &SolverSettings) -> String {
+    let behind = (last - head) as f64 * settings.step();
+    if head == last { "now".into() } else { format!("{behind:.2} s ago") }
+}
+
+struct Bar<'a> {
+    head: u64,
+    reach: [u64; 2],
+    history: &'a History,
+    timeline: &'a Timeline,
+}
+
+impl Bar<'_> {
+    /// Draws it; the step that the pointer asks for.
+    fn show(&self, ui: &mut egui::Ui, width: f32) -> Option<u64> {
+        let (rect, response) = ui.allocate_exact_size(egui::vec2(width, BAR), egui::Sense::click_and_drag());
+        let [first, last] = self.reach;
+        let span = (last - first).max(1) as f32;
+        let x = |step: u64| rect.left() + rect.width() * (step.clamp(first, last) - first) as f32 / span;
+        let painter = ui.painter_at(rect.expand(2.0));
+        let color = |[r, g, b]: [u8; 3]| egui::Color32::from_rgb(r, g, b);
+        painter.rect_filled(rect, 3.0, egui::Color32::from_gray(45));
+        let mut past = rect;
+        past.set_right(x(self.head));
+        painter.rect_filled(past, 3.0, color(palette::SKY).gamma_multiply(0.45));
+        if let Some([from, to]) = self.timeline.looped {
+            let looped = egui::Rect::from_x_y_ranges(x(from)..=x(to), rect.bottom() - 4.0..=rect.bottom());
+            painter.rect_filled(looped, 0.0, color(palette::GREEN));
+        }
+        // Of deeds in a row one line.
+        let mut drawn = f32::NEG_INFINITY;
+        for at in self.history.acts().filter(|step| *step > first).map(x) {
+            if at - drawn >= 1.0 {
+                painter.vline(at, rect.top()..=rect.center().y, (1.0, color(palette::ORANGE)));
+                drawn = at;
+            }
+        }
+        for &mark in self.timeline.marks.iter().filter(|mark| (first..=last).contains(mark)) {
+            painter.vline(x(mark), rect.y_range(), (2.0, color(palette::YELLOW)));
+        }
+        painter.vline(x(self.head), rect.expand(2.0).y_range(), (2.0, egui::Color32::WHITE));
+        let pointer = response.interact_pointer_pos();
+        let response = response.on_hover_text(
+            "what happened: drag the head to go there; orange: what was done; yellow: marks. What you do in the past \
+             ends what came after it",
+        );
+        if !(response.dragged() || response.clicked()) {
+            return None;
+        }
+        let at = pointer?.x;
+        let mark = self.timeline.marks.iter().copied().find(|mark| (x(*mark) - at).abs() <= SNAP);
+        let share = ((at - rect.left()) / rect.width()).clamp(0.0, 1.0);
+        let step = mark.unwrap_or(first + (f64::from(share) * (last - first) as f64).round() as u64);
+        (step != self.head).then_some(step)
+    }
+}

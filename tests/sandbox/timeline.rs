@@ -1,0 +1,265 @@
+//! Back to what happened, on from there, backwards, round and round.
+
+use bevy::math::DVec3;
+use bevy::prelude::*;
+use plumb::physics::{BallJoint, History, RigidBody, StepStats};
+use plumb::sandbox::{GhostChoice, GhostDistance, Notice, Playback, SandboxAction, Selection, Timeline};
+
+use crate::stage::{SIZE, Stage};
+
+/// A box that falls beside one that hangs, and a ground far below.
+const SCENE: &str = r#"(
+    bodies: [
+        (name: "ground", kind: Static, shape: HalfSpace, position: (0, -3, 0)),
+        (name: "box", shape: Cuboid(size: (1, 1, 1)), mass: 10, position: (-1.5, 1, 0)),
+        (name: "bob", shape: Sphere(radius: 0.5), mass: 10, position: (2, 1, 0)),
+    ],
+    joints: [(body_a: "world", body_b: "bob", at: (0, 2, 0))],
+    view: (eye: (0, 0, 10), target: (0, 0, 0)),
+)"#;
+
+fn step(stage: &mut Stage) -> u64 {
+    stage.world().resource::<StepStats>().steps
+}
+
+fn reach(stage: &mut Stage) -> [u64; 2] {
+    stage.world().resource::<History>().reach()
+}
+
+fn go(stage: &mut Stage, step: u64) {
+    stage.act(SandboxAction::GoTo { step });
+}
+
+fn named(stage: &mut Stage, name: &str) -> Vec<Entity> {
+    let world = stage.world();
+    let mut names = world.query::<(Entity, &Name)>();
+    names.iter(world).filter(|(_, found)| found.as_str() == name).map(|(entity, _)| entity).collect()
+}
+
+/// Runs on until the world has made so many steps, and tells where the body is after each.
+fn play_to(stage: &mut Stage, name: &str, last: u64) -> Vec<(u64, DVec3)> {
+    let mut seen = Vec::new();
+    stage.world().resource_mut::<Playback>().paused = false;
+    while step(stage) < last {
+        let before = step(stage);
+        stage.frames(1);
+        if step(stage) > before {
+            seen.push((step(stage), stage.position(name)));
+        }
+    }
+    pause(stage);
+    seen
+}
+
+/// At once.
+fn pause(stage: &mut Stage) {
+    stage.world().resource_mut::<Playback>().paused = true;
+    stage.world().resource_mut::<Time<Virtual>>().pause();
+}
+
+#[test]
+fn a_step_back_is_a_step_back_and_on_from_there_it_is_as_it_was() {
+    let mut stage = Stage::open(SCENE);
+    let first = step(&mut stage);
+    let seen = play_to(&mut stage, "bob", first + 60);
+    stage.tap(KeyCode::Comma);
+    assert!(stage.world().resource::<Playback>().paused);
+    assert_eq!((step(&mut stage), stage.position("bob")), seen[58]);
+    go(&mut stage, first + 20);
+    assert_eq!((step(&mut stage), stage.position("bob")), seen[19]);
+    assert_eq!(play_to(&mut stage, "bob", first + 60), seen[20..]);
+    // As far as there is something, and no farther.
+    let [start, end] = reach(&mut stage);
+    stage.tap(KeyCode::Home);
+    assert_eq!(step(&mut stage), start);
+    stage.tap(KeyCode::Comma);
+    assert_eq!(step(&mut stage), start);
+    go(&mut stage, u64::MAX);
+    assert_eq!(step(&mut stage), end);
+    assert!(!matches!(stage.world().resource::<Notice>(), Notice::Error(_)));
+}
+
+#[test]
+fn a_drag_happens_again_until_something_else_is_done() {
+    let mut stage = Stage::open(SCENE);
+    let first = step(&mut stage);
+    let bob = stage.position("bob");
+    let place = stage.seen_at(bob);
+    stage.move_to(place);
+    stage.press();
+    stage.move_to(place + Vec2::new(-60.0, -150.0));
+    stage.frames(20);
+    assert_eq!(named(&mut stage, "drag joint").len(), 1);
+    let middle = step(&mut stage);
+    stage.move_to(place + Vec2::new(100.0, -100.0));
+    stage.release();
+    let seen_in_the_end = {
+        stage.frames(20);
+        (step(&mut stage), stage.position("bob"))
+    };
+    assert!(named(&mut stage, "drag joint").is_empty());
+    go(&mut stage, first);
+    let again = play_to(&mut stage, "bob", seen_in_the_end.0);
+    assert_eq!(*again.last().unwrap(), seen_in_the_end);
+    // In the middle of it the hand is there; with another deed it lets go.
+    go(&mut stage, middle);
+    assert_eq!(named(&mut stage, "drag handle").len(), 1);
+    stage.world().resource_mut::<Playback>().paused = false;
+    stage.act(SandboxAction::ThrowBall);
+    stage.frames(5);
+    assert!(named(&mut stage, "drag handle").is_empty() && named(&mut stage, "drag joint").is_empty());
+    assert_eq!(reach(&mut stage)[1], step(&mut stage), "what was to come will not");
+}
+
+#[test]
+fn whoever_goes_back_lets_go() {
+    let mut stage = Stage::open(SCENE);
+    stage.frames(20);
+    let place = stage.position("bob");
+    let place = stage.seen_at(place);
+    stage.move_to(place);
+    stage.press();
+    stage.frames(10);
+    let head = step(&mut stage);
+    stage.tap(KeyCode::Comma);
+    stage.frames(5);
+    assert_eq!(step(&mut stage), head, "the frame of the key has made one");
+    // It is held there, as it was; on at the end it is not.
+    stage.tap(KeyCode::End);
+    stage.frames(2);
+    assert!(named(&mut stage, "drag handle").is_empty());
+}
+
+#[test]
+fn what_is_built_goes_and_comes_with_the_head() {
+    let mut stage = Stage::open(SCENE);
+    stage.frames(10);
+    pause(&mut stage);
+    stage.move_to(Vec2::new(500.0, 500.0));
+    stage.key(KeyCode::KeyA);
+    let added = named(&mut stage, "box 2");
+    assert_eq!(added.len(), 1, "{:?}", stage.world().resource::<Notice>());
+    let built = step(&mut stage);
+    play_to(&mut stage, "bob", built + 30);
+    let bob = stage.body("bob");
+    *stage.world().resource_mut::<Selection>() = Selection::of(bob);
+    stage.tap(KeyCode::Delete);
+    assert!(named(&mut stage, "bob").is_empty());
+    assert_eq!(stage.world().query::<&BallJoint>().iter(stage.app.world()).count(), 0);
+    let cut = step(&mut stage);
+    play_to(&mut stage, "box", cut + 10);
+
+    go(&mut stage, built - 1);
+    assert!(named(&mut stage, "box 2").is_empty());
+    assert_eq!(named(&mut stage, "bob").len(), 1);
+    go(&mut stage, built + 1);
+    assert_eq!(named(&mut stage, "box 2"), added, "the same entity");
+    assert!(stage.world().get::<Mesh3d>(added[0]).is_some(), "it is drawn");
+    // The deletion has not been done here: what undo takes back is the box.
+    stage.tap(KeyCode::End);
+    assert!(named(&mut stage, "bob").is_empty());
+    stage.key_with_control(KeyCode::KeyZ);
+    assert_eq!(named(&mut stage, "bob"), [bob], "the same entity comes back");
+    go(&mut stage, built + 1);
+    stage.key_with_control(KeyCode::KeyZ);
+    assert!(named(&mut stage, "box 2").is_empty());
+    play_to(&mut stage, "bob", built + 40);
+    assert_eq!(reach(&mut stage)[1], built + 40, "the deletion will not be done");
+    assert_eq!(named(&mut stage, "bob").len(), 1);
+    stage.key_with_control(KeyCode::KeyZ);
+    assert_eq!(*stage.world().resource::<Notice>(), Notice::Error("nothing to undo".into()));
+}
+
+#[test]
+fn time_runs_backwards_to_its_beginning() {
+    let mut stage = Stage::open(SCENE);
+    let first = step(&mut stage);
+    play_to(&mut stage, "bob", first + 50);
+    stage.tap(KeyCode::KeyU);
+    let start = step(&mut stage);
+    stage.frames(10);
+    let now = step(&mut stage);
+    assert!((8..=12).contains(&(start - now)), "{start} {now}");
+    stage.frames(80);
+    assert_eq!(step(&mut stage), reach(&mut stage)[0]);
+    assert!(!stage.world().resource::<Timeline>().backwards);
+    // Play stops it.
+    stage.tap(KeyCode::End);
+    stage.tap(KeyCode::KeyU);
+    stage.frames(5);
+    stage.tap(KeyCode::Space);
+    let now = step(&mut stage);
+    stage.frames(5);
+    assert!(step(&mut stage) > now);
+}
+
+#[test]
+fn marks_make_a_loop() {
+    let mut stage = Stage::open(SCENE);
+    let first = step(&mut stage);
+    for mark in [20, 35] {
+        play_to(&mut stage, "bob", first + mark);
+        stage.tap(KeyCode::KeyK);
+    }
+    play_to(&mut stage, "bob", first + 60);
+    go(&mut stage, first + 25);
+    stage.tap(KeyCode::KeyL);
+    assert_eq!(stage.world().resource::<Timeline>().looped, Some([first + 20, first + 35]));
+    let mut steps = Vec::new();
+    for _ in 0..40 {
+        stage.frames(1);
+        steps.push(step(&mut stage));
+    }
+    assert!(steps.iter().all(|step| (first + 20..=first + 35).contains(step)), "{steps:?}");
+    assert!(steps.windows(2).filter(|steps| steps[1] < steps[0]).count() >= 2, "{steps:?}");
+    assert_eq!(reach(&mut stage)[1], first + 60, "nothing is lost");
+    stage.tap(KeyCode::KeyL);
+    stage.frames(60);
+    assert!(step(&mut stage) > first + 60);
+    // A mark goes where it stands.
+    go(&mut stage, first + 20);
+    stage.tap(KeyCode::KeyK);
+    assert_eq!(stage.world().resource::<Timeline>().marks, [first + 35]);
+}
+
+#[test]
+fn the_head_is_dragged_along_the_strip() {
+    let mut stage = Stage::open(SCENE);
+    let first = step(&mut stage);
+    play_to(&mut stage, "bob", first + 100);
+    crate::eyes::click(&mut stage, Vec2::new(500.0, SIZE.y - 31.0));
+    stage.frames(2);
+    let ([start, end], now) = (reach(&mut stage), step(&mut stage));
+    assert!(start < now && now < end, "{start} {now} {end}");
+    assert!(stage.world().resource::<Playback>().paused);
+    assert_eq!(stage.world().resource::<Selection>().entity(), None);
+}
+
+#[test]
+fn a_ghost_goes_back_too() {
+    let mut stage = Stage::open("(bodies: [])");
+    stage.act(SandboxAction::LoadScene { scene: "chain".into(), parameters: Vec::new() });
+    stage.world().insert_resource(GhostChoice::Method(0));
+    stage.frames(60);
+    let head = step(&mut stage);
+    for to in [head - 30, head - 5, head - 40] {
+        go(&mut stage, to);
+        stage.world().resource_mut::<Playback>().paused = false;
+        stage.frames(4);
+        assert_eq!(stage.world().resource::<GhostDistance>().0.map(|apart| apart.distance), Some(0.0), "back to {to}");
+    }
+}
+
+#[test]
+fn another_scene_has_a_past_of_its_own() {
+    let mut stage = Stage::open(SCENE);
+    stage.frames(30);
+    let bodies = |stage: &mut Stage| stage.world().query::<&RigidBody>().iter(stage.app.world()).count();
+    let before = bodies(&mut stage);
+    stage.act(SandboxAction::Reset);
+    let head = step(&mut stage);
+    assert!(reach(&mut stage)[0] + 2 >= head, "{head} {:?}", reach(&mut stage));
+    go(&mut stage, 0);
+    assert_eq!(bodies(&mut stage), before);
+    assert!(stage.position("box").y > 0.9, "it has hardly fallen");
+}
