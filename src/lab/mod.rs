@@ -10,6 +10,7 @@ pub mod map;
 mod metrics;
 mod picture;
 mod plan;
+pub mod race;
 mod run;
 mod settings_file;
 mod simulation;
@@ -26,6 +27,7 @@ pub use metrics::{
     ContactResidual, EnergyMetrics, ExactCounts, JointGap, JointLoadMax, LimitOvershoot, Metrics, MomentumMetrics,
     Shares, StepCounts, StepMilliseconds, TruthMetrics,
 };
+pub use picture::PictureError;
 pub use plan::{MOST_STEPS, Plan, PlanError};
 pub use run::measure;
 pub use settings_file::{SettingsFileError, read_settings, settings_text, write_settings};

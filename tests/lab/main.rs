@@ -9,6 +9,7 @@ mod joint_errors;
 mod joint_metrics;
 mod machines;
 mod metrics;
+mod race;
 mod references;
 mod run;
 mod scene_builtin;

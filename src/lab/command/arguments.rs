@@ -36,6 +36,8 @@ pub(super) enum Subcommand {
     Chart(ChartArguments),
     /// Map where methods hold, degrade and fail over two parameters of a scene
     Map(MapArguments),
+    /// Run a scene on from one moment by several methods side by side, and say when and how they part
+    Race(RaceArguments),
     /// Find the cheapest settings that hold an error for a scene
     Fit(FitArguments),
 }
@@ -116,6 +118,30 @@ pub(super) struct MapArguments {
 }
 
 #[derive(Args)]
+pub(super) struct RaceArguments {
+    /// A built-in scene or the path of a RON file
+    pub scene: String,
+    #[command(flatten)]
+    pub parameters: ParameterArguments,
+    /// Presets or settings files (.ron), with commas between. Distances are from the scene's answer where that gives the
+    /// whole motion and the race begins with the scene, else from the first
+    #[arg(long, value_name = "A,B,…", value_delimiter = ',', required = true)]
+    pub by: Vec<String>,
+    /// When the race begins, s after the start of the scene, which runs by the first until then
+    #[arg(long, value_name = "T", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
+    pub from: f64,
+    /// Time to simulate, s [default: the scene's own]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub seconds: Option<f64>,
+    /// The distance whose first time is told, m
+    #[arg(long, value_name = "D", default_value_t = 0.01, value_parser = positive, allow_negative_numbers = true)]
+    pub apart: f64,
+    /// Folder for SCENE-race.csv, .svg and .png
+    #[arg(long, value_name = "DIR", default_value = "charts")]
+    pub out: PathBuf,
+}
+
+#[derive(Args)]
 pub(super) struct FitArguments {
     /// A built-in scene
     pub scene: String,
@@ -185,6 +211,15 @@ fn assignment(text: &str) -> Result<(String, f64), String> {
         Ok(number) if number.is_finite() => Ok((name.to_owned(), number)),
         Ok(_) => Err(format!("{name} must be finite")),
         Err(_) => Err(format!("'{value}' is not a number")),
+    }
+}
+
+/// A time, or none.
+fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds.is_finite() && seconds >= 0.0 => Ok(seconds),
+        Ok(_) => Err("must be 0 or greater, and finite".into()),
+        Err(_) => Err("not a number".into()),
     }
 }
 

@@ -11,6 +11,7 @@ mod export;
 mod fit;
 mod map;
 mod outcome;
+mod race;
 mod run;
 mod scenes;
 mod settings;
@@ -74,6 +75,7 @@ impl Task {
             Subcommand::Export(arguments) => export::export(&arguments),
             Subcommand::Chart(arguments) => chart::chart(&arguments),
             Subcommand::Map(arguments) => map::map(&arguments),
+            Subcommand::Race(arguments) => race::race(&arguments),
             Subcommand::Fit(arguments) => fit::fit(&arguments),
         }
     }

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use crate::lab::chart::{ChartError, PeersError};
 use crate::lab::vary::VaryError;
-use crate::lab::{PlanError, SettingsFileError};
+use crate::lab::{PictureError, PlanError, SettingsFileError};
 use crate::physics::SettingsError;
 use crate::scene::SceneError;
 
@@ -36,6 +36,9 @@ pub enum CommandError {
     /// Rows of other engines that cannot be had.
     #[error(transparent)]
     Peers(#[from] PeersError),
+    /// A picture that cannot be drawn.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
     /// An output that cannot be written.
     #[error("{place}: cannot be written: {reason}")]
     Output {

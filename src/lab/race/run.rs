@@ -1,0 +1,178 @@
+//! Running a race.
+
+use bevy::math::{DQuat, DVec3};
+
+use super::outcome::{Course, Moment, Outcome, Race, Runner};
+use crate::lab::angle::turn_between;
+use crate::lab::simulation::Simulation;
+use crate::lab::truth;
+use crate::physics::{Collider, Diagnostics, RigidBody, StepStats};
+use crate::scene::SceneSpec;
+
+/// Samples a second.
+const RATE: f64 = 60.0;
+
+/// Share of a body's smallest extent, or of a limb, by which a runner may be off at most: beyond it fails, as maps have it.
+const FAILS_FROM: f64 = 0.1;
+
+/// A body that moves: its place in the scene and what tells how far it is from another place.
+struct Body {
+    index: usize,
+    collider: Option<Collider>,
+}
+
+type Poses = Vec<(DVec3, DQuat)>;
+
+impl Race {
+    /// Runs them all, side by side. `watch` is told how much is done, 0 to 1.
+    pub fn run(&self, mut watch: impl FnMut(f64)) -> Outcome {
+        let scene = self.scene_then();
+        let bodies: Vec<Body> = (0..)
+            .zip(&scene.bodies)
+            .filter(|(_, body)| body.kind == RigidBody::Dynamic)
+            .map(|(index, body)| Body { index, collider: body.shape.as_ref().map(|shape| shape.collider()) })
+            .collect();
+        let limits = Limits::of(&scene);
+        let answer = (self.built_in && self.from == 0.0).then(|| truth::poses(&self.scene)).flatten();
+        let mut answer = answer.map(|poses| (poses, scene.bodies.len()));
+        let mut lanes: Vec<Lane> = self.runners.iter().map(|runner| Lane::new(runner, &scene)).collect();
+        let count = (self.seconds * RATE).round().max(1.0) as u64;
+        let base = if answer.is_some() { "the answer".to_owned() } else { self.runners[0].name.clone() };
+        for sample in 0..=count {
+            let time = sample as f64 / RATE;
+            lanes.iter_mut().for_each(|lane| lane.go_to(time));
+            let base: Poses = match &mut answer {
+                Some((poses, count)) => {
+                    let mut all = vec![(DVec3::ZERO, DQuat::IDENTITY); *count];
+                    poses(time).into_iter().for_each(|(index, position, rotation)| all[index] = (position, rotation));
+                    all
+                }
+                None => lanes[0].poses(),
+            };
+            for lane in &mut lanes {
+                lane.note(time, &bodies, &base, &limits, self.apart, answer.is_some());
+            }
+            watch(sample as f64 / count as f64);
+        }
+        Outcome { base, courses: lanes.into_iter().map(|lane| lane.course).collect() }
+    }
+
+    /// The scene at the start of the race.
+    fn scene_then(&self) -> SceneSpec {
+        let first = &self.runners[0].settings;
+        let steps = (self.from * first.hz).round() as u64;
+        if steps == 0 {
+            return self.scene.clone();
+        }
+        let mut simulation = Simulation::new(self.scene.clone(), *first);
+        (0..steps).for_each(|_| simulation.step());
+        SceneSpec { view: self.scene.view, ..SceneSpec::of_world(simulation.world_mut(), self.scene.name.clone()) }
+    }
+}
+
+/// What fails a runner, m.
+struct Limits {
+    overlap: f64,
+    joint_gap: f64,
+}
+
+impl Limits {
+    fn of(scene: &SceneSpec) -> Self {
+        let least = |sizes: &mut dyn Iterator<Item = f64>| sizes.fold(f64::INFINITY, f64::min);
+        let moving = scene.bodies.iter().filter(|body| body.kind == RigidBody::Dynamic);
+        let overlap = least(&mut moving.filter_map(|body| Some(body.shape.as_ref()?.smallest_extent())));
+        let ends = scene.joints.iter().flat_map(|joint| [&joint.body_a, &joint.body_b]);
+        let diameter = |name: &String| {
+            let body = scene.bodies.iter().find(|body| body.name == *name)?;
+            Some(2.0 * body.shape.as_ref()?.bounding_radius()).filter(|diameter| diameter.is_finite())
+        };
+        let joint_gap = least(&mut ends.filter_map(diameter));
+        Self { overlap: FAILS_FROM * overlap, joint_gap: FAILS_FROM * joint_gap }
+    }
+}
+
+/// A runner on its way.
+struct Lane {
+    simulation: Simulation,
+    energy_at_start: Option<f64>,
+    /// Steps since the last moment, and what they took, s.
+    taken: (u32, f64),
+    course: Course,
+}
+
+impl Lane {
+    fn new(runner: &Runner, scene: &SceneSpec) -> Self {
+        let mut simulation = Simulation::new(scene.clone(), runner.settings);
+        simulation.world_mut().init_resource::<Diagnostics>();
+        let course = Course { name: runner.name.clone(), moments: Vec::new(), parted: None, failed: None };
+        Self { simulation, energy_at_start: None, taken: (0, 0.0), course }
+    }
+
+    /// As near to that time as whole steps come.
+    fn go_to(&mut self, time: f64) {
+        let half = 0.5 * self.simulation.settings().step();
+        while self.simulation.sample().time < time - half {
+            self.simulation.step();
+            self.taken.0 += 1;
+            self.taken.1 += self.simulation.world().resource::<StepStats>().step_seconds;
+        }
+    }
+
+    fn poses(&self) -> Poses {
+        self.simulation.sample().bodies.iter().map(|body| (body.position, body.rotation)).collect()
+    }
+
+    fn note(&mut self, time: f64, bodies: &[Body], base: &Poses, limits: &Limits, apart: f64, is_answer: bool) {
+        let measured = *self.simulation.world().resource::<Diagnostics>();
+        let energy = measured.kinetic_energy + measured.potential_energy;
+        // Nothing is measured before the first step.
+        let start = match self.simulation.sample().step {
+            0 => energy,
+            _ => *self.energy_at_start.get_or_insert(energy),
+        };
+        let (mut distance, mut angle) = (0.0_f64, 0.0_f64);
+        for body in bodies {
+            let (now, there) = (self.simulation.sample().bodies[body.index], base[body.index]);
+            let shift = now.position - there.0;
+            let own = match &body.collider {
+                Some(collider) => collider.largest_displacement(shift, [there.1, now.rotation]),
+                None => shift.length(),
+            };
+            distance = larger(distance, own);
+            angle = larger(angle, turn_between(there.1, now.rotation));
+        }
+        let (steps, seconds) = std::mem::take(&mut self.taken);
+        let moment = Moment {
+            time,
+            distance,
+            angle,
+            energy: energy - start,
+            joint_gap: measured.joint_error,
+            overlap: measured.penetration,
+            ms_per_step: if steps > 0 { 1e3 * seconds / f64::from(steps) } else { 0.0 },
+        };
+        let Course { moments, parted, failed, .. } = &mut self.course;
+        if parted.is_none() && !(distance <= apart) {
+            *parted = Some(time);
+        }
+        if failed.is_none() {
+            let frozen = self.simulation.quarantined();
+            let reason = match frozen.first() {
+                Some(body) => Some(format!("{} was set aside: {}", body.body, body.reason)),
+                None if moment.overlap > limits.overlap => Some(format!("bodies overlap by {:.2} m", moment.overlap)),
+                None if moment.joint_gap > limits.joint_gap => {
+                    Some(format!("a joint parts by {:.2} m", moment.joint_gap))
+                }
+                None if is_answer && distance > limits.overlap => Some(format!("{distance:.2} m from the answer")),
+                None => None,
+            };
+            *failed = reason.map(|reason| (time, reason));
+        }
+        moments.push(moment);
+    }
+}
+
+/// Not a number where one of them is none.
+fn larger(one: f64, other: f64) -> f64 {
+    if one >= other { one } else { other }
+}
