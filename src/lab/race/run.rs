@@ -152,7 +152,7 @@ impl Lane {
             ms_per_step: if steps > 0 { 1e3 * seconds / f64::from(steps) } else { 0.0 },
         };
         let Course { moments, parted, failed, .. } = &mut self.course;
-        if parted.is_none() && !(distance <= apart) {
+        if parted.is_none() && (distance > apart || distance.is_nan()) {
             *parted = Some(time);
         }
         if failed.is_none() {
