@@ -85,6 +85,7 @@ fn load_scene(world: &mut World, scene: String, parameters: Vec<(String, f64)>) 
     let watch = Watch::on(&scene);
     match load(&scene, &parameters) {
         Ok(spec) => {
+            timeline::go_on(world);
             let kept = build::keep_what_was_built(world);
             despawn_scene(world);
             let entities = spec.spawn(world);
@@ -161,6 +162,7 @@ fn reset(world: &mut World) {
 
 /// Spawns the same scene anew; what is plotted of it stays so. The scene's name where it is kept as it stood.
 fn respawn(world: &mut World, entities: &mut SpawnedScene, spec: &SceneSpec) -> Option<String> {
+    timeline::go_on(world);
     let kept = build::keep_what_was_built(world);
     despawn_scene(world);
     let now = spec.spawn(world);

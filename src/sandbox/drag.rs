@@ -14,10 +14,10 @@ use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
 
 use super::any_joint::{AnyJoint, IsJoint};
 use super::held::{Drag, DragPart, Held};
-use super::{Picked, Selection};
+use super::{Picked, Playback, Selection};
 use crate::physics::{
-    BallJoint, BrokenJoint, Collider, Damping, Mass, Position, Quarantined, RenderOrigin, RigidBody, Rotation, Shape,
-    Softness, SolverSettings, bury,
+    BallJoint, BrokenJoint, Collider, Damping, History, Mass, Position, Quarantined, RenderOrigin, RigidBody, Rotation,
+    Shape, Softness, SolverSettings, StepStats, bury,
 };
 
 /// Frequency of the joint that holds a single body, Hz: firm, and calm at 60 steps a second.
@@ -74,6 +74,7 @@ fn pick(
     origin: Res<RenderOrigin>,
     keys: Res<ButtonInput<KeyCode>>,
     joined: Joined,
+    (parts, playback, stats, history): (Query<&DragPart>, Res<Playback>, Res<StepStats>, Option<Res<History>>),
 ) {
     // The event bubbles up to the window: it is ours at what was hit, and there only.
     let is_first = press.entity == press.original_event_target();
@@ -114,13 +115,21 @@ fn pick(
         return;
     }
     let target = origin.0 + hit.as_dvec3();
-    let part = DragPart { body: press.entity, damping: damping.copied() };
+    // In the past, while time stands still, a press only picks: it is not to end what was to come.
+    let is_past = history.is_some_and(|history| stats.steps < history.reach()[1]);
+    if is_past && playback.paused {
+        return;
+    }
+    // One that held it before lets go.
+    let own = parts.iter().find(|part| part.body == press.entity).map_or(damping.copied(), |part| part.damping);
+    commands.queue(let_go_of_all);
+    let part = DragPart { body: press.entity, damping: own };
     let handle = commands.spawn((Name::new("drag handle"), part, RigidBody::Kinematic, Position(target))).id();
     let joint = BallJoint::new(handle, press.entity)
         .with_anchors(DVec3::ZERO, anchor)
         .with_softness(joined.softness_for(press.entity));
     commands.spawn((Name::new("drag joint"), part, joint));
-    let own = damping.copied().unwrap_or_default();
+    let own = own.unwrap_or_default();
     commands.entity(press.entity).insert(Damping { angular: own.angular + GRIP_DRAG, ..own });
     drag.0 = Some(Held {
         body: press.entity,
@@ -218,6 +227,9 @@ pub(super) fn let_go_of_all(world: &mut World) {
     for (part, DragPart { body, damping }) in parts {
         bury(world, part);
         let Ok(mut body) = world.get_entity_mut(body) else { continue };
+        if !body.contains::<RigidBody>() {
+            continue;
+        }
         match damping {
             Some(damping) => _ = body.insert(damping),
             None => _ = body.remove::<Damping>(),

@@ -8,7 +8,7 @@ use serde::de::IntoDeserializer;
 use serde::de::value::Error;
 
 use super::state::{DrivenMotors, DrivingKeys, is_control_held};
-use crate::physics::JointMotor;
+use crate::physics::{History, JointMotor, StepStats};
 use crate::scene::{MotorKeys, SceneSpec};
 
 pub(super) fn plugin(app: &mut App) {
@@ -70,8 +70,16 @@ pub(super) fn short_name(name: &str) -> &str {
     ["Arrow", "Key", "Digit"].into_iter().find_map(|prefix| name.strip_prefix(prefix)).unwrap_or(name)
 }
 
-/// Gives motors the target of the key that is held. Held together, the two keys cancel.
-fn drive(keys: Res<ButtonInput<KeyCode>>, egui: Res<EguiWantsInput>, mut motors: Query<(&MotorKeys, &mut JointMotor)>) {
+/// Gives motors the target of the key that is held. Held together, the two keys cancel. In the past motors do what they
+/// did, unless a key is held.
+fn drive(
+    keys: Res<ButtonInput<KeyCode>>,
+    egui: Res<EguiWantsInput>,
+    stats: Res<StepStats>,
+    history: Option<Res<History>>,
+    mut motors: Query<(&MotorKeys, &mut JointMotor)>,
+) {
+    let is_past = history.is_some_and(|history| stats.steps < history.reach()[1]);
     let is_free = !egui.wants_any_keyboard_input() && !is_control_held(&keys);
     // One that was pressed and let go within a frame drives for that frame.
     let is_held = |key: KeyCode| keys.pressed(key) || keys.just_pressed(key);
@@ -80,6 +88,7 @@ fn drive(keys: Res<ButtonInput<KeyCode>>, egui: Res<EguiWantsInput>, mut motors:
         let value = match held {
             [true, false] => values[0],
             [false, true] => values[1],
+            _ if is_past => continue,
             _ => *rest,
         };
         let target = motor.target.with_value(value);

@@ -105,8 +105,9 @@ impl History {
             self.begin(0.0);
         }
         let sample = Sample { time: sample.time - self.start, ..sample };
-        if self.samples.back().is_some_and(|last| sample.time < last.time) {
-            self.clear();
+        // The scene went back: what came later is not there.
+        while self.samples.back().is_some_and(|last| sample.time < last.time) {
+            self.samples.pop_back();
         }
         self.potential_at_start.get_or_insert(sample.potential);
         // Short of the spacing by a rounding error is not short of it.
@@ -462,12 +463,13 @@ mod tests {
     }
 
     #[test]
-    fn going_back_in_time_starts_over() {
+    fn going_back_in_time_forgets_what_came_later() {
         let mut history = History::default();
-        history.push(Sample { potential: 7.0, ..at(5.0) });
-        history.push(Sample { potential: 2.0, ..at(1.0) });
-        assert_eq!(history.samples.len(), 1);
-        assert_eq!(history.potential_at_start, Some(2.0));
+        history.push(Sample { potential: 7.0, ..at(1.0) });
+        history.push(Sample { potential: 6.0, ..at(2.0) });
+        history.push(Sample { potential: 2.0, ..at(1.5) });
+        assert_eq!(history.samples.iter().map(|sample| sample.time).collect::<Vec<_>>(), [1.0, 1.5]);
+        assert_eq!(history.potential_at_start, Some(7.0));
     }
 
     #[test]

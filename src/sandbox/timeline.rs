@@ -8,10 +8,10 @@ use bevy::app::{RunFixedMainLoop, RunFixedMainLoopSystems};
 use bevy::picking::mesh_picking::ray_cast::RayCastBackfaces;
 use bevy::prelude::*;
 
-use super::build::{Pin, UndoStack};
+use super::build::{Pin, follow_time};
 use super::held::{Drag, DragPart};
 use super::state::report;
-use super::{Notice, Playback, drag};
+use super::{Notice, Playback, drag, ghost};
 use crate::physics::{History, Keep, RenderOrigin, SolverSettings, StepStats, go_to};
 use crate::scene::keep_scene;
 
@@ -71,6 +71,7 @@ pub(super) fn stop(world: &mut World) {
 /// Pauses at that step, or at the nearest that is kept.
 pub(super) fn go(world: &mut World, step: u64) {
     stop(world);
+    world.resource_mut::<Timeline>().looped = None;
     move_head(world, step);
 }
 
@@ -113,6 +114,7 @@ pub(super) fn toggle_loop(world: &mut World) {
     if timeline.looped.take().is_some() {
         return;
     }
+    timeline.marks.retain(|mark| (reach[0]..=reach[1]).contains(mark));
     let from = timeline.marks.iter().rev().find(|&&mark| mark <= head).copied().unwrap_or(reach[0]);
     let to = timeline.marks.iter().find(|&&mark| mark > from && mark >= head).copied().unwrap_or(reach[1]);
     if to <= from {
@@ -126,9 +128,18 @@ pub(super) fn toggle_loop(world: &mut World) {
     }
 }
 
+/// On to the last moment, without a word: what leaves a scene leaves all of it.
+pub(super) fn go_on(world: &mut World) {
+    if let Some(history) = world.get_resource::<History>() {
+        let last = history.reach()[1];
+        move_head(world, last);
+    }
+}
+
 /// Goes to that step, or to the nearest that is kept. Says why not where it cannot be.
 fn move_head(world: &mut World, step: u64) {
     drag::release(world);
+    History::take_in(world);
     let (head, [first, last]) = head_and_reach(world.resource::<StepStats>(), world.get_resource::<History>());
     let step = step.clamp(first, last);
     if step == head {
@@ -139,15 +150,19 @@ fn move_head(world: &mut World, step: u64) {
         *world.resource_mut::<Notice>() = Notice::Error(reason.to_string());
         return;
     }
-    world.resource_mut::<UndoStack>().go(step);
     let length = world.resource::<SolverSettings>().step();
     if let Some(mut fixed) = world.get_resource_mut::<Time<Fixed>>() {
         fixed.set_timestep_seconds(length);
         let over = fixed.overstep();
         fixed.discard_overstep(over);
     }
+    follow_time(world);
     // What sleeps is drawn from where the picture's origin is now.
     world.resource_mut::<RenderOrigin>().set_changed();
+    // Where no step was made on the way, nobody has told the ghost.
+    if let Err(reason) = world.run_system_cached(ghost::follow) {
+        *world.resource_mut::<Notice>() = Notice::Error(reason.to_string());
+    }
 }
 
 /// As many steps back as the clock asks for.
@@ -191,4 +206,5 @@ fn let_go_of_what_nobody_holds(world: &mut World) {
     if head == last {
         drag::let_go_of_all(world);
     }
+    follow_time(world);
 }

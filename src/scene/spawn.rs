@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use bevy::prelude::*;
 
-use super::{BodySpec, HullSpec, JointParts, JointSpec, PictureMesh, SceneSpec, ShapeSpec};
+use super::{BodySpec, HullSpec, JointParts, JointSpec, MotorKeys, PictureMesh, SceneSpec, ShapeSpec};
 use crate::physics::{
     Collider, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia, Keep, Mass, Position, RenderOrigin,
     Rotation, SurfaceMaterial, Velocity,
@@ -149,5 +149,6 @@ fn spawn_joint(joint: &JointSpec, bodies: &HashMap<&str, (Entity, &BodySpec)>, w
 
 /// Has bodies and joints of scenes that come back by [`go_to`](crate::physics::go_to) be what they were to a scene.
 pub fn keep_scene(app: &mut App) {
+    app.keep_look::<MotorKeys>();
     app.keep_look::<SceneEntity>().keep_look::<BodyColor>().keep_look::<PictureMesh>().keep_look::<GivenHull>();
 }

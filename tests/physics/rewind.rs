@@ -248,11 +248,16 @@ fn old_keyframes_thin_out_and_no_emptied_entity_stays_behind() {
             bury(world, body);
         }
     });
-    let (history, made) = (world.resource::<History>(), world.resource::<StepStats>().steps);
+    let made = world.resource::<StepStats>().steps;
+    let history = world.resource::<History>();
     assert!(history.bytes() <= limit, "{} of {limit}", history.bytes());
     let frames: Vec<u64> = history.keyframes().collect();
     assert!((2..=3).contains(&frames.len()) && frames[0] == 30, "{frames:?}");
     assert_eq!(history.reach(), [30, made]);
+    // What is emptied by going back goes, too.
+    world.spawn((RigidBody::Dynamic, Collider::sphere(0.1), Position(DVec3::Y * 9.0)));
+    step(&mut world);
+    go_to(&mut world, made).unwrap();
     History::end(&mut world);
     assert_eq!(world.entities().count_spawned(), entities);
 }

@@ -10,6 +10,7 @@ mod following;
 mod ghosts;
 mod joint_kinds;
 mod keys;
+mod monkey;
 mod motors;
 mod pace;
 mod panel;

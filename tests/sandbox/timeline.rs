@@ -263,3 +263,67 @@ fn another_scene_has_a_past_of_its_own() {
     assert_eq!(bodies(&mut stage), before);
     assert!(stage.position("box").y > 0.9, "it has hardly fallen");
 }
+
+#[test]
+fn who_only_looks_at_the_past_ends_nothing() {
+    let mut stage = Stage::open("(bodies: [])");
+    stage.act(SandboxAction::LoadScene { scene: "car".into(), parameters: Vec::new() });
+    stage.frames(5);
+    let first = step(&mut stage);
+    stage.hold(KeyCode::ArrowUp);
+    stage.frames(30);
+    stage.let_go(KeyCode::ArrowUp);
+    stage.frames(30);
+    go(&mut stage, first + 15);
+    let [_, last] = reach(&mut stage);
+    // A press while time stands still picks, and does nothing else.
+    let chassis = stage.position("chassis");
+    let place = stage.seen_at(chassis);
+    stage.move_to(place);
+    stage.press();
+    stage.frames(2);
+    stage.release();
+    assert!(stage.world().resource::<Selection>().entity().is_some());
+    stage.world().resource_mut::<Playback>().paused = false;
+    stage.frames(10);
+    assert_eq!(reach(&mut stage)[1], last, "the motors do what they did");
+    stage.tap(KeyCode::End);
+    assert_eq!(step(&mut stage), last);
+}
+
+#[test]
+fn undo_keeps_to_what_has_been_done_at_the_moment_on_view() {
+    let mut stage = Stage::open(SCENE);
+    pause(&mut stage);
+    let add = |stage: &mut Stage, x: f32| {
+        pause(stage);
+        stage.move_to(Vec2::new(x, 500.0));
+        stage.key(KeyCode::KeyA);
+        step(stage)
+    };
+    let one = add(&mut stage, 300.0);
+    play_to(&mut stage, "bob", one + 20);
+    let two = add(&mut stage, 700.0);
+    play_to(&mut stage, "bob", two + 20);
+    assert_eq!((named(&mut stage, "box 2").len(), named(&mut stage, "box 3").len()), (1, 1));
+    // Played on to both, not sent there.
+    go(&mut stage, one + 5);
+    play_to(&mut stage, "bob", two + 10);
+    stage.key_with_control(KeyCode::KeyZ);
+    assert_eq!((named(&mut stage, "box 2").len(), named(&mut stage, "box 3").len()), (1, 0));
+    // What was deleted in a future that will not be is not deleted, and does not come back.
+    let bob = stage.body("bob");
+    play_to(&mut stage, "box", two + 30);
+    let before = step(&mut stage);
+    play_to(&mut stage, "box", before + 10);
+    *stage.world().resource_mut::<Selection>() = Selection::of(bob);
+    stage.tap(KeyCode::Delete);
+    play_to(&mut stage, "box", before + 20);
+    go(&mut stage, before);
+    stage.act(SandboxAction::ThrowBall);
+    play_to(&mut stage, "bob", before + 30);
+    go(&mut stage, before + 25);
+    let place = stage.position("bob");
+    stage.key_with_control(KeyCode::KeyZ);
+    assert_eq!(stage.position("bob"), place, "{:?}", stage.world().resource::<Notice>());
+}

@@ -35,21 +35,24 @@ impl Race {
         let limits = Limits::of(&scene);
         let answer = (self.built_in && self.from == 0.0).then(|| truth::poses(&self.scene)).flatten();
         let mut answer = answer.map(|poses| (poses, scene.bodies.len()));
-        let mut lanes: Vec<Lane> = self.runners.iter().map(|runner| Lane::new(runner, &scene)).collect();
+        let mut lanes: Vec<Lane> = self.runners.iter().map(|runner| Lane::new(runner, &scene, self.from)).collect();
         let count = (self.seconds * RATE).round().max(1.0) as u64;
         let base = if answer.is_some() { "the answer".to_owned() } else { self.runners[0].name.clone() };
         for sample in 0..=count {
             let time = sample as f64 / RATE;
-            lanes.iter_mut().for_each(|lane| lane.go_to(time));
-            let base: Poses = match &mut answer {
-                Some((poses, count)) => {
-                    let mut all = vec![(DVec3::ZERO, DQuat::IDENTITY); *count];
-                    poses(time).into_iter().for_each(|(index, position, rotation)| all[index] = (position, rotation));
-                    all
-                }
-                None => lanes[0].poses(),
-            };
+            lanes.iter_mut().for_each(|lane| lane.go_to(self.from + time));
+            let first = lanes[0].poses();
             for lane in &mut lanes {
+                let base = match &mut answer {
+                    Some((poses, count)) => {
+                        // At the very time of its steps.
+                        let mut all = vec![(DVec3::ZERO, DQuat::IDENTITY); *count];
+                        let there = poses(lane.simulation.sample().time);
+                        there.into_iter().for_each(|(index, position, rotation)| all[index] = (position, rotation));
+                        all
+                    }
+                    None => first.clone(),
+                };
                 lane.note(time, &bodies, &base, &limits, self.apart, answer.is_some());
             }
             watch(sample as f64 / count as f64);
@@ -101,8 +104,12 @@ struct Lane {
 }
 
 impl Lane {
-    fn new(runner: &Runner, scene: &SceneSpec) -> Self {
+    fn new(runner: &Runner, scene: &SceneSpec, from: f64) -> Self {
         let mut simulation = Simulation::new(scene.clone(), runner.settings);
+        // By its clock, motors that follow a motion go on from there, and what holds at first does so no longer.
+        let mut stats = simulation.world_mut().resource_mut::<StepStats>();
+        stats.steps = (from * runner.settings.hz).round() as u64;
+        stats.time = stats.steps as f64 * runner.settings.step();
         simulation.world_mut().init_resource::<Diagnostics>();
         let course = Course { name: runner.name.clone(), moments: Vec::new(), parted: None, failed: None };
         Self { simulation, energy_at_start: None, taken: (0, 0.0), course }
@@ -126,9 +133,9 @@ impl Lane {
         let measured = *self.simulation.world().resource::<Diagnostics>();
         let energy = measured.kinetic_energy + measured.potential_energy;
         // Nothing is measured before the first step.
-        let start = match self.simulation.sample().step {
-            0 => energy,
-            _ => *self.energy_at_start.get_or_insert(energy),
+        let start = match self.course.moments.is_empty() {
+            true => energy,
+            false => *self.energy_at_start.get_or_insert(energy),
         };
         let (mut distance, mut angle) = (0.0_f64, 0.0_f64);
         for body in bodies {
@@ -174,5 +181,5 @@ impl Lane {
 
 /// Not a number where one of them is none.
 fn larger(one: f64, other: f64) -> f64 {
-    if one >= other { one } else { other }
+    if one >= other || one.is_nan() { one } else { other }
 }

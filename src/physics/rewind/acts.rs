@@ -3,6 +3,7 @@
 use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
 
+use super::bury::empty;
 use super::kinds::{AnyValue, Column, Kinds, Removals};
 
 /// What was written, added, taken off and buried between two steps.
@@ -40,9 +41,7 @@ impl Acts {
     pub fn repeat(&self, world: &mut World, kinds: &Kinds) {
         // Whole, so that it is known what they looked like.
         for &entity in &self.buried {
-            if let Ok(mut entity) = world.get_entity_mut(entity) {
-                entity.clear();
-            }
+            empty(world, entity);
         }
         for &(kind, entity) in &self.removed {
             if let Ok(mut entity) = world.get_entity_mut(entity) {

@@ -8,14 +8,18 @@ use super::kinds::Removals;
 /// back. Whether it was there.
 pub fn bury(world: &mut World, entity: Entity) -> bool {
     let is_kept = world.get_resource::<Removals>().is_some_and(|removals| removals.is_read);
-    let Ok(mut body) = world.get_entity_mut(entity) else { return false };
-    if is_kept {
-        let was_there = !body.archetype().components().is_empty();
-        body.clear();
-        world.resource_mut::<Removals>().buried.push(entity);
-        was_there
-    } else {
-        body.despawn();
-        true
+    if is_kept { empty(world, entity) } else { world.despawn(entity) }
+}
+
+/// Takes all off an entity, and remembers what it looked like. Whether there was something.
+pub(super) fn empty(world: &mut World, entity: Entity) -> bool {
+    if !world.get_entity(entity).is_ok_and(|entity| !entity.archetype().components().is_empty()) {
+        return false;
     }
+    let mut removals = world.resource_mut::<Removals>();
+    removals.buried.insert(entity);
+    removals.is_emptying = true;
+    world.entity_mut(entity).clear();
+    world.resource_mut::<Removals>().is_emptying = false;
+    true
 }

@@ -29,6 +29,8 @@ pub struct History {
     acts: BTreeMap<u64, Vec<Acts>>,
     /// Steps up to which it reaches.
     last: u64,
+    /// How often something else was done in the past, so that what was to come was forgotten.
+    cuts: u64,
     /// What it may take, bytes.
     limit: usize,
     /// What is newer was done by others since the last step.
@@ -68,6 +70,7 @@ impl History {
             frames: Vec::new(),
             acts: BTreeMap::new(),
             last: step,
+            cuts: 0,
             limit,
             since: world.change_tick(),
             steps: Duration::ZERO,
@@ -96,7 +99,20 @@ impl History {
         [self.frames.first().map_or(self.last, |frame| frame.step), self.last]
     }
 
-    /// The steps before which somebody did something.
+    /// How often something else was done in the past, so that what was to come was forgotten.
+    pub fn cuts(&self) -> u64 {
+        self.cuts
+    }
+
+    /// Takes in what was done since the last step, as the next step would: it may end what was to come.
+    pub fn take_in(world: &mut World) {
+        if let Some(mut history) = world.remove_resource::<Self>() {
+            history.note_acts(world);
+            world.insert_resource(history);
+        }
+    }
+
+    /// The steps after which somebody did something.
     pub fn acts(&self) -> impl Iterator<Item = u64> + '_ {
         self.acts.keys().copied()
     }
@@ -181,6 +197,7 @@ impl History {
             self.frames.retain(|frame| frame.step <= step);
             self.acts.retain(|&before, _| before <= step);
             self.last = step;
+            self.cuts += 1;
         }
         self.acts.entry(step).or_default().push(acts);
         self.note_end(world);

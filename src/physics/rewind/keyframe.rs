@@ -3,6 +3,7 @@
 use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
 
+use super::bury::empty;
 use super::kinds::{AnyValue, Column, Kinds, LastStep, Removals, Ticks};
 use crate::physics::body::{Bodies, BodySlot};
 use crate::physics::collision::{ContactGraph, Contacts};
@@ -51,10 +52,11 @@ impl Keyframe {
         for (kind, column) in kinds.components.iter_mut().zip(&self.columns) {
             let had_one = column.entities();
             for holder in kind.holders(world) {
-                let Ok(mut entity) = world.get_entity_mut(holder) else { continue };
                 if self.entities.binary_search(&holder).is_err() {
-                    entity.clear();
-                } else if had_one.binary_search(&holder).is_err() {
+                    empty(world, holder);
+                } else if had_one.binary_search(&holder).is_err()
+                    && let Ok(mut entity) = world.get_entity_mut(holder)
+                {
                     kind.remove(&mut entity);
                 }
             }

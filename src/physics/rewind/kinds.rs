@@ -4,6 +4,7 @@ use std::any::Any;
 
 use bevy::ecs::change_detection::Tick;
 use bevy::ecs::component::Mutable;
+use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::query::QueryState;
 use bevy::prelude::*;
 
@@ -45,10 +46,12 @@ impl Keep for App {
         let mut kinds = self.world_mut().get_resource_or_init::<Kinds>();
         let look = kinds.looks.len();
         kinds.looks.push(|entity, value| {
-            entity.insert(value.downcast_ref::<C>().expect("of its own kind").clone());
+            if !entity.contains::<C>() {
+                entity.insert(value.downcast_ref::<C>().expect("of its own kind").clone());
+            }
         });
         let note = move |removed: On<Remove, C>, mut removals: ResMut<Removals>, looks: Query<&C, IsKept>| {
-            if removals.is_read
+            if removals.is_emptying
                 && let Ok(value) = looks.get(removed.entity)
             {
                 removals.looks.push((look, removed.entity, Box::new(value.clone())));
@@ -106,7 +109,9 @@ pub(super) struct Removals {
     /// Since the last step: kinds by their place, and the entities.
     pub list: Vec<(usize, Entity)>,
     /// Entities that were emptied, and may come back.
-    pub buried: Vec<Entity>,
+    pub buried: EntityHashSet,
+    /// Whether one is being emptied: its looks are remembered.
+    pub is_emptying: bool,
     /// What they looked like: kinds by their place.
     pub looks: Vec<(usize, Entity, AnyValue)>,
     pub is_read: bool,

@@ -24,7 +24,7 @@ pub(super) use joints::Pin;
 pub(super) use kept::KeptScene;
 pub(super) use names::unique_name;
 pub(super) use spawning::spawn_body;
-pub(super) use undo::{UndoStack, delete_picked, keep_what_was_built, undo};
+pub(super) use undo::{UndoStack, delete_picked, follow_time, keep_what_was_built, undo};
 
 use bevy::prelude::*;
 

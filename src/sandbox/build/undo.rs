@@ -6,7 +6,7 @@ use super::joint_change::JointChange;
 use super::joints::{Pin, idle_without, joints_of};
 use super::kept::KeptScene;
 use super::names::name_of;
-use crate::physics::{RigidBody, StepStats, bury};
+use crate::physics::{History, RigidBody, StepStats, bury};
 use crate::sandbox::state::report;
 use crate::sandbox::{Selection, drag};
 use crate::scene::{BodySpec, JointParts, SceneEntity};
@@ -21,6 +21,8 @@ pub struct UndoStack {
     deeds: Vec<Done>,
     /// Those that the scene has not come to (it went back), the next last.
     ahead: Vec<Done>,
+    /// How often what was to come had been cut off when that was looked at.
+    cuts: u64,
 }
 
 /// A deed, and when it was done.
@@ -78,7 +80,11 @@ impl UndoStack {
 
     /// The scene went to another of its moments: what was done later is not done there, and is again once it comes to
     /// it.
-    pub fn go(&mut self, step: u64) {
+    fn go(&mut self, step: u64, cuts: u64) {
+        if self.cuts != cuts {
+            self.ahead.clear();
+            self.cuts = cuts;
+        }
         let is_done = |done: &Done| done.step <= step || matches!(done.deed, Deed::Left(_));
         while self.deeds.last().is_some_and(|done| !is_done(done)) {
             self.ahead.extend(self.deeds.pop());
@@ -89,8 +95,16 @@ impl UndoStack {
     }
 }
 
+/// Has the deeds be those of the moment at which the scene is.
+pub fn follow_time(world: &mut World) {
+    let step = world.resource::<StepStats>().steps;
+    let cuts = world.get_resource::<History>().map_or(0, History::cuts);
+    world.resource_mut::<UndoStack>().go(step, cuts);
+}
+
 /// Remembers a deed; `what` completes "undid …". What was to come after this moment will not.
 pub fn remember(world: &mut World, what: String, deed: Deed) {
+    follow_time(world);
     let step = world.resource::<StepStats>().steps;
     let mut stack = world.resource_mut::<UndoStack>();
     stack.ahead.clear();
@@ -141,6 +155,7 @@ pub fn keep_what_was_built(world: &mut World) -> Option<String> {
 
 /// Takes the last deed back. Of leaving a scene, tells which is to take the place of the present one.
 pub fn undo(world: &mut World) -> Option<KeptScene> {
+    follow_time(world);
     let mut left = None;
     let outcome = match world.resource_mut::<UndoStack>().deeds.pop() {
         None => Err("nothing to undo".to_owned()),
@@ -176,6 +191,9 @@ fn restore(world: &mut World, bodies: Vec<(Entity, BodySpec)>, joints: Vec<(Enti
     let mut came_back = false;
     for (entity, body) in bodies {
         let Ok(mut emptied) = world.get_entity_mut(entity) else { continue };
+        if !emptied.archetype().components().is_empty() {
+            continue; // it is there
+        }
         if body.shape.is_none() {
             emptied.insert(Pin); // nothing else without a shape is ever removed
         }
@@ -186,6 +204,7 @@ fn restore(world: &mut World, bodies: Vec<(Entity, BodySpec)>, joints: Vec<(Enti
         let holds = parts.bodies().into_iter().all(|end| world.get::<RigidBody>(end).is_some());
         if let Ok(mut joint) = world.get_entity_mut(entity)
             && holds
+            && joint.archetype().components().is_empty()
         {
             joint.insert((name, SceneEntity));
             parts.insert(&mut joint);
