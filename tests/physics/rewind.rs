@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use plumb::physics::{BrokenJoint, GoError, History, bury, go_to};
+use plumb::physics::{BrokenJoint, GoError, History, bury, go_to, uncut};
 use plumb::prelude::*;
 use plumb::scene::{catalog, load};
 
@@ -201,6 +201,18 @@ fn what_is_done_in_the_past_ends_what_was_to_come() {
     assert_eq!(world.resource::<History>().reach(), [0, 41]);
     assert_ne!(others[&32], hashes[&32]);
     check_all(&mut world, &others, [31, 32], "the new future");
+    // And back into what was to come first: all as it was.
+    let last_of_others = others.keys().last().copied().unwrap();
+    go_to(&mut world, last_of_others).unwrap();
+    let cut = world.resource::<History>().cuts();
+    assert_eq!(cut, 1);
+    uncut(&mut world, cut).unwrap();
+    assert_eq!((world.resource::<StepStats>().steps, world.resource::<History>().reach()), (31, [0, 60]));
+    check_all(&mut world, &hashes, [31, 20, 58], "what was to come");
+    assert_eq!(uncut(&mut world, cut), Err(GoError::NoHistory));
+    go_to(&mut world, 31).unwrap();
+    world.resource_mut::<Gravity>().0 = DVec3::X;
+    assert_eq!(play(&mut world, 10, nothing), others);
     // Who only looks does nothing.
     go_to(&mut world, 35).unwrap();
     let joints: Vec<Entity> = world.query_filtered::<Entity, With<BallJoint>>().iter(&world).collect();
@@ -257,7 +269,7 @@ fn old_keyframes_thin_out_and_no_emptied_entity_stays_behind() {
     // What is emptied by going back goes, too.
     world.spawn((RigidBody::Dynamic, Collider::sphere(0.1), Position(DVec3::Y * 9.0)));
     step(&mut world);
-    go_to(&mut world, made).unwrap();
+    go_to(&mut world, made - 1).unwrap();
     History::end(&mut world);
     assert_eq!(world.entities().count_spawned(), entities);
 }

@@ -323,7 +323,18 @@ fn undo_keeps_to_what_has_been_done_at_the_moment_on_view() {
     stage.act(SandboxAction::ThrowBall);
     play_to(&mut stage, "bob", before + 30);
     go(&mut stage, before + 25);
-    let place = stage.position("bob");
+    // What undo takes back is the ball: what was to come is there again, the deletion too.
     stage.key_with_control(KeyCode::KeyZ);
-    assert_eq!(stage.position("bob"), place, "{:?}", stage.world().resource::<Notice>());
+    assert_eq!(
+        (step(&mut stage), reach(&mut stage)[1]),
+        (before, before + 20),
+        "{:?}",
+        stage.world().resource::<Notice>()
+    );
+    assert!(named(&mut stage, "thrown ball").is_empty());
+    assert_eq!(named(&mut stage, "bob"), [bob]);
+    stage.tap(KeyCode::End);
+    assert!(named(&mut stage, "bob").is_empty());
+    stage.key_with_control(KeyCode::KeyZ);
+    assert_eq!(named(&mut stage, "bob"), [bob]);
 }

@@ -31,6 +31,8 @@ pub struct History {
     last: u64,
     /// How often something else was done in the past, so that what was to come was forgotten.
     cuts: u64,
+    /// What was to come before each, the last last.
+    branches: Vec<Branch>,
     /// What it may take, bytes.
     limit: usize,
     /// What is newer was done by others since the last step.
@@ -38,6 +40,18 @@ pub struct History {
     /// What steps took since the last keyframe, and what that took.
     steps: Duration,
     keyframe: Duration,
+}
+
+/// What was to come, of a moment at which somebody did something else.
+struct Branch {
+    /// Which cut made it.
+    cut: u64,
+    /// Where it begins, and how many of the acts there are its own.
+    at: u64,
+    acts_at: usize,
+    frames: Vec<Keyframe>,
+    acts: BTreeMap<u64, Vec<Acts>>,
+    last: u64,
 }
 
 /// Why a world cannot be brought back.
@@ -71,6 +85,7 @@ impl History {
             acts: BTreeMap::new(),
             last: step,
             cuts: 0,
+            branches: Vec::new(),
             limit,
             since: world.change_tick(),
             steps: Duration::ZERO,
@@ -124,8 +139,12 @@ impl History {
 
     /// About what it takes, bytes.
     pub fn bytes(&self) -> usize {
-        self.frames.iter().map(Keyframe::bytes).sum::<usize>()
-            + self.acts.values().flatten().map(Acts::bytes).sum::<usize>()
+        let of = |frames: &[Keyframe], acts: &BTreeMap<u64, Vec<Acts>>| {
+            let frames: usize = frames.iter().map(Keyframe::bytes).sum();
+            frames + acts.values().flatten().map(Acts::bytes).sum::<usize>()
+        };
+        let branches: usize = self.branches.iter().map(|branch| of(&branch.frames, &branch.acts)).sum();
+        of(&self.frames, &self.acts) + branches
     }
 
     fn take(&mut self, world: &mut World, step: u64) {
@@ -139,6 +158,9 @@ impl History {
 
     /// Drops keyframes until the rest fits: those that stand closest for their age, or the first where none is close.
     fn thin_out(&mut self) {
+        while !self.branches.is_empty() && self.bytes() > self.limit {
+            self.branches.remove(0);
+        }
         while self.frames.len() > 2 && self.bytes() > self.limit {
             let now = self.last as f64 + 1.0;
             let gaps = self.frames.windows(3).enumerate().map(|(place, frames)| {
@@ -169,10 +191,15 @@ impl History {
             return Err(GoError::Gone(entity));
         }
         world.resource_scope(|world, mut kinds: Mut<Kinds>| frame.bring_back(world, &mut kinds));
-        self.repeat(world, frame.step);
-        for made in frame.step..step {
+        let start = frame.step;
+        self.repeat(world, start);
+        for made in start + 1..=step {
             make_step(world);
-            self.repeat(world, made + 1);
+            // Whoever goes back goes back again: the next way is short.
+            if made < step && (made - start).is_multiple_of(LEAST_INTERVAL) {
+                self.take(world, made);
+            }
+            self.repeat(world, made);
         }
         self.note_end(world);
         Ok(())
@@ -194,13 +221,38 @@ impl History {
             return;
         }
         if step < self.last {
-            self.frames.retain(|frame| frame.step <= step);
-            self.acts.retain(|&before, _| before <= step);
-            self.last = step;
             self.cuts += 1;
+            self.branches.push(Branch {
+                cut: self.cuts,
+                at: step,
+                acts_at: self.acts.get(&step).map_or(0, Vec::len),
+                frames: self.frames.split_off(self.frames.partition_point(|frame| frame.step <= step)),
+                acts: self.acts.split_off(&(step + 1)),
+                last: self.last,
+            });
+            self.last = step;
         }
         self.acts.entry(step).or_default().push(acts);
         self.note_end(world);
+    }
+
+    /// The world is where that cut was made, and what was to come is again: what was done instead is not.
+    fn uncut(&mut self, world: &mut World, cut: u64) -> Result<(), GoError> {
+        self.note_acts(world);
+        let place = self.branches.iter().position(|branch| branch.cut == cut).ok_or(GoError::NoHistory)?;
+        self.branches.truncate(place + 1);
+        let Some(Branch { at, acts_at, frames, acts, last, .. }) = self.branches.pop() else {
+            return Err(GoError::NoHistory);
+        };
+        self.frames.retain(|frame| frame.step <= at);
+        self.frames.extend(frames);
+        self.acts.retain(|&step, _| step <= at);
+        if let Some(own) = self.acts.get_mut(&at) {
+            own.truncate(acts_at);
+        }
+        self.acts.extend(acts);
+        self.last = last;
+        self.go(world, at)
     }
 
     /// Takes in a step that was made, and took so long: what was done after it is done again where it lies in the past.
@@ -227,14 +279,32 @@ fn make_step(world: &mut World) {
     world.resource_mut::<Bodies>().bypass_change_detection().ended = Some(ended);
 }
 
-/// One step, noted where a history is kept.
-pub(crate) fn step_and_note(world: &mut World) {
-    let Some(mut history) = world.remove_resource::<History>() else { return make_step(world) };
-    history.note_acts(world);
+/// One step, noted where a history is kept. How long the step itself took.
+pub(crate) fn step_and_note(world: &mut World) -> Duration {
+    let mut history = world.remove_resource::<History>();
+    if let Some(history) = &mut history {
+        history.note_acts(world);
+    }
     let start = Instant::now();
     make_step(world);
-    history.note_step(world, start.elapsed());
+    let took = start.elapsed();
+    if let Some(mut history) = history {
+        history.note_step(world, took);
+        world.insert_resource(history);
+    }
+    took
+}
+
+/// Takes back what was done in the past: the world is where it was done, and what was to come then is again. Cuts are
+/// counted by [`History::cuts`].
+///
+/// # Errors
+/// What was to come is not kept any more, or one of the entities is gone for good.
+pub fn uncut(world: &mut World, cut: u64) -> Result<(), GoError> {
+    let mut history = world.remove_resource::<History>().ok_or(GoError::NoHistory)?;
+    let outcome = history.uncut(world, cut);
     world.insert_resource(history);
+    outcome
 }
 
 /// Brings a world back to where it was after so many steps since its start, or forward again.

@@ -20,5 +20,5 @@ mod kinds;
 
 pub use bury::bury;
 pub(crate) use history::step_and_note;
-pub use history::{GoError, History, go_to};
+pub use history::{GoError, History, go_to, uncut};
 pub use kinds::Keep;

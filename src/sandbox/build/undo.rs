@@ -6,7 +6,7 @@ use super::joint_change::JointChange;
 use super::joints::{Pin, idle_without, joints_of};
 use super::kept::KeptScene;
 use super::names::name_of;
-use crate::physics::{History, RigidBody, StepStats, bury};
+use crate::physics::{History, RigidBody, StepStats, bury, uncut};
 use crate::sandbox::state::report;
 use crate::sandbox::{Selection, drag};
 use crate::scene::{BodySpec, JointParts, SceneEntity};
@@ -26,7 +26,7 @@ pub struct UndoStack {
 }
 
 /// A deed, and when it was done.
-struct Done {
+pub struct Done {
     /// Completes "undid …".
     what: String,
     deed: Deed,
@@ -52,6 +52,8 @@ pub enum Deed {
         /// What makes it what it was.
         back: JointChange,
     },
+    /// Something was done in the past: what was to come will not, by the count of such cuts, nor these deeds.
+    Cut(u64, Vec<Done>),
     /// A scene in which something was built is on view no longer.
     Left(Box<KeptScene>),
 }
@@ -60,9 +62,9 @@ impl UndoStack {
     /// Forgets the bodies and joints that deeds mean, which are about to go. Tells whether there were such deeds.
     pub fn leave_scene(&mut self) -> bool {
         self.ahead.clear();
-        let count = self.deeds.len();
+        let built = self.deeds.iter().any(|done| !matches!(done.deed, Deed::Left(_) | Deed::Cut(..)));
         self.deeds.retain(|done| matches!(done.deed, Deed::Left(_)));
-        self.deeds.len() < count
+        built
     }
 
     /// What the next undo would take back.
@@ -81,10 +83,12 @@ impl UndoStack {
     /// The scene went to another of its moments: what was done later is not done there, and is again once it comes to
     /// it.
     fn go(&mut self, step: u64, cuts: u64) {
-        if self.cuts != cuts {
-            self.ahead.clear();
-            self.cuts = cuts;
+        if cuts > self.cuts {
+            let what = "what was done in the past".to_owned();
+            let deed = Deed::Cut(cuts, std::mem::take(&mut self.ahead));
+            self.deeds.push(Done { what, deed, step });
         }
+        self.cuts = cuts;
         let is_done = |done: &Done| done.step <= step || matches!(done.deed, Deed::Left(_));
         while self.deeds.last().is_some_and(|done| !is_done(done)) {
             self.ahead.extend(self.deeds.pop());
@@ -104,10 +108,11 @@ pub fn follow_time(world: &mut World) {
 
 /// Remembers a deed; `what` completes "undid …". What was to come after this moment will not.
 pub fn remember(world: &mut World, what: String, deed: Deed) {
+    // Before it: what was to come is cut off by it.
+    History::take_in(world);
     follow_time(world);
     let step = world.resource::<StepStats>().steps;
     let mut stack = world.resource_mut::<UndoStack>();
-    stack.ahead.clear();
     if stack.deeds.len() == DEPTH {
         stack.deeds.remove(0);
     }
@@ -155,6 +160,7 @@ pub fn keep_what_was_built(world: &mut World) -> Option<String> {
 
 /// Takes the last deed back. Of leaving a scene, tells which is to take the place of the present one.
 pub fn undo(world: &mut World) -> Option<KeptScene> {
+    History::take_in(world);
     follow_time(world);
     let mut left = None;
     let outcome = match world.resource_mut::<UndoStack>().deeds.pop() {
@@ -163,13 +169,34 @@ pub fn undo(world: &mut World) -> Option<KeptScene> {
             left = Some(*scene);
             Ok(format!("undid {what}"))
         }
-        Some(Done { what, deed, .. }) => match take_back(world, deed) {
-            true => Ok(format!("undid {what}")),
-            false => Err(format!("cannot undo {what}: it is gone")),
-        },
+        Some(Done { what, deed: Deed::Cut(cut, ahead), .. }) => take_back_cut(world, &what, cut, ahead),
+        Some(Done { what, deed, .. }) => {
+            let was_there = take_back(world, deed);
+            // Where that ends what was to come, the next undo is not to bring back what this one took.
+            History::take_in(world);
+            let cuts = world.get_resource::<History>().map_or(0, History::cuts);
+            let mut stack = world.resource_mut::<UndoStack>();
+            if std::mem::replace(&mut stack.cuts, cuts) != cuts {
+                stack.ahead.clear();
+            }
+            match was_there {
+                true => Ok(format!("undid {what}")),
+                false => Err(format!("cannot undo {what}: it is gone")),
+            }
+        }
     };
     report(world, outcome);
     left
+}
+
+/// What was to come is again.
+fn take_back_cut(world: &mut World, what: &str, cut: u64, ahead: Vec<Done>) -> Result<String, String> {
+    drag::release(world);
+    uncut(world, cut).map_err(|_| format!("cannot undo {what}: what was to come then is not kept any more"))?;
+    let cuts = world.get_resource::<History>().map_or(0, History::cuts);
+    let mut stack = world.resource_mut::<UndoStack>();
+    (stack.ahead, stack.cuts) = (ahead, cuts);
+    Ok(format!("undid {what}: what came after is there again"))
 }
 
 /// Tells whether there was anything left to take back.
@@ -181,7 +208,7 @@ fn take_back(world: &mut World, deed: Deed) -> bool {
         }
         Deed::Removed { bodies, joints } => restore(world, bodies, joints),
         Deed::Changed { joint, mut back } => back.write(world, joint),
-        Deed::Left(_) => false, // not one thing of the running scene
+        Deed::Left(_) | Deed::Cut(..) => false, // not one thing of the running scene
     }
 }
 
