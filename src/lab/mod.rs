@@ -27,7 +27,7 @@ pub use metrics::{
     ContactResidual, EnergyMetrics, ExactCounts, JointGap, JointLoadMax, LimitOvershoot, Metrics, MomentumMetrics,
     Shares, StepCounts, StepMilliseconds, TruthMetrics,
 };
-pub use picture::PictureError;
+pub use picture::{PictureError, round_step};
 pub use plan::{MOST_STEPS, Plan, PlanError};
 pub use run::measure;
 pub use settings_file::{SettingsFileError, read_settings, settings_text, write_settings};

@@ -116,7 +116,7 @@ fn pick(
     }
     let target = origin.0 + hit.as_dvec3();
     // In the past, while time stands still, a press only picks: it is not to end what was to come.
-    let is_past = history.is_some_and(|history| stats.steps < history.reach()[1]);
+    let is_past = history.is_some_and(|history| history.is_past(stats.steps));
     if is_past && playback.paused {
         return;
     }

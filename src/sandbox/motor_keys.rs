@@ -79,7 +79,7 @@ fn drive(
     history: Option<Res<History>>,
     mut motors: Query<(&MotorKeys, &mut JointMotor)>,
 ) {
-    let is_past = history.is_some_and(|history| stats.steps < history.reach()[1]);
+    let is_past = history.is_some_and(|history| history.is_past(stats.steps));
     let is_free = !egui.wants_any_keyboard_input() && !is_control_held(&keys);
     // One that was pressed and let go within a frame drives for that frame.
     let is_held = |key: KeyCode| keys.pressed(key) || keys.just_pressed(key);

@@ -12,6 +12,7 @@ use super::any_joint::{IsJoint, WholeJoint, noun};
 use super::ghost::{self, Apart, GhostDistance};
 use super::joint_readings::ReadJoints;
 use super::panel::{Quantity, name_of, palette, without_negative_zero};
+use crate::lab::round_step;
 use crate::physics::{Diagnostics, JointAxis, PhysicsSchedule, PhysicsSystems, Position, Rotation, StepStats};
 
 /// Simulation time on view, s.
@@ -404,9 +405,7 @@ fn round_marks(input: GridInput) -> Vec<GridMark> {
     if !(least.is_normal() && least > 0.0) {
         return Vec::new();
     }
-    let power = 10_f64.powf(least.log10().floor());
-    let step_size = [1.0, 2.0, 5.0].map(|factor| factor * power).into_iter().find(|step| *step >= least);
-    let step_size = step_size.unwrap_or(10.0 * power);
+    let step_size = round_step(least);
     let (first, last) = ((low / step_size).ceil() as i64, (high / step_size).floor() as i64);
     (first..=last).map(|line| GridMark { value: line as f64 * step_size, step_size }).collect()
 }

@@ -16,7 +16,7 @@ use crate::physics::{History, Keep, RenderOrigin, SolverSettings, StepStats, go_
 use crate::scene::keep_scene;
 
 /// What the history of a scene may take, bytes.
-const LIMIT: usize = 512 << 20;
+pub(super) const LIMIT: usize = 512 << 20;
 
 /// Marked moments, and how the head moves.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
@@ -47,8 +47,7 @@ pub(super) fn plugin(app: &mut App) {
 /// A scene begins. To be called once it is spawned.
 pub(super) fn begin(world: &mut World) {
     History::begin(world, LIMIT);
-    let timeline = Timeline::default();
-    world.insert_resource(timeline);
+    world.insert_resource(Timeline::default());
 }
 
 /// The scene ends. To be called before it is despawned.
@@ -202,8 +201,8 @@ fn let_go_of_what_nobody_holds(world: &mut World) {
     if world.resource::<Drag>().is_active() {
         return;
     }
-    let (head, [_, last]) = head_and_reach(world.resource::<StepStats>(), world.get_resource::<History>());
-    if head == last {
+    let head = world.resource::<StepStats>().steps;
+    if !world.get_resource::<History>().is_some_and(|history| history.is_past(head)) {
         drag::let_go_of_all(world);
     }
     follow_time(world);

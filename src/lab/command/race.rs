@@ -8,8 +8,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::arguments::RaceArguments;
 use super::outcome::{CommandError, Outcome, print};
-use crate::lab::race::{Course, Race, Runner};
-use crate::lab::{Plan, read_settings, write_whole};
+use crate::lab::race::{Course, Moment, Race, Runner};
+use crate::lab::{Plan, StepMilliseconds, read_settings, write_whole};
 use crate::physics::SolverSettings;
 
 /// Most runners: more curves nobody tells apart.
@@ -37,14 +37,13 @@ pub(super) fn race(arguments: &RaceArguments) -> Result<Outcome, CommandError> {
     outcome.draw(&race, &stem)?;
     let mut said = format!("distances are from {}\n", outcome.base);
     let columns = ["runner", "apart at", "distance", "joint gap", "overlap", "energy", "ms/step", "fails"];
-    let [name, parted, distance, gap, overlap, energy, cost, fails] = columns;
     let line = |said: &mut String, cells: [&str; 8]| {
         let [name, parted, distance, gap, overlap, energy, cost, fails] = cells;
         let row =
             format!("{name:<14} {parted:>9} {distance:>10} {gap:>10} {overlap:>10} {energy:>10} {cost:>9}  {fails}");
         writeln!(said, "{}", row.trim_end()).expect("a string takes all");
     };
-    line(&mut said, [name, parted, distance, gap, overlap, energy, cost, fails]);
+    line(&mut said, columns);
     for course in &outcome.courses {
         let cells = cells(course);
         line(&mut said, cells.each_ref().map(String::as_str));
@@ -55,11 +54,10 @@ pub(super) fn race(arguments: &RaceArguments) -> Result<Outcome, CommandError> {
 }
 
 fn cells(course: &Course) -> [String; 8] {
-    let most = |of: fn(&crate::lab::race::Moment) -> f64| course.moments.iter().map(of).fold(0.0, f64::max);
+    let most = |of: fn(&Moment) -> f64| course.moments.iter().map(of).fold(0.0, f64::max);
     let last = course.moments.last();
-    let mut costs: Vec<f64> = course.moments.iter().map(|moment| moment.ms_per_step).filter(|ms| *ms > 0.0).collect();
-    costs.sort_by(f64::total_cmp);
-    let cost = costs.get(costs.len() / 2).copied().unwrap_or(0.0);
+    let costs = course.moments.iter().map(|moment| moment.ms_per_step).filter(|ms| *ms > 0.0);
+    let cost = StepMilliseconds::of(costs.map(|ms| 1e-3 * ms).collect()).median;
     [
         course.name.clone(),
         course.parted.map_or_else(|| "never".to_owned(), |time| format!("{time:.2} s")),

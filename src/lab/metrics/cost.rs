@@ -53,7 +53,7 @@ impl StepCounts {
 
 impl StepMilliseconds {
     /// From the time of each step, s.
-    pub(super) fn of(mut seconds: Vec<f64>) -> Self {
+    pub(in crate::lab) fn of(mut seconds: Vec<f64>) -> Self {
         let total = 1e3 * seconds.iter().sum::<f64>();
         seconds.sort_unstable_by(f64::total_cmp);
         // Nearest rank: the smallest time that this share of the steps did not exceed.

@@ -15,6 +15,13 @@ pub fn decades(values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
     low / 10_f64.powf(margin + short)..high * 10_f64.powf(margin + short)
 }
 
+/// The least of 1, 2 and 5 times a power of ten that is no less.
+pub fn round_step(least: f64) -> f64 {
+    let power = 10_f64.powf(least.log10().floor());
+    let step = [1.0, 2.0, 5.0].map(|factor| factor * power).into_iter().find(|step| *step >= least);
+    step.unwrap_or(10.0 * power)
+}
+
 /// Powers of ten within a range, at most about eight; with 2 and 5 between them where there are few.
 pub fn ticks(range: &Range<f64>) -> Vec<f64> {
     let (first, last) = (range.start.log10().ceil() as i32, range.end.log10().floor() as i32);

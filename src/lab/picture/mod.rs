@@ -9,6 +9,7 @@ use std::path::Path;
 
 use plotters::prelude::*;
 
+pub use axis::round_step;
 pub(super) use axis::{decades, number, ticks};
 pub(super) use paint::{PaintResult, Picture};
 pub(super) use style::{FAINT, TEXT, draw_mark, mark, text};

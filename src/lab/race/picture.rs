@@ -8,7 +8,9 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::outcome::{Course, Moment, Outcome, Race};
-use crate::lab::picture::{FAINT, PaintResult, Picture, PictureError, TEXT, decades, mark, number, text, ticks, write};
+use crate::lab::picture::{
+    FAINT, PaintResult, Picture, PictureError, TEXT, decades, mark, number, round_step, text, ticks, write,
+};
 
 const SIZE: (u32, u32) = (1000, 760);
 const LEFT: i32 = 92;
@@ -155,10 +157,7 @@ impl Sheet<'_> {
 
 /// Up to some ten round times.
 fn round_times(seconds: f64) -> Vec<f64> {
-    let least = seconds / 10.0;
-    let power = 10_f64.powf(least.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter().find(|step| *step >= least);
-    let step = step.unwrap_or(least);
+    let step = round_step(seconds / 10.0);
     // One rounding each: 0.3 and not 0.30000000000000004.
     let per = (1.0 / step).round();
     let time = |index: u32| if step < 1.0 { f64::from(index) / per } else { f64::from(index) * step };

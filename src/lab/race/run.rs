@@ -33,8 +33,7 @@ impl Race {
             .map(|(index, body)| Body { index, collider: body.shape.as_ref().map(|shape| shape.collider()) })
             .collect();
         let limits = Limits::of(&scene);
-        let answer = (self.built_in && self.from == 0.0).then(|| truth::poses(&self.scene)).flatten();
-        let mut answer = answer.map(|poses| (poses, scene.bodies.len()));
+        let mut answer = (self.built_in && self.from == 0.0).then(|| truth::poses(&self.scene)).flatten();
         let mut lanes: Vec<Lane> = self.runners.iter().map(|runner| Lane::new(runner, &scene, self.from)).collect();
         let count = (self.seconds * RATE).round().max(1.0) as u64;
         let base = if answer.is_some() { "the answer".to_owned() } else { self.runners[0].name.clone() };
@@ -44,9 +43,9 @@ impl Race {
             let first = lanes[0].poses();
             for lane in &mut lanes {
                 let base = match &mut answer {
-                    Some((poses, count)) => {
+                    Some(poses) => {
                         // At the very time of its steps.
-                        let mut all = vec![(DVec3::ZERO, DQuat::IDENTITY); *count];
+                        let mut all = vec![(DVec3::ZERO, DQuat::IDENTITY); scene.bodies.len()];
                         let there = poses(lane.simulation.sample().time);
                         there.into_iter().for_each(|(index, position, rotation)| all[index] = (position, rotation));
                         all
@@ -69,7 +68,7 @@ impl Race {
         }
         let mut simulation = Simulation::new(self.scene.clone(), *first);
         (0..steps).for_each(|_| simulation.step());
-        SceneSpec { view: self.scene.view, ..SceneSpec::of_world(simulation.world_mut(), self.scene.name.clone()) }
+        SceneSpec::of_world(simulation.world_mut(), self.scene.name.clone())
     }
 }
 

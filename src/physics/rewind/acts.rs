@@ -3,11 +3,10 @@
 use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
 
-use super::bury::empty;
+use super::bury::{empty, is_empty};
 use super::kinds::{AnyValue, Column, Kinds, Removals};
 
 /// What was written, added, taken off and buried between two steps.
-#[derive(Default)]
 pub(super) struct Acts {
     written: Vec<Box<dyn Column>>,
     /// Kinds by their place, and whose component it was.
@@ -28,7 +27,7 @@ impl Acts {
         let mut gone: Vec<Entity> = removed.iter().map(|&(_, entity)| entity).collect();
         gone.sort_unstable();
         gone.dedup();
-        gone.retain(|&entity| world.get_entity(entity).is_ok_and(|entity| entity.archetype().components().is_empty()));
+        gone.retain(|&entity| is_empty(world, entity));
         Self { written, removed, resources, buried: gone }
     }
 

@@ -11,9 +11,14 @@ pub fn bury(world: &mut World, entity: Entity) -> bool {
     if is_kept { empty(world, entity) } else { world.despawn(entity) }
 }
 
+/// Whether an entity is there with nothing on it, as [`bury`] leaves it.
+pub fn is_empty(world: &World, entity: Entity) -> bool {
+    world.get_entity(entity).is_ok_and(|entity| entity.archetype().components().is_empty())
+}
+
 /// Takes all off an entity, and remembers what it looked like. Whether there was something.
 pub(super) fn empty(world: &mut World, entity: Entity) -> bool {
-    if !world.get_entity(entity).is_ok_and(|entity| !entity.archetype().components().is_empty()) {
+    if world.get_entity(entity).is_err() || is_empty(world, entity) {
         return false;
     }
     let mut removals = world.resource_mut::<Removals>();

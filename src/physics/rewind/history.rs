@@ -7,6 +7,7 @@ use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
 
 use super::acts::Acts;
+use super::bury::is_empty;
 use super::keyframe::Keyframe;
 use super::kinds::{Kinds, Removals};
 use crate::physics::body::Bodies;
@@ -102,8 +103,7 @@ impl History {
         world.remove_resource::<Self>();
         let removals = std::mem::take(&mut *world.resource_mut::<Removals>());
         for entity in removals.buried {
-            let is_empty = |entity: EntityRef| entity.archetype().components().is_empty();
-            if world.get_entity(entity).is_ok_and(is_empty) {
+            if is_empty(world, entity) {
                 world.despawn(entity);
             }
         }
@@ -112,6 +112,11 @@ impl History {
     /// The first step and the last one that it reaches.
     pub fn reach(&self) -> [u64; 2] {
         [self.frames.first().map_or(self.last, |frame| frame.step), self.last]
+    }
+
+    /// Whether something was to come after so many steps.
+    pub fn is_past(&self, step: u64) -> bool {
+        step < self.last
     }
 
     /// How often something else was done in the past, so that what was to come was forgotten.
@@ -220,7 +225,7 @@ impl History {
         if acts.is_empty() {
             return;
         }
-        if step < self.last {
+        if self.is_past(step) {
             self.cuts += 1;
             self.branches.push(Branch {
                 cut: self.cuts,
@@ -240,10 +245,9 @@ impl History {
     fn uncut(&mut self, world: &mut World, cut: u64) -> Result<(), GoError> {
         self.note_acts(world);
         let place = self.branches.iter().position(|branch| branch.cut == cut).ok_or(GoError::NoHistory)?;
-        self.branches.truncate(place + 1);
-        let Some(Branch { at, acts_at, frames, acts, last, .. }) = self.branches.pop() else {
-            return Err(GoError::NoHistory);
-        };
+        // Those after it began in what was done instead.
+        let branch = self.branches.drain(place..).next();
+        let Branch { at, acts_at, frames, acts, last, .. } = branch.ok_or(GoError::NoHistory)?;
         self.frames.retain(|frame| frame.step <= at);
         self.frames.extend(frames);
         self.acts.retain(|&step, _| step <= at);

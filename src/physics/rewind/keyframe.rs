@@ -71,7 +71,7 @@ impl Keyframe {
         self.columns.iter().for_each(|column| column.set(world, &ticks));
         for (kind, value) in kinds.resources.iter().zip(&self.resources) {
             if let Some(value) = value {
-                (kind.put_back)(world, value, &ticks);
+                (kind.put_back)(world, value, known);
             }
         }
         let mut bodies = world.resource_mut::<Bodies>();
@@ -83,8 +83,7 @@ impl Keyframe {
         transforms.iter_mut(world).for_each(|mut transform| transform.set_changed());
     }
 
-    /// About what it takes, bytes: of a body, a pair near another, a joint and a row as much as was measured
-    /// (`allocations`), and the columns.
+    /// About what it takes, bytes.
     pub fn bytes(&self) -> usize {
         self.columns.iter().map(|column| column.bytes()).sum::<usize>() + self.hidden
     }

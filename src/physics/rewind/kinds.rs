@@ -73,16 +73,18 @@ impl Keep for App {
     }
 
     fn keep_resource<R: Resource<Mutability = Mutable> + Clone>(&mut self) -> &mut Self {
-        let mut kinds = self.world_mut().get_resource_or_init::<Kinds>();
-        kinds.resources.push(ResourceKind::of::<R>(false));
-        self
+        keep_value::<R>(self, false)
     }
 
     fn keep_setting<R: Resource<Mutability = Mutable> + Clone>(&mut self) -> &mut Self {
-        let mut kinds = self.world_mut().get_resource_or_init::<Kinds>();
-        kinds.resources.push(ResourceKind::of::<R>(true));
-        self
+        keep_value::<R>(self, true)
     }
+}
+
+fn keep_value<R: Resource<Mutability = Mutable> + Clone>(app: &mut App, is_setting: bool) -> &mut App {
+    let mut kinds = app.world_mut().get_resource_or_init::<Kinds>();
+    kinds.resources.push(ResourceKind::of::<R>(is_setting));
+    app
 }
 
 fn keep<C: Component<Mutability = Mutable> + Clone>(
@@ -114,6 +116,7 @@ pub(super) struct Removals {
     pub is_emptying: bool,
     /// What they looked like: kinds by their place.
     pub looks: Vec<(usize, Entity, AnyValue)>,
+    /// Whether a history is kept.
     pub is_read: bool,
 }
 
@@ -371,8 +374,8 @@ pub(super) type AnyValue = Box<dyn Any + Send + Sync>;
 pub(super) struct ResourceKind {
     /// None where there is none.
     pub copy: fn(&World) -> Option<AnyValue>,
-    /// As it was; known to all.
-    pub put_back: fn(&mut World, &AnyValue, &Ticks),
+    /// As it was, last written then.
+    pub put_back: fn(&mut World, &AnyValue, Tick),
     /// As news.
     pub write: fn(&mut World, &AnyValue),
     /// If others write it, and did since then.
@@ -383,12 +386,12 @@ impl ResourceKind {
     fn of<R: Resource<Mutability = Mutable> + Clone>(is_setting: bool) -> Self {
         Self {
             copy: |world| Some(Box::new(world.get_resource::<R>()?.clone())),
-            put_back: |world, value, ticks| {
+            put_back: |world, value, tick| {
                 let value = value.downcast_ref::<R>().expect("of its own kind");
                 // Readings are there only while somebody wants them.
                 if let Some(mut present) = world.get_resource_mut::<R>() {
                     present.bypass_change_detection().clone_from(value);
-                    present.set_last_changed(ticks.known);
+                    present.set_last_changed(tick);
                 }
             },
             write: |world, value| {

@@ -18,7 +18,7 @@ mod history;
 mod keyframe;
 mod kinds;
 
-pub use bury::bury;
+pub use bury::{bury, is_empty};
 pub(crate) use history::step_and_note;
 pub use history::{GoError, History, go_to, uncut};
 pub use kinds::Keep;

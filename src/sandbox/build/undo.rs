@@ -6,7 +6,7 @@ use super::joint_change::JointChange;
 use super::joints::{Pin, idle_without, joints_of};
 use super::kept::KeptScene;
 use super::names::name_of;
-use crate::physics::{History, RigidBody, StepStats, bury, uncut};
+use crate::physics::{History, RigidBody, StepStats, bury, is_empty, uncut};
 use crate::sandbox::state::report;
 use crate::sandbox::{Selection, drag};
 use crate::scene::{BodySpec, JointParts, SceneEntity};
@@ -101,9 +101,12 @@ impl UndoStack {
 
 /// Has the deeds be those of the moment at which the scene is.
 pub fn follow_time(world: &mut World) {
-    let step = world.resource::<StepStats>().steps;
-    let cuts = world.get_resource::<History>().map_or(0, History::cuts);
+    let (step, cuts) = (world.resource::<StepStats>().steps, cuts(world));
     world.resource_mut::<UndoStack>().go(step, cuts);
+}
+
+fn cuts(world: &World) -> u64 {
+    world.get_resource::<History>().map_or(0, History::cuts)
 }
 
 /// Remembers a deed; `what` completes "undid …". What was to come after this moment will not.
@@ -174,7 +177,7 @@ pub fn undo(world: &mut World) -> Option<KeptScene> {
             let was_there = take_back(world, deed);
             // Where that ends what was to come, the next undo is not to bring back what this one took.
             History::take_in(world);
-            let cuts = world.get_resource::<History>().map_or(0, History::cuts);
+            let cuts = cuts(world);
             let mut stack = world.resource_mut::<UndoStack>();
             if std::mem::replace(&mut stack.cuts, cuts) != cuts {
                 stack.ahead.clear();
@@ -193,7 +196,7 @@ pub fn undo(world: &mut World) -> Option<KeptScene> {
 fn take_back_cut(world: &mut World, what: &str, cut: u64, ahead: Vec<Done>) -> Result<String, String> {
     drag::release(world);
     uncut(world, cut).map_err(|_| format!("cannot undo {what}: what was to come then is not kept any more"))?;
-    let cuts = world.get_resource::<History>().map_or(0, History::cuts);
+    let cuts = cuts(world);
     let mut stack = world.resource_mut::<UndoStack>();
     (stack.ahead, stack.cuts) = (ahead, cuts);
     Ok(format!("undid {what}: what came after is there again"))
@@ -217,22 +220,19 @@ fn take_back(world: &mut World, deed: Deed) -> bool {
 fn restore(world: &mut World, bodies: Vec<(Entity, BodySpec)>, joints: Vec<(Entity, Name, JointParts)>) -> bool {
     let mut came_back = false;
     for (entity, body) in bodies {
-        let Ok(mut emptied) = world.get_entity_mut(entity) else { continue };
-        if !emptied.archetype().components().is_empty() {
-            continue; // it is there
+        if !is_empty(world, entity) {
+            continue; // it is there, or gone for good
         }
         if body.shape.is_none() {
-            emptied.insert(Pin); // nothing else without a shape is ever removed
+            world.entity_mut(entity).insert(Pin); // nothing else without a shape is ever removed
         }
         body.spawn_at(world, entity);
         came_back = true;
     }
     for (entity, name, parts) in joints {
         let holds = parts.bodies().into_iter().all(|end| world.get::<RigidBody>(end).is_some());
-        if let Ok(mut joint) = world.get_entity_mut(entity)
-            && holds
-            && joint.archetype().components().is_empty()
-        {
+        if holds && is_empty(world, entity) {
+            let mut joint = world.entity_mut(entity);
             joint.insert((name, SceneEntity));
             parts.insert(&mut joint);
             came_back = true;

@@ -7,7 +7,7 @@ use super::buttons::tooltip;
 use super::theme::{Quantity, palette};
 use crate::physics::{History, SolverSettings, StepStats};
 use crate::sandbox::state::Covered;
-use crate::sandbox::timeline::head_and_reach;
+use crate::sandbox::timeline::{LIMIT, head_and_reach};
 use crate::sandbox::{CurrentScene, Playback, SandboxAction, Timeline};
 
 /// What the strip takes of the window's height, points, its margins too.
@@ -49,10 +49,10 @@ pub(super) fn show(
                     if let Some(step) = bar.show(ui, room.max(40.0)) {
                         actions.write(SandboxAction::GoTo { step });
                     }
-                    ui.label(said).on_hover_text(format!(
-                        "{} of 512 MiB; what is older thins out and goes",
-                        Quantity::text(history.bytes() as f64, "B")
-                    ));
+                    ui.label(said).on_hover_ui(|ui| {
+                        let takes = Quantity::text(history.bytes() as f64, "B");
+                        ui.label(format!("{takes} of {} MiB; what is older thins out and goes", LIMIT >> 20));
+                    });
                 });
             });
         },
