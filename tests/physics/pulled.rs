@@ -3,7 +3,7 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use plumb::physics::Diagnostics;
+use plumb::physics::{Diagnostics, PlacedCollider};
 use plumb::prelude::*;
 use plumb::scene::load;
 use rand::{RngExt, SeedableRng};
@@ -209,4 +209,110 @@ fn figures_jerked_about_do_not_fly_and_are_whole_in_the_end() {
         assert!(fastest < 5.0, "{name}: {fastest} m/s in the end");
         assert!(parted < 1e-3, "{name}: {parted} m apart in the end");
     }
+}
+
+/// A fixed body that others are pulled at, and how deep they get into it.
+struct Post {
+    entity: Entity,
+    others: Vec<Entity>,
+}
+
+impl Post {
+    /// One of that shape beside a point, in that direction from it, as near as it overlaps nothing.
+    fn beside(world: &mut World, from: DVec3, direction: DVec3, shape: Collider) -> Self {
+        let mut bodies = world.query_filtered::<(Entity, &RigidBody), With<Collider>>();
+        let dynamic = bodies.iter(world).filter(|(_, kind)| **kind == RigidBody::Dynamic);
+        let others = dynamic.map(|(body, _)| body).collect();
+        let entity = world.spawn((RigidBody::Static, shape, Position(from))).id();
+        let post = Self { entity, others };
+        while post.overlap(world) > 0.0 {
+            world.get_mut::<Position>(entity).unwrap().0 += 0.01 * direction;
+        }
+        post
+    }
+
+    /// The deepest overlap with any other body, m.
+    fn overlap(&self, world: &World) -> f64 {
+        let placed = |body: Entity| PlacedCollider {
+            collider: world.get(body).unwrap(),
+            position: *world.get(body).unwrap(),
+            rotation: *world.get(body).unwrap(),
+        };
+        let post = placed(self.entity);
+        self.others.iter().filter_map(|&body| placed(body).overlap(&post)).fold(0.0, f64::max)
+    }
+
+    /// The same of all of so many steps, in which a hand that holds a body goes away from where it is by 0.3 m a step, up
+    /// to 3 m, and pulls with no more than that force, N.
+    fn deepest(&self, world: &mut World, body: Entity, direction: DVec3, max_force: f64, count: u32) -> f64 {
+        let from = position(world, body);
+        let hand = world.spawn((RigidBody::Kinematic, Position(from))).id();
+        let softness = Softness { frequency: 12.0, damping_ratio: 1.0, max_force };
+        world.spawn(BallJoint::new(hand, body).with_softness(softness));
+        let overlaps = (1..=count).map(|frame| {
+            world.get_mut::<Position>(hand).unwrap().0 = from + direction * (0.3 * f64::from(frame)).min(3.0);
+            step(world);
+            self.overlap(world)
+        });
+        overlaps.fold(0.0, f64::max)
+    }
+}
+
+fn posts() -> [(&'static str, Collider); 3] {
+    [
+        ("pole", Collider::cuboid(0.1, 3.0, 0.1)),
+        ("ball", Collider::sphere(0.2)),
+        ("wall", Collider::cuboid(0.4, 1.0, 0.4)),
+    ]
+}
+
+/// From rest, within the first step: 800 N make 7 cm of it with 3 kg.
+#[test]
+fn what_a_hand_pulls_at_a_post_from_rest_meets_it_in_time() {
+    for settings in [SolverSettings::game(), SolverSettings::sequential_impulses()] {
+        for (what, post) in posts() {
+            for force in [800.0, 3000.0] {
+                let mut world = world_with(settings);
+                ground(&mut world);
+                let ball = body(&mut world, Collider::sphere(0.11), DVec3::Y * 1.4);
+                world.entity_mut(ball).insert(Mass(3.0));
+                let direction = DVec3::new(0.8, 0.0, 0.6);
+                let from = position(&world, ball);
+                let post = Post::beside(&mut world, from, direction, post.clone());
+                let deepest = post.deepest(&mut world, ball, direction, force, 60);
+                println!("{:?} at a {what} with {force} N: {deepest:.5} m", settings.method);
+                assert!(deepest < 1e-5 * force, "{:?} at a {what} with {force} N: {deepest} m", settings.method);
+            }
+        }
+    }
+}
+
+/// By a limb, with 30 times its weight: half of the pulls get no deeper than 1 cm. Where a limb is jammed between others and
+/// the post, iterations may not end.
+#[test]
+fn figures_dragged_at_a_post_stay_out_of_it() {
+    let mut overlaps = Vec::new();
+    for (name, seed) in
+        [("ann left hand", 1), ("ann left forearm", 2), ("bo right shin", 3), ("cy head", 4), ("cy chest", 5)]
+    {
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        for (what, post) in posts() {
+            let mut world = world_with(SolverSettings::game());
+            load("limbs", &[]).unwrap().spawn(&mut world);
+            run(&mut world, 1.0);
+            let mut names = world.query::<(Entity, &Name)>();
+            let limb = names.iter(&world).find(|(_, found)| found.as_str() == name).expect("it is there").0;
+            let mut along = |range: std::ops::Range<f64>| random.random_range(range);
+            let direction = DVec3::new(along(-1.0..1.0), along(0.0..0.3), along(-1.0..1.0)).normalize();
+            let (from, force) = (position(&world, limb), 30.0 * 9.81 * world.get::<Mass>(limb).unwrap().0);
+            let post = Post::beside(&mut world, from, direction, post);
+            let deepest = post.deepest(&mut world, limb, direction, force, 60);
+            println!("{name} at a {what}: {deepest:.4} m");
+            assert!(deepest < 0.03, "{name} at a {what}: {deepest} m");
+            overlaps.push(deepest);
+        }
+    }
+    overlaps.sort_by(f64::total_cmp);
+    let median = overlaps[overlaps.len() / 2];
+    assert!(median < 1e-2, "{median} m in the middle of {overlaps:?}");
 }

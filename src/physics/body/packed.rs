@@ -28,6 +28,8 @@ pub(crate) struct Body {
     pub radius: f64,
     /// A quarantined body counts as static.
     pub kind: RigidBody,
+    /// The greatest acceleration that springs at points of it may give a point of it in this step, m/s².
+    pub pulled: f64,
     /// Wants [`crate::physics::Collision`] messages.
     pub reports: bool,
     /// Collider, density or mass changed since they were computed.
@@ -86,6 +88,7 @@ impl Body {
             computed_mass: None,
             computed_inertia: None,
             mass_is_stale: false,
+            pulled: 0.0,
         }
     }
 

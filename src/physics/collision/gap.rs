@@ -9,7 +9,8 @@
 //!   away.
 //! - **Force-level rows, all others**: 0. The normal across a gap between bodies that pass beside each other would stop
 //!   them.
-//! - **Contacts that last**: [`SPECULATIVE_MARGIN`] of the smaller radius, and what both can close in the step. The
+//! - **Contacts that last**: [`SPECULATIVE_MARGIN`] of the smaller radius, and what both can close in the step, with what
+//!   springs at their points may add. The
 //!   manifold is used until the pair has moved against each other. Where something may stop one of two unequal ones
 //!   within the step, what the other moves ([`gap_if_stopped`]).
 //! - **`exact`**: the same margin of each radius, and what each can move in the step, forces included. What is in reach
@@ -30,7 +31,7 @@ pub(super) fn contact_gap(a: &Body, b: &Body, settings: &SolverSettings) -> f64 
         return own_reach(a, settings) + own_reach(b, settings);
     }
     if settings.method.keeps_contacts() {
-        return SPECULATIVE_MARGIN * a.radius.min(b.radius) + fastest_approach(a, b) * h;
+        return SPECULATIVE_MARGIN * a.radius.min(b.radius) + way_ahead(a, b, h);
     }
     let is_over_plane = matches!(a.geometry, Some(Geometry::HalfSpace));
     let is_ahead = settings.sweeps.contacts == ContactModel::Clipping && settings.sweeps.contacts_ahead;
@@ -68,6 +69,11 @@ pub(super) fn own_reach(body: &Body, settings: &SolverSettings) -> f64 {
 /// The most that two bodies can come together in a time h, s, at their velocities and under the forces on them, m.
 pub(crate) fn closing_distance(a: &Body, b: &Body, h: f64) -> f64 {
     (fastest_approach(a, b) + (pull(a) + pull(b)) * h) * h
+}
+
+/// The most that two bodies can come together in a time h, s, at their velocities and as springs pull them, m.
+pub(super) fn way_ahead(a: &Body, b: &Body, h: f64) -> f64 {
+    (fastest_approach(a, b) + (a.pulled + b.pulled) * h) * h
 }
 
 /// The most that two bodies can come together, m/s.

@@ -9,8 +9,10 @@
 //! 2. Joints ([`gather_joints`](mod@gather_joints)): packed again only when a joint or the set of bodies changed; a
 //!    joint of a body that is gone is despawned. New numbers of limits, motors and friction are taken in where they
 //!    stand.
+//! 3. Pulls ([`feel_pulls`](mod@feel_pulls)): bodies that a spring holds at a point are told what it may do to them.
 
 mod add_joint;
+mod feel_pulls;
 mod gather_bodies;
 mod gather_body;
 mod gather_joints;
@@ -20,6 +22,7 @@ mod tests;
 
 use add_joint::add_joint;
 use bevy::prelude::*;
+use feel_pulls::{Pulled, feel_pulls};
 use gather_bodies::{Summed, gather_bodies};
 use gather_joints::{PackedFor, attachments_changed, gather_joints, joints_changed, keep_driven_awake, renew_laws};
 
@@ -39,6 +42,7 @@ pub(super) fn plugin(app: &mut App) {
         .init_resource::<PackedFor>()
         .init_resource::<BirthCounter>()
         .init_resource::<Summed>()
+        .init_resource::<Pulled>()
         .add_systems(
             PhysicsSchedule,
             (
@@ -46,6 +50,7 @@ pub(super) fn plugin(app: &mut App) {
                 renew_laws.run_if(attachments_changed),
                 gather_joints.run_if(joints_changed),
                 keep_driven_awake,
+                feel_pulls,
             )
                 .chain()
                 .in_set(PhysicsSystems::Prepare),
@@ -68,6 +73,7 @@ fn keep(app: &mut App) {
         .keep_resource::<JoinedPairs>()
         .keep_resource::<PackedFor>()
         .keep_resource::<Summed>()
+        .keep_resource::<Pulled>()
         .keep_setting::<BirthCounter>();
     app.keep_component::<RigidBody>()
         .keep_component::<Position>()

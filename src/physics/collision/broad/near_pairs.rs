@@ -52,11 +52,12 @@ pub(crate) struct InStep<'a> {
 
 impl BoundedBodies for InStep<'_> {
     fn placement(&self, body: u32) -> Placement {
-        let Body { position, rotation, linear, angular, .. } = self.bodies[body as usize];
+        let Body { position, rotation, linear, angular, pulled, .. } = self.bodies[body as usize];
         if self.reach.is_some() {
             return Placement { position, rotation, travel: Vector3::zeros(), turn: f64::INFINITY };
         }
-        Placement { position, rotation, travel: linear * self.h, turn: angular.norm() * self.h }
+        let turn = if pulled > 0.0 { f64::INFINITY } else { angular.norm() * self.h };
+        Placement { position, rotation, travel: linear * self.h, turn }
     }
 
     fn bounds(&self, body: u32) -> Bounds {
@@ -65,7 +66,7 @@ impl BoundedBodies for InStep<'_> {
             return Bounds::None;
         }
         let axes = body.rotation.to_rotation_matrix().into_inner();
-        let gap = self.reach.map_or(0.0, |settings| own_reach(body, settings));
+        let gap = self.reach.map_or(body.pulled * self.h * self.h, |settings| own_reach(body, settings));
         let reach = match &body.geometry {
             None => return Bounds::None,
             Some(Geometry::HalfSpace) => {

@@ -11,7 +11,7 @@ use crate::physics::body::{Body, RigidBody};
 use crate::physics::collision::constants::{FLAT_RECYCLING, ROUND_RECYCLING, SUCCESSION_REACH};
 use crate::physics::collision::continuous::fast_pair::FastPair;
 use crate::physics::collision::continuous::time_of_impact::{self, Course, Impact};
-use crate::physics::collision::gap::{contact_gap, fastest_approach};
+use crate::physics::collision::gap::{contact_gap, way_ahead};
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap, Pair};
 use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
 use crate::physics::collision::narrow::feature_sat::Feature;
@@ -97,7 +97,7 @@ impl Slot {
         }
         let limit = ROUND_RECYCLING * self.size;
         moved + contact_gap(a, b, settings) <= self.apart
-            || (moved <= limit && fastest_approach(a, b) * settings.step() <= self.found_within - limit)
+            || (moved <= limit && way_ahead(a, b, settings.step()) <= self.found_within - limit)
     }
 
     /// What is known of the pair where the bodies have moved so far since the manifold was looked for.

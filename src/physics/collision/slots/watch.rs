@@ -63,7 +63,7 @@ impl Travels {
                 let body = &bodies.list[first + place];
                 let now = Pose::of(body);
                 way.gone += now.moved(seen, body.radius.min(LONGEST_ARM));
-                way.ahead = way.gone + (body.linear.norm() + turning_speed(body)) * h;
+                way.ahead = way.gone + (body.linear.norm() + turning_speed(body) + body.pulled * h) * h;
                 *seen = now;
             }
         });
