@@ -11,6 +11,7 @@ mod metrics;
 mod picture;
 mod plan;
 pub mod race;
+pub mod recording;
 mod run;
 mod settings_file;
 mod simulation;

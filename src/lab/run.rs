@@ -11,17 +11,22 @@ use super::truth;
 /// # Errors
 /// Those of `watch`.
 pub fn measure<E>(plan: &Plan, mut watch: impl FnMut(&Sample) -> Result<(), E>) -> Result<Metrics, E> {
+    measure_world(plan, |simulation| watch(&simulation.sample()))
+}
+
+/// The same; `watch` sees all of the world.
+pub(super) fn measure_world<E>(plan: &Plan, mut watch: impl FnMut(&Simulation) -> Result<(), E>) -> Result<Metrics, E> {
     let mut simulation = Simulation::new(plan.scene.clone(), plan.settings);
     let known = plan.built_in.then(|| truth::of(&plan.scene, &plan.settings)).flatten();
     let truth = known
         .map(Ok)
         .or_else(|| plan.converge.then(|| truth::converged(&plan.scene, plan.steps as f64 / plan.settings.hz)));
     let mut meter = Meter::new(plan, &mut simulation, truth);
-    watch(&simulation.sample())?;
+    watch(&simulation)?;
     for _ in 0..plan.steps {
         simulation.step();
         meter.observe(&simulation);
-        watch(&simulation.sample())?;
+        watch(&simulation)?;
     }
     Ok(meter.finish(plan, &simulation))
 }

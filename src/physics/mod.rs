@@ -73,7 +73,7 @@ pub use plugin::{PhysicsPlugin, headless_app, step};
 pub use prepare::AddConstraint;
 pub use readings::{ContactForce, ContactForces, Diagnostics, JointForce, JointForces};
 pub(crate) use refill::Refill;
-pub use rewind::{GoError, History, Keep, bury, go_to, is_empty, uncut};
+pub use rewind::{Deeds, GoError, History, Keep, Told, begin_anew, bury, go_to, is_empty, retell, uncut};
 pub(crate) use scalar::Scalar;
 pub use schedule::{PhysicsSchedule, PhysicsSystems};
 pub(crate) use settings::contacts_last;

@@ -8,7 +8,7 @@ use bevy::ecs::schedule::{ScheduleBuildSettings, ScheduleLabel, SingleThreadedEx
 use bevy::prelude::*;
 
 use super::diagnostics::{self, MeasuringTime};
-use super::rewind::step_and_note;
+use super::rewind::{note_blank, step_and_note};
 use super::{
     BodyQuarantined, Collision, ContactEnded, ContactStarted, Gravity, JointBroke, Keep, LimitReached, PhysicsSchedule,
     PhysicsSystems, RenderOrigin, SolverSettings, StepStats, breaking, collision, events, island, prepare, sleep,
@@ -72,6 +72,7 @@ impl Plugin for PhysicsPlugin {
                 breaking::plugin,
                 diagnostics::plugin,
             ));
+        note_blank(app.world_mut());
         let fixed = [
             FixedFirst.intern(),
             FixedPreUpdate.intern(),

@@ -14,7 +14,7 @@ pub(super) struct CarryOut;
 #[derive(Message, Clone, Debug, PartialEq)]
 pub enum SandboxAction {
     /// Replaces the scene: a built-in name or the path of a RON file, with parameters as on the
-    /// command line. What is wrong with it goes to [`super::Notice`], and the old one stays.
+    /// command line, or the path of a recording, all of which is on the strip of time then. What is wrong with it goes to [`super::Notice`], and the old one stays.
     LoadScene {
         /// Name or path.
         scene: String,
@@ -109,6 +109,8 @@ pub enum SandboxAction {
         /// A RON file.
         path: PathBuf,
     },
+    /// Writes all that happened since the scene began to the next free `plumb-N.plumb` in the working directory.
+    Record,
     /// Writes the picture to the next free `plumb-N.png` in the working directory.
     Screenshot,
     /// Shows or hides the help.

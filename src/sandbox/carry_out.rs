@@ -8,10 +8,11 @@ use super::camera::{self, Framing};
 use super::follow::{self, Followed};
 use super::joint_readings::ReadJoints;
 use super::motor_keys::check_keys;
-use super::state::SceneProblem;
+use super::state::{SceneProblem, report};
 use super::timeline::{self, Timeline};
 use super::watch::Watch;
-use super::{CurrentScene, Notice, Playback, SandboxAction, Selection, build, files, panel, screenshot};
+use super::{CurrentScene, Notice, Playback, SandboxAction, Selection, build, files, panel, recordings, screenshot};
+use crate::lab::recording::is_recording;
 use crate::physics::{Collider, ContactForces, Position, RigidBody, Velocity};
 use crate::scene::{self, BodyColor, SceneEntity, SceneSpec, SpawnedScene, ViewSpec};
 
@@ -75,6 +76,7 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         SandboxAction::Escape => world.insert_resource(Selection::default()),
         SandboxAction::FrameScene => frame_scene(world),
         SandboxAction::Follow => follow::toggle(world),
+        SandboxAction::Record => recordings::record(world),
         SandboxAction::Screenshot => screenshot::take(world),
         SandboxAction::MeasureChart => panel::measure_chart(world),
         SandboxAction::ToggleHelp => {} // the help's own
@@ -82,18 +84,14 @@ fn carry_out(world: &mut World, action: SandboxAction) {
 }
 
 fn load_scene(world: &mut World, scene: String, parameters: Vec<(String, f64)>) {
+    if is_recording(&scene) {
+        return play_recording(world, scene);
+    }
     let watch = Watch::on(&scene);
     match load(&scene, &parameters) {
         Ok(spec) => {
-            timeline::go_on(world);
-            let kept = build::keep_what_was_built(world);
-            despawn_scene(world);
-            let entities = spec.spawn(world);
-            timeline::begin(world);
-            world.insert_resource(watch.with_meshes(&spec));
-            world.insert_resource(CurrentScene { scene, parameters, spec, entities });
+            let kept = put_on_view(world, CurrentScene { scene, parameters, spec, entities: default() }, watch);
             *world.resource_mut::<Notice>() = kept.map_or(Notice::None, |name| Notice::Info(kept_text(&name)));
-            frame_scene(world);
         }
         Err(problem) => {
             *world.resource_mut::<SceneProblem>() = SceneProblem(Some(problem.clone()));
@@ -102,6 +100,37 @@ fn load_scene(world: &mut World, scene: String, parameters: Vec<(String, f64)>) 
         }
     }
     *world.resource_mut::<SceneProblem>() = SceneProblem(None);
+}
+
+/// Spawns a scene in the place of the present one. The name of that where it is kept as it was built.
+fn put_on_view(world: &mut World, mut scene: CurrentScene, watch: Watch) -> Option<String> {
+    timeline::go_on(world);
+    let kept = build::keep_what_was_built(world);
+    despawn_scene(world);
+    scene.entities = scene.spec.spawn(world);
+    timeline::begin(world);
+    world.insert_resource(watch.with_meshes(&scene.spec));
+    world.insert_resource(scene);
+    frame_scene(world);
+    kept
+}
+
+/// Puts a recording's scene on view and runs all of it again: then it can be looked at like what happened here.
+fn play_recording(world: &mut World, file: String) {
+    let played = recordings::read(&file).and_then(|(recording, spec, settings)| {
+        check_keys(&file, &spec)?;
+        world.insert_resource(settings);
+        // Nobody writes to it while it is on view.
+        let watch = Watch::default();
+        put_on_view(
+            world,
+            CurrentScene { scene: file.clone(), parameters: Vec::new(), spec, entities: default() },
+            watch,
+        );
+        recordings::play(world, &recording, &file)
+    });
+    *world.resource_mut::<SceneProblem>() = SceneProblem(played.as_ref().err().cloned());
+    report(world, played);
 }
 
 fn kept_text(name: &str) -> String {

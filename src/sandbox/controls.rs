@@ -47,6 +47,7 @@ pub const BINDINGS: &[Binding] = &[
     binding(&[KeyCode::KeyL], "L", "loop between the two marks around this moment", SandboxAction::ToggleLoop),
     binding(&[KeyCode::KeyM], "M", "slow motion", SandboxAction::ToggleSlowMotion),
     binding(&[KeyCode::KeyR], "R", "reset the scene", SandboxAction::Reset),
+    binding(&[KeyCode::KeyR], "Ctrl+R", "record what happened to plumb-N.plumb", SandboxAction::Record).with_control(),
     binding(&[KeyCode::KeyB], "B", "throw a ball at the pointer", SandboxAction::ThrowBall),
     binding(&[KeyCode::KeyA], "A", "add a body at the pointer", SandboxAction::SpawnBody),
     binding(&[KeyCode::KeyJ], "J", "join the two picked bodies", SandboxAction::JoinPicked),

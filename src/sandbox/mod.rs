@@ -36,6 +36,7 @@ mod playback;
 mod plots;
 mod plugin;
 mod quality;
+mod recordings;
 mod reload;
 mod screenshot;
 mod sky;

@@ -17,7 +17,7 @@ pub(super) fn take(world: &mut World) {
 }
 
 fn save(captured: On<ScreenshotCaptured>, mut notice: ResMut<Notice>) {
-    let path = next_free_path();
+    let path = next_free_path("png");
     let saved = captured
         .image
         .clone()
@@ -31,6 +31,7 @@ fn save(captured: On<ScreenshotCaptured>, mut notice: ResMut<Notice>) {
     };
 }
 
-fn next_free_path() -> PathBuf {
-    (1..).map(|n| PathBuf::from(format!("plumb-{n}.png"))).find(|path| !path.exists()).expect("a free number")
+/// In the working directory.
+pub(super) fn next_free_path(extension: &str) -> PathBuf {
+    (1..).map(|n| PathBuf::from(format!("plumb-{n}.{extension}"))).find(|path| !path.exists()).expect("a free number")
 }

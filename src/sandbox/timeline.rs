@@ -12,7 +12,7 @@ use super::build::{Pin, follow_time};
 use super::held::{Drag, DragPart};
 use super::state::report;
 use super::{Notice, Playback, drag, ghost};
-use crate::physics::{History, Keep, RenderOrigin, SolverSettings, StepStats, go_to};
+use crate::physics::{History, Keep, RenderOrigin, SolverSettings, StepStats, begin_anew, go_to};
 use crate::scene::keep_scene;
 
 /// What the history of a scene may take, bytes.
@@ -46,6 +46,7 @@ pub(super) fn plugin(app: &mut App) {
 
 /// A scene begins. To be called once it is spawned.
 pub(super) fn begin(world: &mut World) {
+    begin_anew(world);
     History::begin(world, LIMIT);
     world.insert_resource(Timeline::default());
 }

@@ -10,13 +10,14 @@ use bevy::window::{WindowResizeConstraints, WindowResolution};
 
 use super::motor_keys::check_keys;
 use super::{SandboxAction, SandboxPlugin};
+use crate::lab::recording::is_recording;
 use crate::physics::SolverSettings;
 use crate::scene::{self, SceneError};
 
 /// What the sandbox opens with.
 #[derive(Clone, Debug)]
 pub struct Launch {
-    /// A built-in scene or the path of a RON file.
+    /// A built-in scene, or the path of a RON file or of a recording that can be read.
     pub scene: String,
     /// Its parameters, as on the command line.
     pub parameters: Vec<(String, f64)>,
@@ -49,8 +50,10 @@ pub enum LaunchError {
 /// # Errors
 /// The scene, the display or the graphics driver is missing or wrong.
 pub fn launch(launch: Launch) -> Result<(), LaunchError> {
-    let spec = scene::load(&launch.scene, &launch.parameters)?;
-    check_keys(&launch.scene, &spec).map_err(LaunchError::Keys)?;
+    if !is_recording(&launch.scene) {
+        let spec = scene::load(&launch.scene, &launch.parameters)?;
+        check_keys(&launch.scene, &spec).map_err(LaunchError::Keys)?;
+    }
     let exit = catch_failed_start(|| run(launch))?;
     match exit {
         AppExit::Success => Ok(()),

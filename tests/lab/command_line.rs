@@ -480,3 +480,27 @@ fn refuses_an_interval_that_is_not_positive_or_has_no_file() {
     refuses(&["run", "rods", "--every", "0.1"], &["--out"]);
     assert!(!Path::new("/tmp/unused.csv").exists());
 }
+
+#[test]
+fn a_run_is_recorded_and_runs_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("stack.plumb");
+    let path = path.to_str().unwrap();
+    prints(&["run", "stack", "--seconds", "0.5", "--record", path]);
+    let said = prints(&["replay", path]);
+    for part in ["stack, recorded by", "30 steps", "all of them come out the same"] {
+        assert!(said.contains(part), "{said}");
+    }
+    let text = fs::read_to_string(path).unwrap();
+    fs::write(path, text.replacen("friction: 0.5", "friction: 0.4", 1).replacen("substeps:4", "substeps:5", 1))
+        .unwrap();
+    let output = plumb(&["replay", path]);
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("step 1 comes out otherwise: "), "{said}");
+    fs::write(path, &text[..text.len() / 2]).unwrap();
+    refuses(&["replay", path], &["stack.plumb", "ends in the middle"]);
+    refuses(&[path], &["stack.plumb", "ends in the middle"]);
+    refuses(&["replay", "nowhere.plumb"], &["nowhere.plumb: cannot be read"]);
+    refuses(&["run", "stack", "--record", "/no/such/folder/a.plumb"], &["/no/such/folder/a.plumb: cannot be written"]);
+}

@@ -10,6 +10,7 @@ mod joint_metrics;
 mod machines;
 mod metrics;
 mod race;
+mod recording;
 mod references;
 mod run;
 mod scene_builtin;

@@ -1,12 +1,14 @@
-//! Anything that hands can do, at random: nothing breaks, and going back and on again is always the same.
+//! Anything that hands can do, at random: nothing breaks, and going back and on again is always the same, and so is a recording of all of it.
 
 use std::hash::{DefaultHasher, Hasher};
+use std::path::Path;
 
 use bevy::math::{DVec3, Vec2};
 use bevy::prelude::*;
+use plumb::lab::recording::{Numbers, Print, Recording, Replay};
 use plumb::physics::{Breakable, History, Position, RigidBody, StepStats, Velocity, hash_state};
 use plumb::prelude::{Collider, SolverSettings};
-use plumb::sandbox::{JoinKind, Picked, Playback, SandboxAction, Selection};
+use plumb::sandbox::{CurrentScene, JoinKind, Picked, Playback, SandboxAction, Selection};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -186,5 +188,21 @@ fn a_monkey_breaks_nothing_and_every_moment_can_be_gone_back_to() {
                 check(&mut stage, &mut random, &told);
             }
         }
+        stage.release();
+        stage.frames(1);
+        let current = stage.app.world().resource::<CurrentScene>().clone();
+        let before = hash(&stage);
+        let recording = Recording::of_world(stage.world(), &current.spec, &current.entities).unwrap();
+        assert_eq!(hash(&stage), before);
+        let now = Print::of(stage.app.world(), &Numbers::of_scene(&current.entities)).world;
+        assert_eq!(
+            recording.prints[(step(&stage) - stage.app.world().resource::<History>().begun()) as usize].world,
+            now
+        );
+        let replay = recording.replay(Path::new("monkey.plumb"), |_| ()).unwrap();
+        if replay.differs.is_some() {
+            recording.write(&std::env::temp_dir().join("plumb-monkey.plumb")).unwrap();
+        }
+        assert_eq!(replay, Replay { steps: recording.steps(), differs: None }, "{scene}, {seed}");
     }
 }

@@ -2,7 +2,7 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use plumb::physics::{BallJoint, History, RigidBody, StepStats};
+use plumb::physics::{BallJoint, History, Position, RigidBody, StepStats};
 use plumb::sandbox::{GhostChoice, GhostDistance, Notice, Playback, SandboxAction, Selection, Timeline};
 
 use crate::stage::{SIZE, Stage};
@@ -337,4 +337,37 @@ fn undo_keeps_to_what_has_been_done_at_the_moment_on_view() {
     assert!(named(&mut stage, "bob").is_empty());
     stage.key_with_control(KeyCode::KeyZ);
     assert_eq!(named(&mut stage, "bob"), [bob]);
+}
+
+#[test]
+fn what_happened_is_recorded_and_on_view_again() {
+    let mut stage = Stage::open(SCENE);
+    play_to(&mut stage, "box", 20);
+    assert_eq!(stage.world().resource::<History>().begun(), 0);
+    stage.act(SandboxAction::ThrowBall);
+    play_to(&mut stage, "box", 50);
+    let at = |stage: &mut Stage| {
+        let balls = named(stage, "thrown ball");
+        balls.into_iter().map(|ball| stage.world().get::<Position>(ball).unwrap().0).collect::<Vec<_>>()
+    };
+    let ball = at(&mut stage);
+    assert_eq!(ball.len(), 1);
+    stage.key_with_control(KeyCode::KeyR);
+    stage.frames(1);
+    let Notice::Info(said) = stage.world().resource::<Notice>().clone() else {
+        panic!("{:?}", stage.world().resource::<Notice>())
+    };
+    let path = said.split(" steps to ").nth(1).and_then(|rest| rest.rsplit_once(", ")).expect("a path").0.to_owned();
+    assert_eq!(step(&mut stage), 50);
+    stage.load("(bodies: [])");
+    stage.act(SandboxAction::LoadScene { scene: path.clone(), parameters: Vec::new() });
+    std::fs::remove_file(&path).unwrap();
+    assert!(matches!(stage.world().resource::<Notice>(), Notice::Info(_)), "{:?}", stage.world().resource::<Notice>());
+    let [first, last] = reach(&mut stage);
+    assert_eq!((step(&mut stage), last - first), (first, 50));
+    assert!(named(&mut stage, "thrown ball").is_empty());
+    go(&mut stage, last);
+    assert_eq!(at(&mut stage), ball);
+    let bodies = stage.world().query_filtered::<Entity, (With<RigidBody>, With<Mesh3d>)>().iter(stage.world()).count();
+    assert_eq!(bodies, 3, "the ball is drawn, too");
 }

@@ -1,9 +1,10 @@
 //! What may be said on the command line.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser};
 
+use crate::lab::recording::{Recording, is_recording};
 use crate::lab::sweep::Shard;
 use crate::physics::SolverSettings;
 use crate::scene;
@@ -38,13 +39,15 @@ pub(super) enum Subcommand {
     Map(MapArguments),
     /// Run a scene on from one moment by several methods side by side, and say when and how they part
     Race(RaceArguments),
+    /// Run a recording again, and say the first step and body that come out otherwise
+    Replay(ReplayArguments),
     /// Find the cheapest settings that hold an error for a scene
     Fit(FitArguments),
 }
 
 #[derive(Args)]
 pub(super) struct OpenArguments {
-    /// A built-in scene or the path of a RON file [default: limbs]
+    /// A built-in scene, or the path of a RON file or of a recording (.plumb) [default: limbs]
     scene: Option<String>,
     #[command(flatten)]
     parameters: ParameterArguments,
@@ -79,9 +82,18 @@ pub(super) struct RunArguments {
     /// Time between the rows of the trajectory, s [default: every step]
     #[arg(long, value_name = "DT", requires = "out", value_parser = positive, allow_negative_numbers = true)]
     pub every: Option<f64>,
+    /// Write a recording to this file, which 'plumb replay' runs again
+    #[arg(long, value_name = "FILE.plumb")]
+    pub record: Option<PathBuf>,
     /// Print one JSON object instead of a summary
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct ReplayArguments {
+    /// A recording, as 'plumb run --record' and Ctrl+R in the window write it
+    pub file: PathBuf,
 }
 
 #[derive(Args)]
@@ -196,7 +208,12 @@ impl OpenArguments {
             parameters: self.parameters.list,
             settings: self.settings.resolve()?,
         };
-        scene::load(&open.scene, &open.parameters)?;
+        if is_recording(&open.scene) {
+            let path = Path::new(&open.scene);
+            Recording::read(path)?.start(path)?;
+        } else {
+            scene::load(&open.scene, &open.parameters)?;
+        }
         Ok(open)
     }
 }

@@ -11,7 +11,9 @@ mod export;
 mod fit;
 mod map;
 mod outcome;
+mod progress;
 mod race;
+mod replay;
 mod run;
 mod scenes;
 mod settings;
@@ -76,6 +78,7 @@ impl Task {
             Subcommand::Chart(arguments) => chart::chart(&arguments),
             Subcommand::Map(arguments) => map::map(&arguments),
             Subcommand::Race(arguments) => race::race(&arguments),
+            Subcommand::Replay(arguments) => replay::replay(&arguments),
             Subcommand::Fit(arguments) => fit::fit(&arguments),
         }
     }

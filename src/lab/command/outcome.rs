@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use crate::lab::chart::{ChartError, PeersError};
+use crate::lab::recording::RecordingError;
 use crate::lab::vary::VaryError;
 use crate::lab::{PictureError, PlanError, SettingsFileError};
 use crate::physics::SettingsError;
@@ -30,6 +31,9 @@ pub enum CommandError {
     /// Charts that cannot be made.
     #[error(transparent)]
     Chart(#[from] ChartError),
+    /// Recordings that cannot be had.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
     /// What cannot be varied.
     #[error(transparent)]
     Vary(#[from] VaryError),
@@ -54,7 +58,7 @@ pub enum CommandError {
 pub enum Outcome {
     /// Exit status 0.
     Done,
-    /// Exit status 1: a body was quarantined, or no settings hold the error asked for.
+    /// Exit status 1: a body was quarantined, no settings hold the error asked for, or a recording comes out otherwise.
     CheckFailed,
 }
 

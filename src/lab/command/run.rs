@@ -1,14 +1,15 @@
 //! `plumb run`.
 
-use std::io::IsTerminal;
-use std::time::{Duration, Instant};
+use std::fs::File;
+use std::path::Path;
 
-use indicatif::{ProgressBar, ProgressStyle};
-
-use crate::lab::{Metrics, Plan, Sample, TrajectoryWriter, measure};
+use crate::lab::recording::Recording;
+use crate::lab::run::measure_world;
+use crate::lab::{Metrics, Plan, Simulation, TrajectoryWriter};
 
 use super::arguments::RunArguments;
 use super::outcome::{CommandError, Outcome, print};
+use super::progress::Progress;
 use super::summary;
 
 pub(super) fn run(arguments: &RunArguments) -> Result<Outcome, CommandError> {
@@ -25,57 +26,36 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Outcome, CommandError> {
     Ok(if metrics.quarantined.is_empty() { Outcome::Done } else { Outcome::CheckFailed })
 }
 
-/// The file is created before the run: nobody waits for a run whose result cannot be kept.
+/// Files are created before the run: nobody waits for a run whose result cannot be kept.
 fn measure_and_write(plan: &Plan, arguments: &RunArguments) -> Result<Metrics, CommandError> {
-    let mut progress = Progress::new(plan.steps);
-    let Some(path) = &arguments.out else {
-        return measure(plan, |sample| {
-            progress.show(sample);
-            Ok(())
-        });
+    let unwritable = |path: &Path| {
+        let place = path.display().to_string();
+        move |reason| CommandError::Output { place, reason }
     };
-    let unwritable = |reason| CommandError::Output { place: path.display().to_string(), reason };
     let names = plan.scene.bodies.iter().map(|body| body.name.clone()).collect();
-    let mut trajectory = TrajectoryWriter::create(path, names, arguments.every).map_err(unwritable)?;
-    let metrics = measure(plan, |sample| {
-        progress.show(sample);
-        trajectory.write(sample).map_err(unwritable)
+    let out = arguments.out.as_deref();
+    let writer = |path: &Path| TrajectoryWriter::create(path, names, arguments.every).map_err(unwritable(path));
+    let mut trajectory = out.map(writer).transpose()?;
+    let record = arguments.record.as_deref();
+    let begin = |path: &Path| {
+        File::create(path).map_err(unwritable(path))?;
+        Recording::of_plan(plan).map_err(CommandError::from)
+    };
+    let mut recording = record.map(begin).transpose()?;
+    let mut progress = Progress::new(plan.steps);
+    let metrics = measure_world(plan, |simulation: &Simulation| {
+        let sample = simulation.sample();
+        progress.show(sample.step);
+        if let Some(recording) = &mut recording {
+            recording.note(simulation);
+        }
+        trajectory.as_mut().zip(out).map_or(Ok(()), |(file, path)| file.write(&sample).map_err(unwritable(path)))
     })?;
-    trajectory.finish().map_err(unwritable)?;
+    if let (Some(trajectory), Some(path)) = (trajectory, out) {
+        trajectory.finish().map_err(unwritable(path))?;
+    }
+    if let (Some(recording), Some(path)) = (recording, record) {
+        recording.write(path).map_err(unwritable(path))?;
+    }
     Ok(metrics)
-}
-
-/// A bar on standard error for runs that a person waits for.
-struct Progress {
-    started: Instant,
-    steps: u64,
-    bar: Option<ProgressBar>,
-}
-
-impl Progress {
-    /// Runs shorter than this are over before a bar is read.
-    const PATIENCE: Duration = Duration::from_secs(1);
-
-    fn new(steps: u64) -> Self {
-        Self { started: Instant::now(), steps, bar: None }
-    }
-
-    fn show(&mut self, sample: &Sample) {
-        if self.bar.is_none() && self.started.elapsed() > Self::PATIENCE && std::io::stderr().is_terminal() {
-            let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %, {eta} left");
-            let bar = ProgressBar::new(self.steps).with_elapsed(self.started.elapsed());
-            self.bar = Some(bar.with_style(style.expect("a template of this file")));
-        }
-        if let Some(bar) = &self.bar {
-            bar.set_position(sample.step);
-        }
-    }
-}
-
-impl Drop for Progress {
-    fn drop(&mut self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
-    }
 }

@@ -1,10 +1,25 @@
 //! What others than the step did to a world between two steps.
 
+use std::any::TypeId;
+
 use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
 
 use super::bury::{empty, is_empty};
 use super::kinds::{AnyValue, Column, Kinds, Removals};
+
+/// What was done between two steps, by the types of what was written.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Deeds {
+    /// Bodies and joints that were taken out of the world.
+    pub buried: Vec<Entity>,
+    /// Components that were taken off.
+    pub removed: Vec<(TypeId, Entity)>,
+    /// Components that were written or put on.
+    pub written: Vec<(TypeId, Entity)>,
+    /// Resources that were written.
+    pub resources: Vec<TypeId>,
+}
 
 /// What was written, added, taken off and buried between two steps.
 pub(super) struct Acts {
@@ -52,6 +67,21 @@ impl Acts {
         self.written.iter().for_each(|column| column.write(world));
         for (kind, value) in &self.resources {
             (kinds.resources[*kind].write)(world, value);
+        }
+    }
+
+    /// What they are.
+    pub fn deeds(&self, kinds: &Kinds) -> Deeds {
+        let all = self.written.iter();
+        let of_column = |column: &dyn Column| {
+            let component = column.component();
+            column.entities().into_iter().map(move |entity| (component, entity)).collect::<Vec<_>>()
+        };
+        Deeds {
+            buried: self.buried.clone(),
+            removed: self.removed.iter().map(|&(kind, entity)| (kinds.components[kind].component(), entity)).collect(),
+            written: all.flat_map(|column| of_column(column.as_ref())).collect(),
+            resources: self.resources.iter().map(|&(kind, _)| (kinds.resources[kind].resource)()).collect(),
         }
     }
 

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
 
-use super::acts::Acts;
+use super::acts::{Acts, Deeds};
 use super::bury::is_empty;
 use super::keyframe::Keyframe;
 use super::kinds::{Kinds, Removals};
@@ -24,7 +24,9 @@ const MOST_INTERVAL: u64 = 600;
 /// What happened to a world, from a first step on: kept from its insertion by [`History::begin`] until it is removed.
 #[derive(Resource)]
 pub struct History {
-    /// By step, ascending; the first is where the history begins.
+    /// Steps before it was begun.
+    begun: u64,
+    /// By step, ascending; the first is where what is kept begins.
     frames: Vec<Keyframe>,
     /// What was done after so many steps, in its order.
     acts: BTreeMap<u64, Vec<Acts>>,
@@ -82,6 +84,7 @@ impl History {
         Self::end(world);
         let step = world.resource::<StepStats>().steps;
         let mut history = Self {
+            begun: step,
             frames: Vec::new(),
             acts: BTreeMap::new(),
             last: step,
@@ -112,6 +115,11 @@ impl History {
     /// The first step and the last one that it reaches.
     pub fn reach(&self) -> [u64; 2] {
         [self.frames.first().map_or(self.last, |frame| frame.step), self.last]
+    }
+
+    /// Steps before it was begun: the first that it reached.
+    pub fn begun(&self) -> u64 {
+        self.begun
     }
 
     /// Whether something was to come after so many steps.
@@ -208,6 +216,33 @@ impl History {
         }
         self.note_end(world);
         Ok(())
+    }
+
+    /// From the first step on to the last, with all acts, and back to where the world is.
+    fn retell(&mut self, world: &mut World, tell: &mut dyn FnMut(&mut World, Told)) -> Result<(), GoError> {
+        self.note_acts(world);
+        let here = world.resource::<StepStats>().steps;
+        let [first, last] = self.reach();
+        let frame = self.frames.first().ok_or(GoError::NoHistory)?;
+        if let Some(entity) = frame.missing(world) {
+            return Err(GoError::Gone(entity));
+        }
+        world.resource_scope(|world, mut kinds: Mut<Kinds>| frame.bring_back(world, &mut kinds));
+        for step in first..=last {
+            if step > first {
+                make_step(world);
+            }
+            tell(world, Told::Step);
+            for acts in self.acts.get(&step).map_or(&[][..], |acts| acts) {
+                let deeds = world.resource_scope(|world, kinds: Mut<Kinds>| {
+                    acts.repeat(world, &kinds);
+                    acts.deeds(&kinds)
+                });
+                tell(world, Told::Deeds(&deeds));
+            }
+        }
+        self.note_end(world);
+        self.go(world, here)
     }
 
     /// Does again what was done after so many steps.
@@ -307,6 +342,47 @@ pub(crate) fn step_and_note(world: &mut World) -> Duration {
 pub fn uncut(world: &mut World, cut: u64) -> Result<(), GoError> {
     let mut history = world.remove_resource::<History>().ok_or(GoError::NoHistory)?;
     let outcome = history.uncut(world, cut);
+    world.insert_resource(history);
+    outcome
+}
+
+/// Remembers what resources are in a world without a body, for [`begin_anew`].
+pub(crate) fn note_blank(world: &mut World) {
+    world.resource_scope(|world, mut kinds: Mut<Kinds>| {
+        kinds.blank = kinds.resources.iter().map(|kind| (kind.copy)(world)).collect();
+    });
+}
+
+/// Has a world whose bodies and joints have all gone, or have been spawned since the last step, be as if it had never made a
+/// step: its next one is the first, at time 0, and nothing depends on what was there before. Settings stay.
+pub fn begin_anew(world: &mut World) {
+    let new = world.increment_change_tick();
+    world.resource_scope(|world, kinds: Mut<Kinds>| {
+        for (kind, blank) in kinds.resources.iter().zip(&kinds.blank).filter(|(kind, _)| !kind.is_setting) {
+            if let Some(blank) = blank {
+                (kind.put_back)(world, blank, new);
+            }
+        }
+    });
+}
+
+/// What is told of a history, in its order.
+#[derive(Clone, Copy, Debug)]
+pub enum Told<'a> {
+    /// The world is at its first step that is kept, or has made another.
+    Step,
+    /// Somebody did this since, and the world is as it was left.
+    Deeds(&'a Deeds),
+}
+
+/// Tells all that happened since the beginning of a world's [`History`] by having it happen again; then the world is where
+/// it was. What `tell` does to it is nobody's act.
+///
+/// # Errors
+/// No history is kept, or one of the entities is gone for good.
+pub fn retell(world: &mut World, mut tell: impl FnMut(&mut World, Told)) -> Result<(), GoError> {
+    let mut history = world.remove_resource::<History>().ok_or(GoError::NoHistory)?;
+    let outcome = history.retell(world, &mut tell);
     world.insert_resource(history);
     outcome
 }

@@ -1,6 +1,6 @@
 //! The types that the state of a world is made of: each is copied and put back by what knows its type.
 
-use std::any::Any;
+use std::any::{Any, TypeId};
 
 use bevy::ecs::change_detection::Tick;
 use bevy::ecs::component::Mutable;
@@ -152,6 +152,8 @@ pub(super) struct Kinds {
     /// Gives one of each look to an entity.
     pub looks: Vec<fn(&mut EntityWorldMut, &AnyValue)>,
     pub resources: Vec<ResourceKind>,
+    /// What each was in a world without a body; none of those that there were not.
+    pub blank: Vec<Option<AnyValue>>,
 }
 
 /// By when the last step ended and wrote bodies back it is told how old a value is; none before the first.
@@ -212,6 +214,8 @@ impl Ticks {
 
 /// A type of components.
 pub(super) trait ComponentKind: Send + Sync {
+    /// Which.
+    fn component(&self) -> TypeId;
     /// All of them.
     fn copy(&mut self, world: &mut World, last: &LastStep) -> Box<dyn Column>;
     /// Those that were written, or of results added, since then.
@@ -250,6 +254,10 @@ impl<C: Component> KindOf<C> {
 }
 
 impl<C: Component<Mutability = Mutable> + Clone> ComponentKind for KindOf<C> {
+    fn component(&self) -> TypeId {
+        TypeId::of::<C>()
+    }
+
     fn copy(&mut self, world: &mut World, last: &LastStep) -> Box<dyn Column> {
         let all = self.query(world).iter(world);
         let list = all.map(|(entity, value)| Value::<C> {
@@ -293,6 +301,8 @@ impl<C: Component<Mutability = Mutable> + Clone> ComponentKind for KindOf<C> {
 
 /// Components of one type.
 pub(super) trait Column: Send + Sync {
+    /// Which.
+    fn component(&self) -> TypeId;
     /// The entities that have one, ascending.
     fn entities(&self) -> Vec<Entity>;
     /// Gives it to those that have none. To be followed by one of the next two: this may change others beside it.
@@ -326,6 +336,10 @@ impl<C: Component<Mutability = Mutable> + Clone> Values<C> {
 }
 
 impl<C: Component<Mutability = Mutable> + Clone> Column for Values<C> {
+    fn component(&self) -> TypeId {
+        TypeId::of::<C>()
+    }
+
     fn entities(&self) -> Vec<Entity> {
         self.list.iter().map(|value| value.entity).collect()
     }
@@ -372,6 +386,8 @@ pub(super) type AnyValue = Box<dyn Any + Send + Sync>;
 /// A type of resources.
 #[derive(Clone, Copy)]
 pub(super) struct ResourceKind {
+    /// Which.
+    pub resource: fn() -> TypeId,
     /// None where there is none.
     pub copy: fn(&World) -> Option<AnyValue>,
     /// As it was, last written then.
@@ -380,11 +396,14 @@ pub(super) struct ResourceKind {
     pub write: fn(&mut World, &AnyValue),
     /// If others write it, and did since then.
     pub written: fn(&World, Tick) -> Option<AnyValue>,
+    /// Whether others write it.
+    pub is_setting: bool,
 }
 
 impl ResourceKind {
     fn of<R: Resource<Mutability = Mutable> + Clone>(is_setting: bool) -> Self {
         Self {
+            resource: TypeId::of::<R>,
             copy: |world| Some(Box::new(world.get_resource::<R>()?.clone())),
             put_back: |world, value, tick| {
                 let value = value.downcast_ref::<R>().expect("of its own kind");
@@ -406,6 +425,7 @@ impl ResourceKind {
             } else {
                 |_, _| None
             },
+            is_setting,
         }
     }
 }

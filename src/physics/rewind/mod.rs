@@ -18,7 +18,8 @@ mod history;
 mod keyframe;
 mod kinds;
 
+pub use acts::Deeds;
 pub use bury::{bury, is_empty};
-pub(crate) use history::step_and_note;
-pub use history::{GoError, History, go_to, uncut};
+pub use history::{GoError, History, Told, begin_anew, go_to, retell, uncut};
+pub(crate) use history::{note_blank, step_and_note};
 pub use kinds::Keep;

@@ -1,0 +1,54 @@
+//! Recordings: what happened in the window, to a file and back.
+
+use std::path::Path;
+
+use bevy::prelude::*;
+
+use super::screenshot::next_free_path;
+use super::state::report;
+use super::{CurrentScene, drag, timeline};
+use crate::lab::recording::{Difference, EXTENSION, Recording, Replay};
+use crate::physics::SolverSettings;
+use crate::scene::SceneSpec;
+
+/// Writes what happened since the scene began.
+pub(super) fn record(world: &mut World) {
+    let Some(current) = world.get_resource::<CurrentScene>().cloned() else { return };
+    drag::release(world);
+    let path = next_free_path(EXTENSION);
+    let recorded = Recording::of_world(world, &current.spec, &current.entities).map_err(|error| error.to_string());
+    let written = recorded.and_then(|recording| {
+        let bytes =
+            recording.write(&path).map_err(|error| format!("{}: cannot be written: {error}", path.display()))?;
+        let shown = std::path::absolute(&path).unwrap_or(path);
+        let kilobytes = bytes.div_ceil(1000);
+        Ok(format!("recorded {} steps to {}, {kilobytes} kB", recording.steps(), shown.display()))
+    });
+    report(world, written);
+}
+
+/// The recording in a file, its scene and its settings.
+pub(super) fn read(file: &str) -> Result<(Recording, SceneSpec, SolverSettings), String> {
+    let path = Path::new(file);
+    let all = Recording::read(path).and_then(|recording| {
+        let (spec, settings) = recording.start(path)?;
+        Ok((recording, spec, settings))
+    });
+    all.map_err(|error| error.to_string())
+}
+
+/// Runs a recording again whose scene is on view, up to where it comes out otherwise, and goes back to its start. What is to
+/// be said of it.
+pub(super) fn play(world: &mut World, recording: &Recording, file: &str) -> Result<String, String> {
+    let entities = world.resource::<CurrentScene>().entities.clone();
+    let replayed = recording.replay_in(world, &entities, Path::new(file), |_| ());
+    timeline::go_to_end(world, 0);
+    let Replay { steps, differs } = replayed.map_err(|error| error.to_string())?;
+    match differs {
+        None => Ok(format!("{file}: {steps} steps, all as they were recorded; Space plays them")),
+        Some(Difference { step, body }) => {
+            let first = body.map_or(String::new(), |body| format!(", first '{body}'"));
+            Err(format!("{file}: step {step} comes out otherwise than recorded{first}: it is played up to there"))
+        }
+    }
+}
