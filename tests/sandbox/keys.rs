@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use bevy::prelude::*;
 use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 use plumb::physics::RigidBody;
-use plumb::sandbox::controls::BINDINGS;
-use plumb::sandbox::{Playback, SandboxAction};
+use plumb::sandbox::controls::{BINDINGS, Binding};
+use plumb::sandbox::{Notice, Playback, SandboxAction};
 
 use crate::stage::Stage;
 
@@ -36,7 +36,9 @@ fn every_key_writes_its_action_once() {
                     stage.key(key)
                 }
                 let written = std::mem::take(&mut stage.world().resource_mut::<Written>().0);
-                let expected = if control == binding.with_control { vec![binding.action.clone()] } else { Vec::new() };
+                let bound = |other: &&Binding| other.with_control == control && other.keys.contains(&key);
+                let expected: Vec<_> = BINDINGS.iter().filter(bound).map(|binding| binding.action.clone()).collect();
+                remove_recording(&mut stage);
                 assert_eq!(written, expected, "{key:?}, Ctrl {control}");
             }
         }
@@ -46,8 +48,19 @@ fn every_key_writes_its_action_once() {
 #[test]
 fn no_two_actions_share_a_key() {
     let mut seen = HashSet::new();
-    for key in BINDINGS.iter().flat_map(|binding| binding.keys) {
-        assert!(seen.insert(key), "{key:?} is bound twice");
+    let pressed = |binding: &'static Binding| binding.keys.iter().map(|key| (key, binding.with_control));
+    for (key, control) in BINDINGS.iter().flat_map(pressed) {
+        assert!(seen.insert((key, control)), "{key:?} is bound twice");
+    }
+}
+
+/// The file that Ctrl+R has just written.
+fn remove_recording(stage: &mut Stage) {
+    if let Notice::Info(said) = stage.world().resource::<Notice>()
+        && let Some(path) = said.strip_prefix("recorded ").and_then(|rest| rest.split(" steps to ").nth(1))
+    {
+        std::fs::remove_file(path.rsplit_once(", ").expect("a size after it").0).unwrap();
+        stage.world().insert_resource(Notice::None);
     }
 }
 

@@ -102,7 +102,8 @@ impl Kinds {
                 Some((name(kind)?, text))
             });
             let values: Vec<_> = values.collect();
-            if !values.is_empty() {
+            // One that is new is told even so: numbers are given in turn.
+            if is_new || !values.is_empty() {
                 entry.written.push((number, values));
             }
             if deeds.written.iter().any(|&(kind, written)| written == entity && Self::is_slot(kind)) {
