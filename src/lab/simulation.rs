@@ -140,9 +140,7 @@ impl Simulation {
     /// A fingerprint (XXH3) of every bit of the bodies' poses and velocities and of what the
     /// solver carries from step to step.
     pub fn state_hash(&self) -> u64 {
-        let mut hasher = Xxh3::new();
-        hash_state(self.world(), &mut hasher);
-        hasher.finish()
+        state_hash(self.world())
     }
 
     /// Bodies and joints that the step has set aside, and why.
@@ -157,4 +155,11 @@ impl Simulation {
             })
             .collect()
     }
+}
+
+/// The same of any world.
+pub(super) fn state_hash(world: &World) -> u64 {
+    let mut hasher = Xxh3::new();
+    hash_state(world, &mut hasher);
+    hasher.finish()
 }

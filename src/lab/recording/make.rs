@@ -8,7 +8,7 @@ use super::file::Recording;
 use super::numbers::Numbers;
 use super::print::Print;
 use crate::lab::{Plan, Simulation};
-use crate::physics::{ContactForces, History, SolverSettings, StepStats, Told, retell};
+use crate::physics::{ContactForces, GoError, History, SolverSettings, StepStats, Told, retell};
 use crate::scene::{SceneSpec, SpawnedScene};
 
 impl Recording {
@@ -34,8 +34,8 @@ impl Recording {
     /// The history does not reach back to the scene's first step.
     pub fn of_world(world: &mut World, scene: &SceneSpec, entities: &SpawnedScene) -> Result<Self, RecordingError> {
         History::take_in(world);
-        let first = world.get_resource::<History>().map_or(u64::MAX, |history| history.reach()[0]);
-        let begun = world.get_resource::<History>().map_or(0, History::begun);
+        let history = world.get_resource::<History>().ok_or(GoError::NoHistory)?;
+        let (first, begun) = (history.reach()[0], history.begun());
         if first > begun {
             let seconds = (first - begun) as f64 * world.resource::<SolverSettings>().step();
             return Err(RecordingError::TooLate { seconds });

@@ -7,7 +7,8 @@ use bevy::prelude::*;
 use xxhash_rust::xxh3::Xxh3;
 
 use super::numbers::Numbers;
-use crate::physics::{Position, Rotation, Velocity, hash_state};
+use crate::lab::simulation::state_hash;
+use crate::physics::{Position, Rotation, Velocity};
 
 /// Bodies up to which each has a fingerprint of its own.
 pub const MOST_BODIES: usize = 1000;
@@ -25,10 +26,9 @@ pub struct Print {
 impl Print {
     /// As it is now.
     pub fn of(world: &World, numbers: &Numbers) -> Self {
-        let mut hasher = Xxh3::new();
-        hash_state(world, &mut hasher);
-        let bodies: Vec<u16> = Self::bodies(world, numbers).map(|(_, print)| print).collect();
-        Self { world: hasher.finish(), bodies: if bodies.len() > MOST_BODIES { Vec::new() } else { bodies } }
+        // One more than are told apart says that they are too many.
+        let bodies: Vec<u16> = Self::bodies(world, numbers).map(|(_, print)| print).take(MOST_BODIES + 1).collect();
+        Self { world: state_hash(world), bodies: if bodies.len() > MOST_BODIES { Vec::new() } else { bodies } }
     }
 
     /// Each body with its own.

@@ -74,17 +74,9 @@ impl Recording {
         mut watch: impl FnMut(u64),
     ) -> Result<Replay, RecordingError> {
         let read_before = world.contains_resource::<ContactForces>();
-        if self.reads_forces {
-            world.init_resource::<ContactForces>();
-        } else {
-            world.remove_resource::<ContactForces>();
-        }
+        read_forces(world, self.reads_forces);
         let outcome = self.run_in(world, entities, path, &mut watch);
-        if read_before {
-            world.init_resource::<ContactForces>();
-        } else {
-            world.remove_resource::<ContactForces>();
-        }
+        read_forces(world, read_before);
         outcome
     }
 
@@ -122,5 +114,14 @@ impl Recording {
     fn line_of_deed(&self, step: u64) -> usize {
         let before = self.deeds.iter().filter(|(after, _)| *after < step).count();
         self.scene.matches('\n').count() + 6 + step as usize + 2 + before
+    }
+}
+
+/// Has somebody read the forces of contacts, or nobody.
+fn read_forces(world: &mut World, reads: bool) {
+    if reads {
+        world.init_resource::<ContactForces>();
+    } else {
+        world.remove_resource::<ContactForces>();
     }
 }

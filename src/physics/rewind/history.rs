@@ -200,10 +200,7 @@ impl History {
             return Err(GoError::OutOfReach { step, first, last });
         }
         let frame = &self.frames[self.frames.partition_point(|frame| frame.step <= step) - 1];
-        if let Some(entity) = frame.missing(world) {
-            return Err(GoError::Gone(entity));
-        }
-        world.resource_scope(|world, mut kinds: Mut<Kinds>| frame.bring_back(world, &mut kinds));
+        bring_back(world, frame)?;
         let start = frame.step;
         self.repeat(world, start);
         for made in start + 1..=step {
@@ -224,10 +221,7 @@ impl History {
         let here = world.resource::<StepStats>().steps;
         let [first, last] = self.reach();
         let frame = self.frames.first().ok_or(GoError::NoHistory)?;
-        if let Some(entity) = frame.missing(world) {
-            return Err(GoError::Gone(entity));
-        }
-        world.resource_scope(|world, mut kinds: Mut<Kinds>| frame.bring_back(world, &mut kinds));
+        bring_back(world, frame)?;
         for step in first..=last {
             if step > first {
                 make_step(world);
@@ -309,6 +303,15 @@ impl History {
         }
         self.note_end(world);
     }
+}
+
+/// Has a world be as a keyframe has it, if all of its entities are there.
+fn bring_back(world: &mut World, frame: &Keyframe) -> Result<(), GoError> {
+    if let Some(entity) = frame.missing(world) {
+        return Err(GoError::Gone(entity));
+    }
+    world.resource_scope(|world, mut kinds: Mut<Kinds>| frame.bring_back(world, &mut kinds));
+    Ok(())
 }
 
 /// One step, whatever the settings.
