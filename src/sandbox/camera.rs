@@ -27,8 +27,9 @@ pub(super) fn plugin(app: &mut App) {
         .add_systems(PostUpdate, listen.after(EguiPostUpdateSet::ProcessOutput).before(PanOrbitCameraSystemSet));
 }
 
-fn spawn_camera(mut commands: Commands, quality: Res<Quality>) {
-    commands.spawn((
+/// What sees: light and ground go by where it stands.
+pub(super) fn eye(quality: &Quality) -> impl Bundle {
+    (
         Camera3d::default(),
         Transform::from_xyz(0.0, 4.0, 12.0).looking_at(Vec3::Y, Vec3::Y),
         PanOrbitCamera {
@@ -42,6 +43,12 @@ fn spawn_camera(mut commands: Commands, quality: Res<Quality>) {
         },
         quality.shadow_filter,
         light::air(),
+    )
+}
+
+fn spawn_camera(mut commands: Commands, quality: Res<Quality>) {
+    commands.spawn((
+        eye(&quality),
         PrimaryEguiContext,
         // What the pointer is on is asked of egui at each press, at the very place of the press:
         // its hits for picking are a frame old.

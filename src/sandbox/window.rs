@@ -63,7 +63,7 @@ pub fn launch(launch: Launch) -> Result<(), LaunchError> {
 
 /// Errors, but for those of a search for drivers that finds none: [`LaunchError::NoGraphics`] says
 /// so in words of its own.
-const LOG_FILTER: &str = "error,wgpu_hal::vulkan::instance=off";
+pub(super) const LOG_FILTER: &str = "error,wgpu_hal::vulkan::instance=off";
 
 fn run(launch: Launch) -> AppExit {
     let window = Window {
@@ -95,7 +95,7 @@ static STARTED: AtomicBool = AtomicBool::new(false);
 
 /// Bevy panics where it finds no display or no driver. Until the first frame such a panic is
 /// kept quiet and becomes an error; after it, panics are what they always are.
-fn catch_failed_start(run: impl FnOnce() -> AppExit) -> Result<AppExit, LaunchError> {
+pub(super) fn catch_failed_start<T>(run: impl FnOnce() -> T) -> Result<T, LaunchError> {
     static FIRST_PANIC: Mutex<Option<String>> = Mutex::new(None);
     let loud = panic::take_hook();
     panic::set_hook(Box::new(move |info| {
@@ -105,7 +105,11 @@ fn catch_failed_start(run: impl FnOnce() -> AppExit) -> Result<AppExit, LaunchEr
         let message = info.payload_as_str().unwrap_or("no reason given").to_owned();
         FIRST_PANIC.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).get_or_insert(message);
     }));
-    panic::catch_unwind(AssertUnwindSafe(run)).map_err(|payload| {
+    let outcome = panic::catch_unwind(AssertUnwindSafe(run));
+    if outcome.is_ok() {
+        STARTED.store(true, Ordering::Relaxed);
+    }
+    outcome.map_err(|payload| {
         if STARTED.load(Ordering::Relaxed) {
             panic::resume_unwind(payload);
         }

@@ -2,14 +2,14 @@
 //! through the sandbox's own screenshots.
 
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use bevy::asset::RenderAssetUsages;
-use bevy::image::{CompressedImageFormats, Image, ImageSampler, ImageType};
 use bevy::math::Vec2;
+
+use crate::picture::{NO_DRIVER, Picture, skip, software_driver};
 
 /// A red limb on a grey trunk; nothing else in the picture is red.
 const SCENE: &str = r#"(
@@ -25,6 +25,9 @@ const SCENE: &str = r#"(
 /// Of the window.
 const SIZE: [&str; 2] = ["800", "450"];
 
+/// Where the panel may begin: at 334 of 800 pixels from the right.
+const PANEL: f32 = 400.0;
+
 /// Software rendering makes a few frames a second, and fewer while other tests run.
 const PATIENCE: Duration = Duration::from_secs(180);
 const MOMENT: Duration = Duration::from_millis(700);
@@ -32,8 +35,7 @@ const MOMENT: Duration = Duration::from_millis(700);
 #[test]
 fn a_limb_is_dragged_in_a_real_window() {
     if let Some(reason) = missing() {
-        println!("skipped: {reason}");
-        return;
+        return skip(&reason);
     }
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("scene.ron"), SCENE).unwrap();
@@ -48,7 +50,7 @@ fn a_limb_is_dragged_in_a_real_window() {
     // Up and to the left, held there: by the point that was gripped, about which the limb turns as the trunk swings
     // below it. That point may come to lie on its rim.
     let goal = start + Vec2::new(-40.0, -110.0);
-    let radius = sandbox.screenshot().red_radius();
+    let radius = sandbox.screenshot().red_radius(PANEL);
     sandbox.drag(start, goal);
     let held = sandbox.wait_for_spot(|spot| spot.distance(goal) < 1.25 * radius);
     assert!(held.is_some(), "the limb followed the pointer from {start} to {goal}; last seen at {:?}", sandbox.last);
@@ -61,8 +63,7 @@ fn a_limb_is_dragged_in_a_real_window() {
 #[test]
 fn without_a_graphics_driver_one_line_says_so() {
     if let Some(reason) = missing() {
-        println!("skipped: {reason}");
-        return;
+        return skip(&reason);
     }
     let display = Display::open();
     let output = Command::new(env!("CARGO_BIN_EXE_plumb"))
@@ -83,14 +84,7 @@ fn missing() -> Option<String> {
         }
     }
     let driver = software_driver();
-    driver.is_none().then(|| "no software Vulkan driver (lavapipe; Debian: mesa-vulkan-drivers)".into())
-}
-
-/// Lavapipe's manifest.
-fn software_driver() -> Option<PathBuf> {
-    let folders = ["/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d"];
-    let files = folders.iter().filter_map(|folder| std::fs::read_dir(folder).ok()).flatten().flatten();
-    files.map(|file| file.path()).find(|path| path.to_string_lossy().contains("lvp_icd"))
+    driver.is_none().then(|| NO_DRIVER.into())
 }
 
 /// A screen nobody sees, closed when dropped.
@@ -188,7 +182,7 @@ impl<'a> Sandbox<'a> {
     fn wait_for_spot(&mut self, is_there: impl Fn(Vec2) -> bool) -> Option<Vec2> {
         let begin = Instant::now();
         while begin.elapsed() < PATIENCE {
-            self.last = self.screenshot().red_spot();
+            self.last = self.screenshot().red_spot(PANEL);
             if let Some(spot) = self.last.filter(|&spot| is_there(spot)) {
                 return Some(spot);
             }
@@ -238,53 +232,5 @@ impl Drop for Sandbox<'_> {
     fn drop(&mut self) {
         let _ = self.program.kill();
         let _ = self.program.wait();
-    }
-}
-
-/// A screenshot, sRGB.
-struct Picture(Image);
-
-impl Picture {
-    /// None while it is not yet written whole.
-    fn read(path: &Path) -> Option<Self> {
-        let bytes = std::fs::read(path).ok()?;
-        let formats = CompressedImageFormats::NONE;
-        let usage = RenderAssetUsages::MAIN_WORLD;
-        let image =
-            Image::from_buffer(&bytes, ImageType::Extension("png"), formats, true, ImageSampler::Default, usage);
-        image.ok().map(Self)
-    }
-
-    fn pixels(&self) -> impl Iterator<Item = (Vec2, [u8; 3])> {
-        let width = self.0.width();
-        let bytes = self.0.data.as_ref().expect("pixels").chunks_exact(4).enumerate();
-        bytes.map(move |(i, pixel)| {
-            let i = i as u32;
-            (Vec2::new((i % width) as f32, (i / width) as f32), [pixel[0], pixel[1], pixel[2]])
-        })
-    }
-
-    /// Of the disc that has as many pixels as are red.
-    fn red_radius(&self) -> f32 {
-        (self.red().count() as f32 / std::f32::consts::PI).sqrt()
-    }
-
-    fn distinct_colors(&self) -> usize {
-        self.pixels().map(|(_, color)| color).collect::<std::collections::HashSet<_>>().len()
-    }
-
-    /// The places of what is red, the panel at the right (334 of 800 pixels) not looked at.
-    fn red(&self) -> impl Iterator<Item = Vec2> {
-        let panel = 0.5 * self.0.width() as f32;
-        let red = self.pixels().filter(move |(place, [red, green, blue])| {
-            place.x < panel && *red > 90 && f32::from(*red) > 2.0 * f32::from((*green).max(*blue))
-        });
-        red.map(|(place, _)| place)
-    }
-
-    /// The middle of what is red.
-    fn red_spot(&self) -> Option<Vec2> {
-        let (count, sum) = self.red().fold((0, Vec2::ZERO), |(count, sum), place| (count + 1, sum + place));
-        (count > 200).then(|| sum / count as f32)
     }
 }

@@ -41,6 +41,8 @@ pub(super) enum Subcommand {
     Race(RaceArguments),
     /// Run a recording again, and say the first step and body that come out otherwise
     Replay(ReplayArguments),
+    /// Draw a scene or a recording frame by frame off screen: a GIF, a picture, a folder of pictures
+    Film(Box<FilmArguments>),
     /// Find the cheapest settings that hold an error for a scene
     Fit(FitArguments),
 }
@@ -94,6 +96,51 @@ pub(super) struct RunArguments {
 pub(super) struct ReplayArguments {
     /// A recording, as 'plumb run --record' and Ctrl+R in the window write it
     pub file: PathBuf,
+}
+
+#[derive(Args)]
+pub(super) struct FilmArguments {
+    /// A built-in scene, or the path of a RON file or of a recording (.plumb)
+    scene: String,
+    #[command(flatten)]
+    parameters: ParameterArguments,
+    #[command(flatten)]
+    settings: SettingsArguments,
+    /// Time of the first frame, s after the start of the scene
+    #[arg(long, value_name = "T", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
+    from: f64,
+    /// How long it is, s [default: to the end of the recording, or as long as the scene suggests]
+    #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
+    seconds: Option<f64>,
+    /// Frames a second
+    #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u32).range(1..=50), allow_negative_numbers = true)]
+    fps: u32,
+    /// Width and height, pixels
+    #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = size)]
+    size: [u16; 2],
+    /// A file .gif, a file .png for the end alone, or a folder for numbered pictures
+    #[arg(long, value_name = "DIR|FILE")]
+    out: PathBuf,
+}
+
+/// What is to be filmed; the settings are in range.
+pub struct Filming {
+    /// A built-in scene, or the path of a RON file or of a recording.
+    pub scene: String,
+    /// The parameters of a scene.
+    pub parameters: Vec<(String, f64)>,
+    /// The solver's settings.
+    pub settings: SolverSettings,
+    /// Time of the first frame, s.
+    pub from: f64,
+    /// How long it is, s, where that is given.
+    pub seconds: Option<f64>,
+    /// Frames a second.
+    pub fps: f64,
+    /// Width and height, pixels.
+    pub size: [u16; 2],
+    /// A file or a folder.
+    pub out: PathBuf,
 }
 
 #[derive(Args)]
@@ -203,12 +250,17 @@ impl OpenArguments {
     /// Checks what the sandbox is to open with: a window that closes again is no error message.
     pub fn resolve(self) -> Result<Open, CommandError> {
         let start = || scene::catalog().first().map_or_else(String::new, |first| first.name.to_owned());
+        let given = self.settings.is_given();
         let open = Open {
             scene: self.scene.unwrap_or_else(start),
             parameters: self.parameters.list,
             settings: self.settings.resolve()?,
         };
         if is_recording(&open.scene) {
+            if given || !open.parameters.is_empty() {
+                let problem = format!("{}: a recording has its own parameters and settings", open.scene);
+                return Err(CommandError::Usage(problem));
+            }
             let path = Path::new(&open.scene);
             Recording::read(path)?.start(path)?;
         } else {
@@ -216,6 +268,27 @@ impl OpenArguments {
         }
         Ok(open)
     }
+}
+
+impl FilmArguments {
+    /// Checks what belongs together; whether the scene is there is seen when it is read.
+    pub fn resolve(self) -> Result<Filming, CommandError> {
+        let Self { scene, parameters, settings, from, seconds, fps, size, out } = self;
+        if is_recording(&scene) && (settings.is_given() || !parameters.list.is_empty()) {
+            return Err(CommandError::Usage(format!("{scene}: a recording has its own parameters and settings")));
+        }
+        let settings = settings.resolve()?;
+        Ok(Filming { scene, parameters: parameters.list, settings, from, seconds, fps: fps.into(), size, out })
+    }
+}
+
+/// `640x360`.
+fn size(text: &str) -> Result<[u16; 2], String> {
+    const RANGE: std::ops::RangeInclusive<u16> = 16..=4096;
+    let side = |text: &str| text.parse().ok().filter(|side| RANGE.contains(side));
+    text.split_once('x')
+        .and_then(|(width, height)| Some([side(width)?, side(height)?]))
+        .ok_or_else(|| format!("a size is given as WIDTHxHEIGHT, each {} to {} pixels", RANGE.start(), RANGE.end()))
 }
 
 /// `n=40`.

@@ -27,22 +27,30 @@ use std::process::ExitCode;
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use clap::Parser;
 
-pub use arguments::Open;
-pub use outcome::{CommandError, Outcome};
+pub use arguments::{Filming, Open};
+pub use outcome::{CommandError, Outcome, print};
+pub use progress::Progress;
 
 use arguments::{Arguments, Subcommand};
-use outcome::print;
 
 /// What the command line asks for.
 pub enum Command {
-    /// Open the sandbox.
-    Open(Open),
+    /// Something that needs what the window is made of.
+    OfSandbox(Box<OfSandbox>),
     /// Anything else: done with [`Task::perform`].
     Task(Task),
 }
 
+/// What needs what the window is made of.
+pub enum OfSandbox {
+    /// Open the sandbox.
+    Open(Open),
+    /// Draw off screen.
+    Film(Filming),
+}
+
 /// A command that needs no window.
-pub struct Task(Subcommand);
+pub struct Task(Box<dyn FnOnce() -> Result<Outcome, CommandError>>);
 
 impl Command {
     /// Reads the command line of this process. None: help or version was asked for and printed.
@@ -58,10 +66,24 @@ impl Command {
             }
             Err(error) => return Err(CommandError::Usage(first_paragraph(&error.render().to_string()))),
         };
-        Ok(Some(match arguments.subcommand {
-            Some(subcommand) => Self::Task(Task(subcommand)),
-            None => Self::Open(arguments.open.resolve()?),
+        let Some(subcommand) = arguments.subcommand else {
+            return Ok(Some(Self::OfSandbox(Box::new(OfSandbox::Open(arguments.open.resolve()?)))));
+        };
+        Ok(Some(match subcommand {
+            Subcommand::Film(arguments) => Self::OfSandbox(Box::new(OfSandbox::Film(arguments.resolve()?))),
+            Subcommand::Scenes => Self::task(scenes::list),
+            Subcommand::Run(arguments) => Self::task(move || run::run(&arguments)),
+            Subcommand::Export(arguments) => Self::task(move || export::export(&arguments)),
+            Subcommand::Chart(arguments) => Self::task(move || chart::chart(&arguments)),
+            Subcommand::Map(arguments) => Self::task(move || map::map(&arguments)),
+            Subcommand::Race(arguments) => Self::task(move || race::race(&arguments)),
+            Subcommand::Replay(arguments) => Self::task(move || replay::replay(&arguments)),
+            Subcommand::Fit(arguments) => Self::task(move || fit::fit(&arguments)),
         }))
+    }
+
+    fn task(perform: impl FnOnce() -> Result<Outcome, CommandError> + 'static) -> Self {
+        Self::Task(Task(Box::new(perform)))
     }
 }
 
@@ -71,16 +93,7 @@ impl Task {
     /// # Errors
     /// Bad input, or an output that cannot be written.
     pub fn perform(self) -> Result<Outcome, CommandError> {
-        match self.0 {
-            Subcommand::Scenes => scenes::list(),
-            Subcommand::Run(arguments) => run::run(&arguments),
-            Subcommand::Export(arguments) => export::export(&arguments),
-            Subcommand::Chart(arguments) => chart::chart(&arguments),
-            Subcommand::Map(arguments) => map::map(&arguments),
-            Subcommand::Race(arguments) => race::race(&arguments),
-            Subcommand::Replay(arguments) => replay::replay(&arguments),
-            Subcommand::Fit(arguments) => fit::fit(&arguments),
-        }
+        (self.0)()
     }
 }
 

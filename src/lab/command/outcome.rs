@@ -72,7 +72,10 @@ impl From<Outcome> for ExitCode {
 }
 
 /// Prints to standard output. A reader that has seen enough (`plumb scenes | head`) is no error.
-pub(super) fn print(text: &str) -> Result<(), CommandError> {
+///
+/// # Errors
+/// Standard output cannot be written.
+pub fn print(text: &str) -> Result<(), CommandError> {
     let mut output = io::stdout().lock();
     match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
         Err(reason) if reason.kind() != io::ErrorKind::BrokenPipe => {

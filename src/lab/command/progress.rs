@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// A bar on standard error for runs that a person waits for.
-pub(super) struct Progress {
+pub struct Progress {
     started: Instant,
     steps: u64,
     bar: Option<ProgressBar>,
@@ -16,10 +16,12 @@ impl Progress {
     /// Runs shorter than this are over before a bar is read.
     const PATIENCE: Duration = Duration::from_secs(1);
 
+    /// Of a run of so many steps.
     pub fn new(steps: u64) -> Self {
         Self { started: Instant::now(), steps, bar: None }
     }
 
+    /// So many of them are done.
     pub fn show(&mut self, step: u64) {
         if self.bar.is_none() && self.started.elapsed() > Self::PATIENCE && std::io::stderr().is_terminal() {
             let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %, {eta} left");
