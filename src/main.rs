@@ -17,12 +17,13 @@ fn main() -> ExitCode {
 #[cfg(feature = "sandbox")]
 fn with_sandbox(command: OfSandbox) -> ExitCode {
     use plumb::lab::command::Open;
-    use plumb::sandbox::{Launch, film, launch};
+    use plumb::sandbox::{Launch, film, launch, monkey};
 
     match command {
         OfSandbox::Open(Open { scene, parameters, settings }) => {
             launch(Launch { scene, parameters, settings }).map_or_else(|error| complain(&error), |()| ExitCode::SUCCESS)
         }
+        OfSandbox::Monkey(run) => monkey(&run).map_or_else(|error| complain(&error), ExitCode::from),
         OfSandbox::Film(filming) => film(&filming).map_or_else(|error| complain(&error), ExitCode::from),
     }
 }

@@ -26,12 +26,12 @@ pub use crate::physics::BodyState;
 pub use angle::turn_between;
 pub use metrics::{
     ContactResidual, EnergyMetrics, ExactCounts, JointGap, JointLoadMax, LimitOvershoot, Metrics, MomentumMetrics,
-    Shares, StepCounts, StepMilliseconds, TruthMetrics,
+    Shares, StepCounts, StepMilliseconds, TruthMetrics, widest_gap_of_limb,
 };
 pub use picture::{PictureError, round_step};
 pub use plan::{MOST_STEPS, Plan, PlanError};
 pub use run::measure;
 pub use settings_file::{SettingsFileError, read_settings, settings_text, write_settings};
-pub use simulation::{QuarantinedEntity, Sample, Simulation};
+pub use simulation::{QuarantinedEntity, Sample, Simulation, state_hash};
 pub use trajectory::TrajectoryWriter;
 pub use whole_file::write_whole;

@@ -157,8 +157,8 @@ impl Simulation {
     }
 }
 
-/// The same of any world.
-pub(super) fn state_hash(world: &World) -> u64 {
+/// A fingerprint (XXH3) of every bit that the next step of a world depends on.
+pub fn state_hash(world: &World) -> u64 {
     let mut hasher = Xxh3::new();
     hash_state(world, &mut hasher);
     hasher.finish()

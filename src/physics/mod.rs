@@ -27,6 +27,7 @@ mod grouped;
 mod island;
 pub mod joint;
 mod lanes;
+mod left_over;
 mod messages;
 mod plugin;
 mod prepare;
@@ -67,6 +68,7 @@ pub use joint::{
     JointLimits, JointLoad, JointMotor, LimitRange, MotorTarget, PrescribedMotion, SliderJoint, Softness,
 };
 pub(crate) use joint::{JoinedPairs, Joint, JointDefinition, JointSlot, Joints};
+pub use left_over::left_over;
 pub(crate) use messages::set_aside;
 pub use messages::{BodyQuarantined, Collision, ContactEnded, ContactStarted, JointBroke, LimitReached};
 pub use plugin::{PhysicsPlugin, headless_app, step};

@@ -1,7 +1,8 @@
 //! Commands that need what the window is made of: what they say, and how they end.
 
 use super::film::{FilmError, Filmed, shoot};
-use crate::lab::command::{CommandError, Filming, Outcome, Progress, print};
+use super::monkey::{Failure, Played, play};
+use crate::lab::command::{CommandError, Filming, MonkeyRun, Outcome, Progress, print};
 use crate::lab::recording::Difference;
 
 /// Why such a command was not done, in one line.
@@ -10,6 +11,9 @@ pub enum SandboxCommandError {
     /// There is no film.
     #[error(transparent)]
     Film(#[from] FilmError),
+    /// The scene cannot be played with.
+    #[error("{0}")]
+    Play(String),
     /// What it says cannot be said.
     #[error(transparent)]
     Command(#[from] CommandError),
@@ -34,4 +38,36 @@ pub fn film(filming: &Filming) -> Result<Outcome, SandboxCommandError> {
     }
     print(&said)?;
     Ok(outcome)
+}
+
+/// `plumb monkey`.
+///
+/// # Errors
+/// Bad input, or an output that cannot be written.
+pub fn monkey(run: &MonkeyRun) -> Result<Outcome, SandboxCommandError> {
+    let mut progress = Progress::new(run.steps);
+    let played = play(run, |steps| progress.show(steps)).map_err(SandboxCommandError::Play)?;
+    drop(progress);
+    let Played { steps, deeds, checks, most_bodies, failure } = played;
+    let count: u64 = deeds.values().sum();
+    let kinds: Vec<String> = deeds.iter().map(|(kind, count)| format!("{kind} {count}")).collect();
+    let mut said = format!("{steps} steps, {count} deeds, {checks} checks, up to {most_bodies} bodies\n");
+    said += &format!("{}\n", kinds.join(", "));
+    let Some(Failure { place: (bout, step), problem, deeds, recording }) = failure else {
+        print(&(said + "nothing broke\n"))?;
+        return Ok(Outcome::Done);
+    };
+    said += &format!("seed {}, bout {bout}, step {step}: {problem}\nbefore it:\n", run.seed);
+    deeds.iter().for_each(|deed| said += &format!("  {deed}\n"));
+    let place = run.out.display();
+    match recording {
+        Ok(recording) => {
+            let unwritable = |reason| CommandError::Output { place: place.to_string(), reason };
+            recording.write(&run.out).map_err(unwritable)?;
+            said += &format!("recorded: 'plumb {place}' shows it\n");
+        }
+        Err(problem) => said += &format!("not recorded: {problem}\n"),
+    }
+    print(&said)?;
+    Ok(Outcome::CheckFailed)
 }

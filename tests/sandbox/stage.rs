@@ -1,62 +1,42 @@
 //! The sandbox without a display and without a graphics driver, and hands to use it with.
 
-use std::time::Duration;
+use std::ops::{Deref, DerefMut};
 
-use bevy::camera::NormalizedRenderTarget;
 use bevy::input::ButtonState;
 use bevy::input::keyboard::{Key, KeyboardInput};
 use bevy::input::mouse::{MouseScrollUnit, MouseWheel};
 use bevy::input::touch::TouchPhase;
-use bevy::log::LogPlugin;
 use bevy::math::DVec3;
-use bevy::picking::pointer::{Location, PointerAction, PointerButton, PointerId, PointerInput};
 use bevy::prelude::*;
-use bevy::render::RenderPlugin;
-use bevy::render::settings::{RenderCreation, WgpuSettings};
-use bevy::time::TimeUpdateStrategy;
-use bevy::window::{PrimaryWindow, WindowRef, WindowResolution};
-use bevy::winit::WinitPlugin;
 use plumb::physics::{Position, RenderOrigin};
-use plumb::sandbox::{CurrentScene, SandboxAction, SandboxPlugin, StepBudget};
+use plumb::sandbox::{CurrentScene, Hands, SandboxAction};
 
 /// Logical size of the window, which nobody sees.
 pub const SIZE: Vec2 = Vec2::new(1280.0, 720.0);
 
-/// The sandbox on a scene, stepped frame by frame, 1/60 s each.
+/// The sandbox on a scene, and hands for it.
 pub struct Stage {
-    pub app: App,
-    pointer: Vec2,
+    hands: Hands,
+}
+
+impl Deref for Stage {
+    type Target = Hands;
+
+    fn deref(&self) -> &Hands {
+        &self.hands
+    }
+}
+
+impl DerefMut for Stage {
+    fn deref_mut(&mut self) -> &mut Hands {
+        &mut self.hands
+    }
 }
 
 impl Stage {
     /// Opens the sandbox on a scene in the format of scene files.
     pub fn open(scene: &str) -> Self {
-        let mut app = App::new();
-        app.add_plugins(
-            DefaultPlugins
-                .build()
-                .disable::<WinitPlugin>()
-                .disable::<LogPlugin>()
-                .set(WindowPlugin {
-                    primary_window: Some(Window {
-                        resolution: WindowResolution::new(SIZE.x as u32, SIZE.y as u32).with_scale_factor_override(1.0),
-                        ..default()
-                    }),
-                    ..default()
-                })
-                .set(RenderPlugin {
-                    render_creation: RenderCreation::Automatic(Box::new(WgpuSettings { backends: None, ..default() })),
-                    ..default()
-                }),
-        );
-        app.add_plugins(SandboxPlugin);
-        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / 60.0)));
-        // On a busy machine too, what happens in a frame is what would happen on an idle one.
-        app.insert_resource(StepBudget { least: Duration::MAX, of_picture: 0.0 });
-        app.finish();
-        app.cleanup();
-        let mut stage = Self { app, pointer: Vec2::ZERO };
-        stage.frames(2);
+        let mut stage = Self { hands: Hands::open(SIZE.as_uvec2()) };
         stage.load(scene);
         stage.frames(5);
         stage
@@ -68,21 +48,6 @@ impl Stage {
         std::fs::write(file.path(), scene).expect("a scene file");
         let scene = file.path().to_str().expect("a UTF-8 path").to_owned();
         self.act(SandboxAction::LoadScene { scene, parameters: Vec::new() });
-    }
-
-    pub fn frames(&mut self, count: usize) {
-        for _ in 0..count {
-            self.app.update();
-        }
-    }
-
-    pub fn act(&mut self, action: SandboxAction) {
-        self.app.world_mut().write_message(action);
-        self.frames(1);
-    }
-
-    pub fn world(&mut self) -> &mut World {
-        self.app.world_mut()
     }
 
     /// The body of that name in the scene file.
@@ -127,32 +92,11 @@ impl Stage {
 
     /// Moves the pointer, as a hand would: in a few frames.
     pub fn move_to(&mut self, position: Vec2) {
-        let from = self.pointer;
+        let from = self.pointer();
         for i in 1..=4 {
             self.jump_to(from.lerp(position, i as f32 / 4.0));
             self.frames(1);
         }
-    }
-
-    /// Moves the pointer at once; nothing sees it before the next frame.
-    pub fn jump_to(&mut self, position: Vec2) {
-        let delta = position - self.pointer;
-        self.pointer = position;
-        let window = self.window();
-        let mut entity = self.app.world_mut().entity_mut(window);
-        let mut window = entity.get_mut::<Window>().expect("a window");
-        window.set_cursor_position(Some(position));
-        self.point(PointerAction::Move { delta });
-    }
-
-    pub fn press(&mut self) {
-        self.point(PointerAction::Press(PointerButton::Primary));
-        self.frames(1);
-    }
-
-    pub fn release(&mut self) {
-        self.point(PointerAction::Release(PointerButton::Primary));
-        self.frames(1);
     }
 
     /// Turns the wheel by some notches, up is positive.
@@ -209,17 +153,5 @@ impl Stage {
         let logical_key = Key::Unidentified(bevy::input::keyboard::NativeKey::Unidentified);
         let (text, repeat) = (None, false);
         self.app.world_mut().write_message(KeyboardInput { key_code, logical_key, state, text, repeat, window });
-    }
-
-    pub fn window(&mut self) -> Entity {
-        let world = self.app.world_mut();
-        world.query_filtered::<Entity, With<PrimaryWindow>>().single(world).expect("one window")
-    }
-
-    fn point(&mut self, action: PointerAction) {
-        let window = self.window();
-        let target = WindowRef::Primary.normalize(Some(window)).expect("the primary window");
-        let location = Location { target: NormalizedRenderTarget::Window(target), position: self.pointer };
-        self.app.world_mut().write_message(PointerInput::new(PointerId::Mouse, location, action));
     }
 }

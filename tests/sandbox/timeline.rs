@@ -1,9 +1,12 @@
 //! Back to what happened, on from there, backwards, round and round.
 
+use std::path::Path;
+
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use plumb::physics::{BallJoint, History, Position, RigidBody, StepStats};
-use plumb::sandbox::{GhostChoice, GhostDistance, Notice, Playback, SandboxAction, Selection, Timeline};
+use plumb::lab::recording::{Recording, Replay};
+use plumb::physics::{BallJoint, History, JointCoordinate, Position, RigidBody, StepStats};
+use plumb::sandbox::{CurrentScene, GhostChoice, GhostDistance, Notice, Playback, SandboxAction, Selection, Timeline};
 
 use crate::stage::{SIZE, Stage};
 
@@ -370,4 +373,29 @@ fn what_happened_is_recorded_and_on_view_again() {
     assert_eq!(at(&mut stage), ball);
     let bodies = stage.world().query_filtered::<Entity, (With<RigidBody>, With<Mesh3d>)>().iter(stage.world()).count();
     assert_eq!(bodies, 3, "the ball is drawn, too");
+}
+
+#[test]
+fn the_turns_of_a_hinge_that_came_back_are_recorded() {
+    let mut stage = Stage::open(
+        r#"(
+            gravity: (0, 0, 0),
+            bodies: [(name: "wheel", shape: Cuboid(size: (1, 1, 0.2)), mass: 1, position: (0, 0, 0), angular_velocity: (0, 0, 20))],
+            joints: [(body_a: "world", body_b: "wheel", kind: Hinge, at: (0, 0, 0), axis: (0, 0, 1))],
+        )"#,
+    );
+    play_to(&mut stage, "wheel", 60);
+    let wheel = stage.body("wheel");
+    stage.world().insert_resource(Selection::of(wheel));
+    stage.act(SandboxAction::DeletePicked);
+    stage.frames(5);
+    stage.act(SandboxAction::Undo);
+    stage.frames(5);
+    let world = stage.world();
+    let turns = world.query::<&JointCoordinate>().single(world).unwrap().value;
+    assert!(turns > 6.0 * std::f64::consts::PI, "{turns}");
+    let current = stage.world().resource::<CurrentScene>().clone();
+    let recording = Recording::of_world(stage.world(), &current.spec, &current.entities).unwrap();
+    let replay = recording.replay(Path::new("wheel.plumb"), |_| ()).unwrap();
+    assert_eq!(replay, Replay { steps: recording.steps(), differs: None });
 }

@@ -43,6 +43,8 @@ pub(super) enum Subcommand {
     Replay(ReplayArguments),
     /// Draw a scene or a recording frame by frame off screen: a GIF, a picture, a folder of pictures
     Film(Box<FilmArguments>),
+    /// Do anything that hands can do with a scene, at random, and say what breaks
+    Monkey(Box<MonkeyArguments>),
     /// Find the cheapest settings that hold an error for a scene
     Fit(FitArguments),
 }
@@ -140,6 +142,42 @@ pub struct Filming {
     /// Width and height, pixels.
     pub size: [u16; 2],
     /// A file or a folder.
+    pub out: PathBuf,
+}
+
+#[derive(Args)]
+pub(super) struct MonkeyArguments {
+    /// A built-in scene or the path of a RON file
+    scene: String,
+    #[command(flatten)]
+    parameters: ParameterArguments,
+    #[command(flatten)]
+    settings: SettingsArguments,
+    /// What is done follows from this number, the scene and the settings
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Steps to play for
+    #[arg(long, value_name = "N", default_value_t = 3600, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    steps: u64,
+    /// Where to record what broke [default: SCENE-monkey-SEED.plumb]
+    #[arg(long, value_name = "FILE.plumb")]
+    out: Option<PathBuf>,
+}
+
+/// What a monkey is to play with; scene and settings make sense.
+#[derive(Clone, Debug)]
+pub struct MonkeyRun {
+    /// A built-in scene or the path of a RON file.
+    pub scene: String,
+    /// Its parameters.
+    pub parameters: Vec<(String, f64)>,
+    /// The solver's settings.
+    pub settings: SolverSettings,
+    /// What is done follows from it.
+    pub seed: u64,
+    /// How long it plays, steps.
+    pub steps: u64,
+    /// Where what broke is recorded.
     pub out: PathBuf,
 }
 
@@ -279,6 +317,17 @@ impl FilmArguments {
         }
         let settings = settings.resolve()?;
         Ok(Filming { scene, parameters: parameters.list, settings, from, seconds, fps: fps.into(), size, out })
+    }
+}
+
+impl MonkeyArguments {
+    /// Checks that there is such a scene.
+    pub fn resolve(self) -> Result<MonkeyRun, CommandError> {
+        let Self { scene, parameters, settings, seed, steps, out } = self;
+        let (settings, parameters) = (settings.resolve()?, parameters.list);
+        let name = scene::load(&scene, &parameters)?.name;
+        let out = out.unwrap_or_else(|| format!("{name}-monkey-{seed}.plumb").into());
+        Ok(MonkeyRun { scene, parameters, settings, seed, steps, out })
     }
 }
 

@@ -27,7 +27,7 @@ use std::process::ExitCode;
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
 use clap::Parser;
 
-pub use arguments::{Filming, Open};
+pub use arguments::{Filming, MonkeyRun, Open};
 pub use outcome::{CommandError, Outcome, print};
 pub use progress::Progress;
 
@@ -47,6 +47,8 @@ pub enum OfSandbox {
     Open(Open),
     /// Draw off screen.
     Film(Filming),
+    /// Let a monkey play.
+    Monkey(MonkeyRun),
 }
 
 /// A command that needs no window.
@@ -71,6 +73,7 @@ impl Command {
         };
         Ok(Some(match subcommand {
             Subcommand::Film(arguments) => Self::OfSandbox(Box::new(OfSandbox::Film(arguments.resolve()?))),
+            Subcommand::Monkey(arguments) => Self::OfSandbox(Box::new(OfSandbox::Monkey(arguments.resolve()?))),
             Subcommand::Scenes => Self::task(scenes::list),
             Subcommand::Run(arguments) => Self::task(move || run::run(&arguments)),
             Subcommand::Export(arguments) => Self::task(move || export::export(&arguments)),

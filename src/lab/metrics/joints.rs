@@ -52,6 +52,20 @@ pub(super) struct JointMetrics {
     pub of_limb: f64,
 }
 
+/// The rigid joint that is farthest from what it holds now, by the names of its bodies, and how far: as a share of the
+/// smaller bounding diameter of the bodies that it holds. What broke holds nothing.
+pub fn widest_gap_of_limb(simulation: &Simulation) -> Option<(String, f64)> {
+    let (scene, states) = (simulation.scene(), simulation.sample().bodies);
+    let held = joined(scene).enumerate().filter_map(|(place, (joint, bodies))| {
+        let watched = Watched::new(place, joint, bodies, scene);
+        let is_broken = simulation.world().get::<BrokenJoint>(simulation.entities().joints[place]).is_some();
+        let held = watched.held.filter(|_| !is_broken)?;
+        let gap = held.gap(&watched.joined.relative(states)) / watched.diameter;
+        Some((format!("the {} between '{}' and '{}'", watched.kind, joint.body_a, joint.body_b), gap))
+    });
+    held.max_by(|(_, a), (_, b)| a.total_cmp(b))
+}
+
 /// A joint as it is watched.
 struct Watched {
     /// Its place in the scene.

@@ -18,7 +18,7 @@ mod rest;
 pub use contacts::ContactResidual;
 pub use cost::{ExactCounts, StepCounts, StepMilliseconds};
 pub use energy::EnergyMetrics;
-pub use joints::{JointGap, JointLoadMax, LimitOvershoot};
+pub use joints::{JointGap, JointLoadMax, LimitOvershoot, widest_gap_of_limb};
 pub(super) use meter::Meter;
 pub use momentum::MomentumMetrics;
 pub use report::{Metrics, Shares, TruthMetrics};

@@ -15,9 +15,10 @@ use serde::{Deserialize, Serialize};
 use super::numbers::Numbers;
 use crate::physics::{
     BallJoint, BirthCounter, BodySlot, Breakable, BrokenJoint, Collider, CollisionLayers, Damping, Deeds, Density,
-    DistanceJoint, ExternalForce, FixedJoint, GenericJoint, Gravity, GravityScale, HingeJoint, Inertia, JointFriction,
-    JointLimits, JointMotor, JointSlot, LockedAxes, Mass, ObserveContacts, Position, Quarantined, ReportCollisions,
-    RigidBody, Rotation, Shape, SliderJoint, SolverSettings, SurfaceMaterial, Velocity, bury,
+    DistanceJoint, ExternalForce, FixedJoint, GenericJoint, Gravity, GravityScale, HingeJoint, Inertia,
+    JointCoordinate, JointFriction, JointLimits, JointMotor, JointSlot, LockedAxes, Mass, ObserveContacts, Position,
+    Quarantined, ReportCollisions, RigidBody, Rotation, Shape, SliderJoint, SolverSettings, SurfaceMaterial, Velocity,
+    bury,
 };
 use crate::scene::{BodyColor, BodySpec, SceneEntity, SceneSpec};
 
@@ -55,7 +56,16 @@ impl Kinds {
         register!(RigidBody, Position, Rotation, Velocity, Collider, Mass, Density, Inertia, ExternalForce, Damping);
         register!(SurfaceMaterial, CollisionLayers, LockedAxes, GravityScale, ReportCollisions, ObserveContacts);
         register!(Quarantined, Transform, BallJoint, HingeJoint, SliderJoint, FixedJoint, DistanceJoint, GenericJoint);
-        register!(JointLimits, JointMotor, JointFriction, Breakable, BrokenJoint, SceneEntity, BodyColor);
+        register!(
+            JointLimits,
+            JointMotor,
+            JointFriction,
+            JointCoordinate,
+            Breakable,
+            BrokenJoint,
+            SceneEntity,
+            BodyColor
+        );
         register!(Gravity, SolverSettings);
         Self {
             registry,

@@ -1,0 +1,152 @@
+//! What must hold whatever a monkey does. Each check says what does not.
+
+use std::path::Path;
+
+use bevy::ecs::resource::IsResource;
+use bevy::ecs::system::SystemIdMarker;
+use bevy::prelude::*;
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+
+use super::deeds::{BACK, pause};
+use crate::lab::recording::{Recording, Replay};
+use crate::lab::{Simulation, state_hash, widest_gap_of_limb};
+use crate::physics::{History, Position, Quarantined, Rotation, SolverSettings, StepStats, Velocity, left_over};
+use crate::sandbox::{CurrentScene, Hands, SandboxAction};
+use crate::scene::{BodySpec, SceneSpec};
+
+/// Steps that a saved scene and what it was saved from are compared over.
+const STEPS_AFTER_LOADING: usize = 3;
+/// Steps in which nobody does anything before the joints are looked at.
+const REST: usize = 60;
+/// Share of the smaller of the two joined bodies by which a joint may be off then.
+const MOST_GAP: f64 = 0.1;
+
+pub(super) type Check = Result<(), String>;
+
+/// All numbers are finite, and nothing had to be set aside.
+pub(super) fn is_finite(hands: &mut Hands) -> Check {
+    let world = hands.world();
+    let mut bodies = world.query::<(&Position, &Rotation, &Velocity)>();
+    let is_finite = |(at, turned, v): (&Position, &Rotation, &Velocity)| {
+        at.is_finite() && turned.is_finite() && v.linear.is_finite() && v.angular.is_finite()
+    };
+    if !bodies.iter(world).all(is_finite) {
+        return Err("a pose or a velocity is not finite".into());
+    }
+    let mut aside = world.query::<(NameOrEntity, &Quarantined)>();
+    match aside.iter(world).next() {
+        Some((name, quarantined)) => Err(format!("{name} was set aside: {}", quarantined.reason)),
+        None => Ok(()),
+    }
+}
+
+/// Back to an earlier moment and on again step by step: the world is the same to the last bit, and nothing is kept of what
+/// is gone.
+pub(super) fn goes_back_and_on(hands: &mut Hands, random: &mut Pcg64Mcg) -> Check {
+    pause(hands, true);
+    hands.frames(1);
+    let (head, before) = (step(hands), state_hash(hands.app.world()));
+    let first = hands.app.world().get_resource::<History>().map_or(head, |history| history.reach()[0]);
+    let to = random.random_range(first.max(head.saturating_sub(BACK))..=head);
+    hands.act(SandboxAction::GoTo { step: to });
+    if step(hands) != to {
+        return Err(format!("step {to} cannot be gone back to: the world is at {}", step(hands)));
+    }
+    while step(hands) < head {
+        let last = step(hands);
+        hands.act(SandboxAction::StepOnce);
+        if step(hands) <= last {
+            return Err(format!("no step comes after {last}"));
+        }
+    }
+    if state_hash(hands.app.world()) != before {
+        return Err(format!("back to step {to} and on to {head} is another world"));
+    }
+    // What went since the last step is known to the next.
+    if to < head
+        && let Some(left) = left_over(hands.app.world())
+    {
+        return Err(left);
+    }
+    pause(hands, false);
+    Ok(())
+}
+
+/// The scene as it stands, saved and loaded: the file says the same again, bodies are where they were, and it goes on as what
+/// it was saved from would.
+pub(super) fn saves_and_loads(hands: &mut Hands, settings: &SolverSettings) -> Check {
+    let saved = SceneSpec::of_world(hands.world(), "saved");
+    let text = saved.to_ron(None).map_err(|error| format!("the scene cannot be saved: {error}"))?;
+    let loaded = SceneSpec::from_ron(&text, "saved").map_err(|error| format!("the saved scene: {error}"))?;
+    if loaded.to_ron(None).ok().as_ref() != Some(&text) {
+        return Err("the saved scene is another once it is loaded".into());
+    }
+    let [mut one, mut other] = [as_in_a_file(saved), loaded].map(|scene| Simulation::new(scene, *settings));
+    for after in 0..=STEPS_AFTER_LOADING {
+        if one.state_hash() != other.state_hash() {
+            let bodies = one.scene().bodies.iter().zip(one.sample().bodies).zip(other.sample().bodies);
+            let first = bodies.into_iter().find(|((_, one), other)| one != other);
+            let first = first.map_or(String::new(), |((body, _), _)| format!(", first '{}'", body.name));
+            return Err(format!("{after} steps after loading, the saved scene is another{first}"));
+        }
+        one.step();
+        other.step();
+    }
+    Ok(())
+}
+
+/// What holds joints to the world stands last in a file, in the order of these.
+fn as_in_a_file(mut scene: SceneSpec) -> SceneSpec {
+    let SceneSpec { bodies, joints, .. } = &mut scene;
+    let holds = |body: &BodySpec| joints.iter().position(|joint| [&joint.body_a, &joint.body_b].contains(&&body.name));
+    bodies.sort_by_key(|body| body.name.starts_with("world:").then(|| holds(body)));
+    scene
+}
+
+/// A second after hands let go, joints hold; by sweeps over forces they need not, as their maps show.
+pub(super) fn joints_hold(hands: &mut Hands, settings: &SolverSettings) -> Check {
+    if settings.method.is_force_level() {
+        return Ok(());
+    }
+    hands.frames(REST);
+    let simulation = Simulation::new(SceneSpec::of_world(hands.world(), "now"), *settings);
+    match widest_gap_of_limb(&simulation) {
+        Some((joint, gap)) if gap > MOST_GAP => Err(format!(
+            "{joint} is off by {gap:.2} of the smaller body that it holds, {REST} steps after the last hand let go"
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// What happened is a recording that runs again to the last bit.
+pub(super) fn is_a_recording(hands: &mut Hands) -> Check {
+    let recording = record(hands)?;
+    let replay = recording.replay(Path::new("the recording"), |_| ()).map_err(|error| error.to_string())?;
+    match replay {
+        Replay { differs: None, .. } => Ok(()),
+        Replay { differs: Some(difference), .. } => Err(format!(
+            "its recording comes out otherwise at step {}{}",
+            difference.step,
+            difference.body.map_or(String::new(), |body| format!(", first '{body}'")),
+        )),
+    }
+}
+
+/// What happened since the scene began.
+pub(super) fn record(hands: &mut Hands) -> Result<Recording, String> {
+    let Some(current) = hands.app.world().get_resource::<CurrentScene>().cloned() else {
+        return Err("there is no scene".into());
+    };
+    Recording::of_world(hands.world(), &current.spec, &current.entities).map_err(|error| error.to_string())
+}
+
+/// Everything that there is, but for what Bevy makes once of each resource and of each system that is called by hand.
+pub(super) fn count_entities(hands: &mut Hands) -> usize {
+    let world = hands.world();
+    world.query_filtered::<Entity, (Without<IsResource>, Without<SystemIdMarker>)>().iter(world).count()
+}
+
+pub(super) fn step(hands: &Hands) -> u64 {
+    hands.app.world().resource::<StepStats>().steps
+}

@@ -1,0 +1,169 @@
+//! A monkey's play from its first bout to its last.
+
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use super::checks::{
+    Check, count_entities, goes_back_and_on, is_a_recording, is_finite, joints_hold, record, saves_and_loads, step,
+};
+use super::deeds::{SIZE, do_something, pause};
+use crate::lab::command::MonkeyRun;
+use crate::lab::recording::Recording;
+use crate::physics::{RigidBody, SolverSettings};
+use crate::sandbox::{CurrentScene, Hands, Notice, SandboxAction};
+
+/// Steps after which the scene begins again: what goes wrong is found again in a recording of a minute at most.
+const BOUT: u64 = 3600;
+/// Deeds from check to check, and checks from one that takes long to the next.
+const DEEDS: usize = 5;
+const CHECKS: u64 = 6;
+/// Deeds that are told of a failure.
+const TOLD: usize = 12;
+
+/// How a monkey's play went.
+#[derive(Clone, Debug, Default)]
+pub struct Played {
+    /// Steps that the world made in it, those that were made again not counted.
+    pub steps: u64,
+    /// How often each thing was done.
+    pub deeds: BTreeMap<String, u64>,
+    /// How often all was checked.
+    pub checks: u64,
+    /// Most bodies that there were at a check.
+    pub most_bodies: usize,
+    /// What went wrong, and ended it.
+    pub failure: Option<Failure>,
+}
+
+/// What went wrong.
+#[derive(Clone, Debug)]
+pub struct Failure {
+    /// The bout, from 1, and the step in it.
+    pub place: (u64, u64),
+    /// In words.
+    pub problem: String,
+    /// The last things that were done.
+    pub deeds: Vec<String>,
+    /// What happened in the bout, or why that cannot be told.
+    pub recording: Result<Recording, String>,
+}
+
+/// Lets a monkey play with a scene. `watch` is told how many steps are made.
+///
+/// # Errors
+/// The scene cannot be had.
+pub fn play(run: &MonkeyRun, mut watch: impl FnMut(u64)) -> Result<Played, String> {
+    let mut bouts = Bouts {
+        hands: Hands::open(SIZE),
+        random: Pcg64Mcg::seed_from_u64(run.seed),
+        own: run.settings,
+        entities: None,
+        played: Played::default(),
+        told: Vec::new(),
+    };
+    let mut bout = 0;
+    while bouts.played.steps < run.steps {
+        bout += 1;
+        bouts.begin(run)?;
+        let before = bouts.played.steps;
+        let wanted = (run.steps - before).min(BOUT);
+        let outcome = catch_unwind(AssertUnwindSafe(|| {
+            while bouts.played.steps - before < wanted {
+                bouts.round()?;
+                watch(bouts.played.steps.min(run.steps));
+            }
+            bouts.end()
+        }));
+        let problem = match outcome {
+            Ok(Ok(())) => continue,
+            Ok(Err(problem)) => problem,
+            Err(panic) => {
+                let said = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
+                format!("it panicked: {}", said.unwrap_or("for no reason given"))
+            }
+        };
+        let place = (bout, step(&bouts.hands));
+        let recording = catch_unwind(AssertUnwindSafe(|| record(&mut bouts.hands)));
+        let recording = recording.unwrap_or_else(|_| Err("it cannot be recorded after a panic".into()));
+        let deeds = bouts.told.split_off(bouts.told.len().saturating_sub(TOLD));
+        bouts.played.failure = Some(Failure { place, problem, deeds, recording });
+        break;
+    }
+    Ok(bouts.played)
+}
+
+struct Bouts {
+    hands: Hands,
+    random: Pcg64Mcg,
+    /// The settings that the scene is played with.
+    own: SolverSettings,
+    /// How many entities there are at the start of a bout.
+    entities: Option<usize>,
+    played: Played,
+    /// What was done in this bout, and when.
+    told: Vec<String>,
+}
+
+impl Bouts {
+    /// The scene anew.
+    fn begin(&mut self, run: &MonkeyRun) -> Result<(), String> {
+        let Self { hands, own, told, .. } = self;
+        told.clear();
+        hands.world().insert_resource(*own);
+        let (scene, parameters) = (run.scene.clone(), run.parameters.clone());
+        hands.act(SandboxAction::LoadScene { scene, parameters });
+        if let (Notice::Error(problem), false) =
+            (hands.app.world().resource::<Notice>().clone(), hands.app.world().contains_resource::<CurrentScene>())
+        {
+            return Err(problem);
+        }
+        pause(hands, false);
+        hands.frames(3);
+        Ok(())
+    }
+
+    /// Some deeds, and a check.
+    fn round(&mut self) -> Check {
+        let Self { hands, random, own, entities, played, told } = self;
+        // Before the first deed of a bout.
+        let now = count_entities(hands);
+        if told.is_empty() && *entities.get_or_insert(now) != now {
+            return Err(format!(
+                "there are {now} entities at the start of the scene, and were {entities:?} the first time"
+            ));
+        }
+        for _ in 0..DEEDS {
+            let before = step(hands);
+            let done = do_something(hands, random, own);
+            let kind = done.split(' ').next().unwrap_or_default().to_owned();
+            *played.deeds.entry(kind).or_default() += 1;
+            told.push(format!("{before}: {done}"));
+            hands.frames(random.random_range(1..12));
+            played.steps += step(hands).abs_diff(before).max(1);
+        }
+        hands.release();
+        played.checks += 1;
+        let world = hands.world();
+        played.most_bodies = played.most_bodies.max(world.query::<&RigidBody>().iter(world).count());
+        is_finite(hands)?;
+        goes_back_and_on(hands, random)?;
+        if played.checks.is_multiple_of(CHECKS) {
+            saves_and_loads(hands, own)?;
+            let before = step(hands);
+            joints_hold(hands, own)?;
+            played.steps += step(hands).abs_diff(before);
+            told.push("waited for joints to come to rest".into());
+        }
+        Ok(())
+    }
+
+    /// The end of a bout.
+    fn end(&mut self) -> Check {
+        self.hands.release();
+        self.hands.frames(1);
+        is_a_recording(&mut self.hands)
+    }
+}
