@@ -80,6 +80,15 @@ impl Simulation {
         self.loads.extend(entities.map_while(|&joint| self.world.get::<JointLoad>(joint)));
     }
 
+    /// Has the scene be as it stands at that time after its start, s, to a step: motors that follow a motion go on from
+    /// there, and what holds at first does so no longer. To be called before the first step.
+    pub fn set_clock(&mut self, time: f64) {
+        let settings = *self.settings();
+        let mut stats = self.world.resource_mut::<StepStats>();
+        stats.steps = (time * settings.hz).round() as u64;
+        stats.time = stats.steps as f64 * settings.step();
+    }
+
     /// Keeps what happens from now on, in so many bytes, so that it can go back.
     pub fn keep_history(&mut self, limit: usize) {
         History::begin(&mut self.world, limit);

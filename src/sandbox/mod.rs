@@ -53,7 +53,7 @@ pub use action::SandboxAction;
 pub use build::{Blueprint, JoinKind, JointChange, Weight};
 pub use commands::{SandboxCommandError, film, monkey};
 pub use film::{FilmError, Filmed, shoot};
-pub use ghost::{Apart, GhostChoice, GhostDistance};
+pub use ghost::{Apart, GhostChoice, GhostReading, GhostReadings, Ghosts, MOST_GHOSTS, Reading};
 pub use gizmos::ShownGizmos;
 pub use headless::Hands;
 pub use monkey::{Failure, Played, play};

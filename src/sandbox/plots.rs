@@ -9,7 +9,7 @@ use egui_plot::{GridInput, GridMark, HoverPosition, Line, Plot, PlotPoints};
 
 use super::CurrentScene;
 use super::any_joint::{IsJoint, WholeJoint, noun};
-use super::ghost::{self, Apart, GhostDistance};
+use super::ghost::{self, Apart, GhostReadings, MOST_GHOSTS};
 use super::joint_readings::ReadJoints;
 use super::panel::{Quantity, name_of, palette, without_negative_zero};
 use crate::lab::round_step;
@@ -46,8 +46,8 @@ struct Sample {
     penetration: f64,
     /// s.
     step_seconds: f64,
-    /// 0 without a ghost.
-    ghost: Apart,
+    /// Of each ghost, 0 where there is none.
+    ghosts: [Apart; MOST_GHOSTS],
     joint: JointSample,
 }
 
@@ -74,10 +74,10 @@ impl Sample {
             joint_error: self.joint_error.max(newer.joint_error),
             penetration: self.penetration.max(newer.penetration),
             step_seconds: self.step_seconds.max(newer.step_seconds),
-            ghost: Apart {
-                distance: self.ghost.distance.max(newer.ghost.distance),
-                angle: self.ghost.angle.max(newer.ghost.angle),
-            },
+            ghosts: std::array::from_fn(|place| {
+                let (one, other) = (self.ghosts[place], newer.ghosts[place]);
+                Apart { distance: one.distance.max(other.distance), angle: one.angle.max(other.angle) }
+            }),
             joint: JointSample {
                 force: self.joint.force.max(newer.joint.force),
                 torque: self.joint.torque.max(newer.joint.torque),
@@ -167,7 +167,7 @@ impl PlottedJoint<'_, '_> {
 fn record(
     stats: Res<StepStats>,
     diagnostics: Option<Res<Diagnostics>>,
-    ghost: Res<GhostDistance>,
+    ghosts: Res<GhostReadings>,
     joint: PlottedJoint,
     mut history: ResMut<History>,
 ) {
@@ -179,7 +179,9 @@ fn record(
             joint_error: diagnostics.joint_error,
             penetration: diagnostics.penetration,
             step_seconds: stats.step_seconds,
-            ghost: ghost.0.unwrap_or_default(),
+            ghosts: std::array::from_fn(|place| {
+                ghosts.ghosts.get(place).map_or_else(Apart::default, |ghost| ghost.apart)
+            }),
             joint: joint.sample(),
         });
     }
@@ -214,7 +216,7 @@ fn switch_diagnostics(mut commands: Commands, watched: Res<Watched>, mut history
 }
 
 /// One curve: its name, color and value in the plain unit.
-type Curve<'a> = (&'static str, [u8; 3], &'a dyn Fn(&Sample) -> f64);
+type Curve<'a> = (&'a str, [u8; 3], &'a dyn Fn(&Sample) -> f64);
 
 /// What one plot shows.
 struct Chart<'a> {
@@ -228,7 +230,7 @@ struct Chart<'a> {
 pub(super) fn show(
     InMut(ui): InMut<egui::Ui>,
     history: Res<History>,
-    ghost: Res<GhostDistance>,
+    ghosts: Res<GhostReadings>,
     read: Res<ReadJoints>,
     joints: Query<WholeJoint>,
     names: Query<&Name>,
@@ -263,23 +265,30 @@ pub(super) fn show(
             curves: &[("step", palette::GREEN, &|sample| sample.step_seconds)],
         },
     ];
-    let of_ghost = [
+    const DISTANCES: [&dyn Fn(&Sample) -> f64; MOST_GHOSTS] =
+        [&|sample| sample.ghosts[0].distance, &|sample| sample.ghosts[1].distance, &|sample| sample.ghosts[2].distance];
+    const ANGLES: [&dyn Fn(&Sample) -> f64; MOST_GHOSTS] =
+        [&|sample| sample.ghosts[0].angle.to_degrees(), &|sample| sample.ghosts[1].angle.to_degrees(), &|sample| {
+            sample.ghosts[2].angle.to_degrees()
+        }];
+    let curves_of = |values: [&'static dyn Fn(&Sample) -> f64; MOST_GHOSTS]| -> Vec<Curve> {
+        let ghosts = ghosts.ghosts.iter().zip(values);
+        ghosts.map(|(ghost, value)| (first_word(&ghost.name), ghost.color, value as &dyn Fn(&Sample) -> f64)).collect()
+    };
+    let (distances, angles) = (curves_of(DISTANCES), curves_of(ANGLES));
+    let of_ghosts = [
         Chart {
-            title: "ghost",
+            title: "ghosts",
             unit: "m",
             about: "largest distance between a body and its ghost: of the point of it that is farthest from its place",
-            curves: &[("distance", palette::SKY, &|sample| sample.ghost.distance)],
+            curves: &distances,
         },
-        Chart {
-            title: "ghost, turned",
-            unit: "°",
-            about: "largest angle between a body and its ghost",
-            curves: &[("angle", palette::ORANGE, &|sample| sample.ghost.angle.to_degrees())],
-        },
+        Chart { title: "turned", unit: "°", about: "largest angle between a body and its ghost", curves: &angles },
     ];
     let plotted = read.plotted.and_then(|joint| joints.get(joint).ok());
     let of_joint = plotted.iter().flat_map(|joint| joint_charts(joint.axis()));
-    let charts: Vec<_> = of_joint.chain(ghost.0.map(|_| of_ghost).into_iter().flatten()).chain(charts).collect();
+    let has_ghosts = !ghosts.ghosts.is_empty();
+    let charts: Vec<_> = of_joint.chain(of_ghosts.into_iter().filter(|_| has_ghosts)).chain(charts).collect();
     if let Some(component) = plotted.and_then(|joint| joint.joint.component()) {
         let [a, b] = component.bodies().map(|body| name_of(names.get(body).ok(), body));
         ui.weak(format!("{} of {a} and {b}", noun(&component)))
@@ -288,6 +297,11 @@ pub(super) fn show(
     for (place, chart) in charts.iter().enumerate() {
         chart.draw(ui, &history, place + 1 == charts.len());
     }
+}
+
+/// Enough to tell curves apart that have colors besides.
+fn first_word(name: &str) -> &str {
+    name.split([' ', ',']).next().unwrap_or_default()
 }
 
 /// The load of the plotted joint, and where it stands along its axis if it has one.
@@ -422,7 +436,7 @@ mod tests {
             joint_error: 0.0,
             penetration: 0.0,
             step_seconds: 0.0,
-            ghost: Apart::default(),
+            ghosts: [Apart::default(); MOST_GHOSTS],
             // Numbers, so that samples can be compared.
             joint: JointSample { force: 0.0, torque: 0.0, value: 0.0 },
         }
@@ -500,7 +514,7 @@ mod tests {
     #[test]
     fn diagnostics_exist_only_while_watched_and_the_history_has_no_gap() {
         let mut app = crate::physics::headless_app();
-        app.init_resource::<GhostDistance>().init_resource::<ReadJoints>();
+        app.init_resource::<GhostReadings>().init_resource::<ReadJoints>();
         plugin(&mut app);
         let frame = |app: &mut App| {
             app.world_mut().run_schedule(PreUpdate);

@@ -28,6 +28,11 @@ impl SceneSpec {
     ///
     /// What an application has set may be out of range: [`validate`](Self::validate) says so.
     pub fn of_world(world: &mut World, name: impl Into<String>) -> Self {
+        Self::with_entities(world, name).0
+    }
+
+    /// The same, and the bodies' entities in the order of [`bodies`](Self::bodies).
+    pub fn with_entities(world: &mut World, name: impl Into<String>) -> (Self, Vec<Entity>) {
         let gravity = world.get_resource::<Gravity>().copied().unwrap_or_default();
         let mut scene = Self::new(name, gravity.0);
         let entities = scene_bodies(world);
@@ -36,8 +41,9 @@ impl SceneSpec {
         make_names_unique(described.iter_mut().map(|(_, body)| body));
         let by_entity: HashMap<Entity, &BodySpec> = described.iter().map(|(entity, body)| (*entity, body)).collect();
         scene.joints = scene_joints(world).iter().filter_map(|joint| joint_between(joint, &by_entity)).collect();
-        scene.bodies = described.into_iter().map(|(_, body)| body).collect();
-        scene
+        let (entities, bodies) = described.into_iter().unzip();
+        scene.bodies = bodies;
+        (scene, entities)
     }
 }
 

@@ -6,7 +6,9 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use plumb::lab::recording::{Recording, Replay};
 use plumb::physics::{BallJoint, History, JointCoordinate, Position, RigidBody, StepStats};
-use plumb::sandbox::{CurrentScene, GhostChoice, GhostDistance, Notice, Playback, SandboxAction, Selection, Timeline};
+use plumb::sandbox::{
+    CurrentScene, GhostChoice, GhostReadings, Ghosts, Notice, Playback, SandboxAction, Selection, Timeline,
+};
 
 use crate::stage::{SIZE, Stage};
 
@@ -242,14 +244,19 @@ fn the_head_is_dragged_along_the_strip() {
 fn a_ghost_goes_back_too() {
     let mut stage = Stage::open("(bodies: [])");
     stage.act(SandboxAction::LoadScene { scene: "chain".into(), parameters: Vec::new() });
-    stage.world().insert_resource(GhostChoice::Method(0));
+    stage.world().insert_resource(Ghosts(vec![GhostChoice::Method(0)]));
+    stage.act(SandboxAction::Reset);
     stage.frames(60);
     let head = step(&mut stage);
     for to in [head - 30, head - 5, head - 40] {
         go(&mut stage, to);
         stage.world().resource_mut::<Playback>().paused = false;
         stage.frames(4);
-        assert_eq!(stage.world().resource::<GhostDistance>().0.map(|apart| apart.distance), Some(0.0), "back to {to}");
+        assert_eq!(
+            stage.world().resource::<GhostReadings>().ghosts.first().map(|ghost| ghost.apart.distance),
+            Some(0.0),
+            "back to {to}"
+        );
     }
 }
 

@@ -52,11 +52,12 @@ pub(super) struct JointMetrics {
     pub of_limb: f64,
 }
 
-/// The rigid joint that is farthest from what it holds now, by the names of its bodies, and how far: as a share of the
+/// Of the rigid joints that are asked for, the one that is farthest from what it holds now, by the names of its bodies, and how far: as a share of the
 /// smaller bounding diameter of the bodies that it holds. What broke holds nothing.
-pub fn widest_gap_of_limb(simulation: &Simulation) -> Option<(String, f64)> {
+pub fn widest_gap_of_limb(simulation: &Simulation, is_asked: impl Fn(&JointSpec) -> bool) -> Option<(String, f64)> {
     let (scene, states) = (simulation.scene(), simulation.sample().bodies);
-    let held = joined(scene).enumerate().filter_map(|(place, (joint, bodies))| {
+    let asked = joined(scene).enumerate().filter(|(_, (joint, _))| is_asked(joint));
+    let held = asked.filter_map(|(place, (joint, bodies))| {
         let watched = Watched::new(place, joint, bodies, scene);
         let is_broken = simulation.world().get::<BrokenJoint>(simulation.entities().joints[place]).is_some();
         let held = watched.held.filter(|_| !is_broken)?;

@@ -4,9 +4,11 @@
 //! from step to step is handed on to none, so that they are alike. Distances are from the scene's answer where that gives
 //! the whole motion, else from the first runner.
 
+mod limits;
 mod outcome;
 mod picture;
 mod run;
 mod table;
 
+pub use limits::Limits;
 pub use outcome::{Course, Moment, Outcome, Race, Runner};

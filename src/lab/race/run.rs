@@ -2,6 +2,7 @@
 
 use bevy::math::{DQuat, DVec3};
 
+use super::limits::Limits;
 use super::outcome::{Course, Moment, Outcome, Race, Runner};
 use crate::lab::angle::turn_between;
 use crate::lab::simulation::Simulation;
@@ -11,9 +12,6 @@ use crate::scene::SceneSpec;
 
 /// Samples a second.
 const RATE: f64 = 60.0;
-
-/// Share of a body's smallest extent, or of a limb, by which a runner may be off at most: beyond it fails, as maps have it.
-const FAILS_FROM: f64 = 0.1;
 
 /// A body that moves: its place in the scene and what tells how far it is from another place.
 struct Body {
@@ -72,27 +70,6 @@ impl Race {
     }
 }
 
-/// What fails a runner, m.
-struct Limits {
-    overlap: f64,
-    joint_gap: f64,
-}
-
-impl Limits {
-    fn of(scene: &SceneSpec) -> Self {
-        let least = |sizes: &mut dyn Iterator<Item = f64>| sizes.fold(f64::INFINITY, f64::min);
-        let moving = scene.bodies.iter().filter(|body| body.kind == RigidBody::Dynamic);
-        let overlap = least(&mut moving.filter_map(|body| Some(body.shape.as_ref()?.smallest_extent())));
-        let ends = scene.joints.iter().flat_map(|joint| [&joint.body_a, &joint.body_b]);
-        let diameter = |name: &String| {
-            let body = scene.bodies.iter().find(|body| body.name == *name)?;
-            Some(2.0 * body.shape.as_ref()?.bounding_radius()).filter(|diameter| diameter.is_finite())
-        };
-        let joint_gap = least(&mut ends.filter_map(diameter));
-        Self { overlap: FAILS_FROM * overlap, joint_gap: FAILS_FROM * joint_gap }
-    }
-}
-
 /// A runner on its way.
 struct Lane {
     simulation: Simulation,
@@ -105,10 +82,7 @@ struct Lane {
 impl Lane {
     fn new(runner: &Runner, scene: &SceneSpec, from: f64) -> Self {
         let mut simulation = Simulation::new(scene.clone(), runner.settings);
-        // By its clock, motors that follow a motion go on from there, and what holds at first does so no longer.
-        let mut stats = simulation.world_mut().resource_mut::<StepStats>();
-        stats.steps = (from * runner.settings.hz).round() as u64;
-        stats.time = stats.steps as f64 * runner.settings.step();
+        simulation.set_clock(from);
         simulation.world_mut().init_resource::<Diagnostics>();
         let course = Course { name: runner.name.clone(), moments: Vec::new(), parted: None, failed: None };
         Self { simulation, energy_at_start: None, taken: (0, 0.0), course }
@@ -163,15 +137,9 @@ impl Lane {
         }
         if failed.is_none() {
             let frozen = self.simulation.quarantined();
-            let reason = match frozen.first() {
-                Some(body) => Some(format!("{} was set aside: {}", body.body, body.reason)),
-                None if moment.overlap > limits.overlap => Some(format!("bodies overlap by {:.2} m", moment.overlap)),
-                None if moment.joint_gap > limits.joint_gap => {
-                    Some(format!("a joint parts by {:.2} m", moment.joint_gap))
-                }
-                None if is_answer && distance > limits.overlap => Some(format!("{distance:.2} m from the answer")),
-                None => None,
-            };
+            let set_aside = frozen.first().map(|body| format!("{} was set aside: {}", body.body, body.reason));
+            let from_answer = || limits.far_from_answer(distance).filter(|_| is_answer);
+            let reason = set_aside.or_else(|| limits.failure(&measured)).or_else(from_answer);
             *failed = reason.map(|reason| (time, reason));
         }
         moments.push(moment);

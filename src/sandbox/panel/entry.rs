@@ -28,7 +28,7 @@ pub(super) fn number(context: &egui::Context, text: &str, suffix: &str) -> Optio
 
 /// How a line was left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Left {
+pub enum Left {
     ByEnter,
     Otherwise,
 }
@@ -36,7 +36,7 @@ pub(super) enum Left {
 /// Whether what was typed and entered is still to be judged. Until it is found good the line keeps the focus: what is
 /// typed next mends it, and does not act as keys do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Entered(bool);
+pub struct Entered(bool);
 
 impl Entered {
     /// The line; tells whether it was left just now, and how.

@@ -23,6 +23,7 @@ pub(super) mod vary;
 mod world;
 
 pub use chart::{ChartOf, ChartSource, measure_chart};
+pub(super) use entry::Entered;
 pub(super) use theme::{Quantity, name_of, palette, without_negative_zero};
 
 use bevy::prelude::*;
@@ -111,7 +112,7 @@ fn sections(ui: &mut egui::Ui, world: &mut World) -> Result<bool> {
                 world.resource_mut::<ReadJoints>().open.clear();
             }
             let plots_open = section(ui, world, "Plots", true, plots::show)?;
-            section(ui, world, "Ghost", false, ghost::show)?;
+            section(ui, world, "Side by side", false, ghost::show)?;
             section(ui, world, "Chart", false, chart::show)?;
             section(ui, world, "Solver", true, solver::show)?;
             section(ui, world, "Read-outs", true, readouts::show)?;

@@ -8,7 +8,7 @@ use super::theme::{Quantity, palette};
 use crate::physics::{History, SolverSettings, StepStats};
 use crate::sandbox::state::Covered;
 use crate::sandbox::timeline::{LIMIT, head_and_reach};
-use crate::sandbox::{CurrentScene, Playback, SandboxAction, Timeline};
+use crate::sandbox::{CurrentScene, GhostReadings, Playback, SandboxAction, Timeline};
 
 /// What the strip takes of the window's height, points, its margins too.
 pub(super) const HEIGHT: f32 = 62.0;
@@ -25,6 +25,7 @@ pub(super) fn show(
     stats: Res<StepStats>,
     settings: Res<SolverSettings>,
     timeline: Res<Timeline>,
+    ghosts: Res<GhostReadings>,
     playback: Res<Playback>,
     covered: Res<Covered>,
     mut actions: MessageWriter<SandboxAction>,
@@ -45,7 +46,7 @@ pub(super) fn show(
                     let text =
                         egui::WidgetText::from(&said).into_galley(ui, None, f32::INFINITY, egui::TextStyle::Body);
                     let room = ui.available_width() - text.size().x - ui.spacing().item_spacing.x;
-                    let bar = Bar { head, reach, history: &history, timeline: &timeline };
+                    let bar = Bar { head, reach, history: &history, timeline: &timeline, ghosts: &ghosts };
                     if let Some(step) = bar.show(ui, room.max(40.0)) {
                         actions.write(SandboxAction::GoTo { step });
                     }
@@ -90,6 +91,7 @@ struct Bar<'a> {
     reach: [u64; 2],
     history: &'a History,
     timeline: &'a Timeline,
+    ghosts: &'a GhostReadings,
 }
 
 impl Bar<'_> {
@@ -120,17 +122,27 @@ impl Bar<'_> {
         for &mark in self.timeline.marks.iter().filter(|mark| (first..=last).contains(mark)) {
             painter.vline(x(mark), rect.y_range(), (2.0, color(palette::YELLOW)));
         }
+        // Where a ghost parted, in its color.
+        for ghost in &self.ghosts.ghosts {
+            if let Some(at) = ghost.parted.filter(|step| (first..=last).contains(step)).map(x) {
+                painter.vline(at, rect.y_range(), (2.0, color(ghost.color)));
+                let corners = [[-4.0, 0.0], [4.0, 0.0], [0.0, 6.0]];
+                let corners = corners.map(|[dx, dy]| egui::pos2(at + dx, rect.top() + dy)).to_vec();
+                painter.add(egui::Shape::convex_polygon(corners, color(ghost.color), egui::Stroke::NONE));
+            }
+        }
         painter.vline(x(self.head), rect.expand(2.0).y_range(), (2.0, egui::Color32::WHITE));
         let pointer = response.interact_pointer_pos();
         let response = response.on_hover_text(
-            "what happened: drag the head to go there; orange: what was done; yellow: marks. What you do in the past \
-             ends what came after it",
+            "what happened: drag the head to go there; orange: what was done; yellow: marks; with a point on top: where a \
+             ghost of that color parted. What you do in the past ends what came after it",
         );
         if !(response.dragged() || response.clicked()) {
             return None;
         }
         let at = pointer?.x;
-        let mark = self.timeline.marks.iter().copied().find(|mark| (x(*mark) - at).abs() <= SNAP);
+        let parted = self.ghosts.ghosts.iter().filter_map(|ghost| ghost.parted);
+        let mark = self.timeline.marks.iter().copied().chain(parted).find(|mark| (x(*mark) - at).abs() <= SNAP);
         let share = ((at - rect.left()) / rect.width()).clamp(0.0, 1.0);
         let step = mark.unwrap_or(first + (f64::from(share) * (last - first) as f64).round() as u64);
         (step != self.head).then_some(step)

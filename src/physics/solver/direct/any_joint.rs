@@ -99,7 +99,8 @@ impl AnyJoint {
                 // No more than turning can change a rate by: near where a coordinate is singular it would be anything.
                 let turning = (0..2).map(|side| row.jacobian.of(side).angular.norm() * bodies[side].angular.norm());
                 let most = 0.5 * turning.sum::<f64>();
-                given += (ahead * row.velocity_term).clamp(-most, most);
+                // What is no number is found after the step; `clamp` would panic.
+                given += (ahead * row.velocity_term).min(most).max(-most);
             }
             if place < 3 {
                 all.prescribed.linear[place] = given

@@ -292,7 +292,8 @@ impl DirectContact {
         let size = length(x, y);
         let shrink = if size > self.limit { self.limit / size } else { 1.0 };
         let most = self.limit * self.radius;
-        [x * shrink, y * shrink, torsion.clamp(-most, most)]
+        // What is no number is found after the step; `clamp` would panic.
+        [x * shrink, y * shrink, torsion.min(most).max(-most)]
     }
 
     /// Its impulses, divided by `scale`, N·s.
