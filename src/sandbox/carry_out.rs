@@ -90,7 +90,11 @@ fn load_scene(world: &mut World, scene: String, parameters: Vec<(String, f64)>) 
     let watch = Watch::on(&scene);
     match load(&scene, &parameters) {
         Ok(spec) => {
-            let kept = put_on_view(world, CurrentScene { scene, parameters, spec, entities: default() }, watch);
+            let kept = put_on_view(
+                world,
+                CurrentScene { scene, parameters, spec, entities: default(), came_back_as: None },
+                watch,
+            );
             *world.resource_mut::<Notice>() = kept.map_or(Notice::None, |name| Notice::Info(kept_text(&name)));
         }
         Err(problem) => {
@@ -124,7 +128,7 @@ fn play_recording(world: &mut World, file: String) {
         let watch = Watch::default();
         put_on_view(
             world,
-            CurrentScene { scene: file.clone(), parameters: Vec::new(), spec, entities: default() },
+            CurrentScene { scene: file.clone(), parameters: Vec::new(), spec, entities: default(), came_back_as: None },
             watch,
         );
         recordings::play(world, &recording, &file)
@@ -164,7 +168,7 @@ fn reload_scene(world: &mut World) {
         Ok(spec) => {
             let kept = respawn(world, &mut current.entities, &spec);
             watch = watch.with_meshes(&spec);
-            current.spec = spec;
+            (current.spec, current.came_back_as) = (spec, None);
             let reloaded = format!("reloaded {}", current.scene);
             let notice =
                 Notice::Info(kept.map_or(reloaded.clone(), |name| format!("{reloaded}; {}", kept_text(&name))));
@@ -186,6 +190,7 @@ fn reset(world: &mut World) {
     if let Some(name) = respawn(world, &mut current.entities, &current.spec) {
         *world.resource_mut::<Notice>() = Notice::Info(kept_text(&name));
     }
+    current.came_back_as = None;
     world.insert_resource(current);
 }
 

@@ -16,7 +16,8 @@ pub(super) fn record(world: &mut World) {
     let Some(current) = world.get_resource::<CurrentScene>().cloned() else { return };
     drag::release(world);
     let path = next_free_path(EXTENSION);
-    let recorded = Recording::of_world(world, &current.spec, &current.entities).map_err(|error| error.to_string());
+    let (scene, entities) = current.beginning();
+    let recorded = Recording::of_world(world, scene, entities).map_err(|error| error.to_string());
     let written = recorded.and_then(|recording| {
         let bytes =
             recording.write(&path).map_err(|error| format!("{}: cannot be written: {error}", path.display()))?;

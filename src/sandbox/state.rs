@@ -17,6 +17,18 @@ pub struct CurrentScene {
     pub spec: SceneSpec,
     /// Its entities, in the order of the spec's lists; some may be despawned since.
     pub entities: SpawnedScene,
+    /// What it began as where that is not the spec: it was left as it had been built by then, and came back.
+    pub came_back_as: Option<Box<(SceneSpec, SpawnedScene)>>,
+}
+
+impl CurrentScene {
+    /// What stood at its first step, and its entities in the order of those lists.
+    pub fn beginning(&self) -> (&SceneSpec, &SpawnedScene) {
+        match &self.came_back_as {
+            Some(came_back) => (&came_back.0, &came_back.1),
+            None => (&self.spec, &self.entities),
+        }
+    }
 }
 
 /// The bodies that are picked.

@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 
+use super::body::WORLD_PREFIX;
 use super::spawn::{BodyColor, GivenHull, SceneEntity};
 use super::{BodySpec, JointParts, JointSpec, MaterialSpec, PictureMesh, SceneSpec, ShapeSpec};
 use crate::physics::joint::JointSlot;
@@ -44,6 +45,18 @@ impl SceneSpec {
         let (entities, bodies) = described.into_iter().unzip();
         scene.bodies = bodies;
         (scene, entities)
+    }
+}
+
+impl SceneSpec {
+    /// With its bodies in the order that they have once a file of it is read: what joints hold to the world by stands last,
+    /// in the order of the joints.
+    pub fn in_order_of_a_file(mut self) -> Self {
+        let Self { bodies, joints, .. } = &mut self;
+        let held_by =
+            |body: &BodySpec| joints.iter().position(|joint| [&joint.body_a, &joint.body_b].contains(&&body.name));
+        bodies.sort_by_cached_key(|body| body.name.starts_with(WORLD_PREFIX).then(|| held_by(body)));
+        self
     }
 }
 

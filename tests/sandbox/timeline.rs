@@ -406,3 +406,26 @@ fn the_turns_of_a_hinge_that_came_back_are_recorded() {
     let replay = recording.replay(Path::new("wheel.plumb"), |_| ()).unwrap();
     assert_eq!(replay, Replay { steps: recording.steps(), differs: None });
 }
+
+#[test]
+fn a_scene_that_came_back_is_recorded_as_it_came_back() {
+    let mut stage = Stage::open(SCENE);
+    play_to(&mut stage, "box", 20);
+    let bob = stage.body("bob");
+    stage.world().insert_resource(Selection::of(bob));
+    stage.act(SandboxAction::PinPicked);
+    stage.act(SandboxAction::ThrowBall);
+    stage.world().resource_mut::<Playback>().paused = false;
+    stage.frames(10);
+    stage.load("(bodies: [])");
+    stage.frames(3);
+    stage.act(SandboxAction::Undo);
+    stage.frames(20);
+    assert_eq!(named(&mut stage, "thrown ball").len(), 1);
+    let current = stage.world().resource::<CurrentScene>().clone();
+    let (scene, entities) = current.beginning();
+    let recording = Recording::of_world(stage.world(), scene, entities).unwrap();
+    assert!(recording.steps() > 10, "{}", recording.steps());
+    let replay = recording.replay(Path::new("back.plumb"), |_| ()).unwrap();
+    assert_eq!(replay, Replay { steps: recording.steps(), differs: None });
+}

@@ -20,7 +20,7 @@ impl KeptScene {
     /// The running scene; none where none is loaded.
     pub fn of(world: &mut World) -> Option<Self> {
         let loaded = world.get_resource::<CurrentScene>()?.clone();
-        let stood = SceneSpec::of_world(world, loaded.spec.name.clone());
+        let stood = SceneSpec::of_world(world, loaded.spec.name.clone()).in_order_of_a_file();
         Some(Self { stood, view: camera::view(world), loaded })
     }
 
@@ -44,6 +44,7 @@ impl KeptScene {
                 [joint.body_a.clone(), joint.body_b.clone()]
             }),
         };
+        loaded.came_back_as = Some(Box::new((stood, spawned)));
         (loaded, view)
     }
 }

@@ -16,7 +16,7 @@ use crate::physics::{
     History, Position, Quarantined, RigidBody, Rotation, SolverSettings, StepStats, Velocity, left_over,
 };
 use crate::sandbox::{CurrentScene, Hands, SandboxAction};
-use crate::scene::{BodySpec, JointSpec, SceneSpec};
+use crate::scene::{JointSpec, SceneSpec};
 
 /// Steps that a saved scene and what it was saved from are compared over.
 const STEPS_AFTER_LOADING: usize = 3;
@@ -87,7 +87,7 @@ pub(super) fn saves_and_loads(hands: &mut Hands, settings: &SolverSettings) -> C
     if loaded.to_ron(None).ok().as_ref() != Some(&text) {
         return Err("the saved scene is another once it is loaded".into());
     }
-    let [mut one, mut other] = [as_in_a_file(saved), loaded].map(|scene| Simulation::new(scene, *settings));
+    let [mut one, mut other] = [saved.in_order_of_a_file(), loaded].map(|scene| Simulation::new(scene, *settings));
     for after in 0..=STEPS_AFTER_LOADING {
         if one.state_hash() != other.state_hash() {
             let bodies = one.scene().bodies.iter().zip(one.sample().bodies).zip(other.sample().bodies);
@@ -99,14 +99,6 @@ pub(super) fn saves_and_loads(hands: &mut Hands, settings: &SolverSettings) -> C
         other.step();
     }
     Ok(())
-}
-
-/// What holds joints to the world stands last in a file, in the order of these.
-fn as_in_a_file(mut scene: SceneSpec) -> SceneSpec {
-    let SceneSpec { bodies, joints, .. } = &mut scene;
-    let holds = |body: &BodySpec| joints.iter().position(|joint| [&joint.body_a, &joint.body_b].contains(&&body.name));
-    bodies.sort_by_key(|body| body.name.starts_with("world:").then(|| holds(body)));
-    scene
 }
 
 /// A second after hands let go, the joints of the scene hold that no joint of the monkey's has to do with: what came back where
@@ -172,7 +164,11 @@ pub(super) fn record(hands: &mut Hands) -> Result<Recording, String> {
     let Some(current) = hands.app.world().get_resource::<CurrentScene>().cloned() else {
         return Err("there is no scene".into());
     };
-    Recording::of_world(hands.world(), &current.spec, &current.entities).map_err(|error| error.to_string())
+    {
+        let (scene, entities) = current.beginning();
+        Recording::of_world(hands.world(), scene, entities)
+    }
+    .map_err(|error| error.to_string())
 }
 
 /// Everything that there is, but for what Bevy makes once of each resource and of each system that is called by hand.
