@@ -34,4 +34,4 @@ pub use run::measure;
 pub use settings_file::{SettingsFileError, read_settings, settings_text, write_settings};
 pub use simulation::{QuarantinedEntity, Sample, Simulation, state_hash};
 pub use trajectory::TrajectoryWriter;
-pub use whole_file::write_whole;
+pub use whole_file::{Draft, write_whole};

@@ -64,6 +64,15 @@ impl Simulation {
         self.gather();
     }
 
+    /// Steps until it is as near to that time, s, as whole steps come; `after` sees it after each.
+    pub fn step_to(&mut self, time: f64, mut after: impl FnMut(&Self)) {
+        let half = 0.5 * self.settings().step();
+        while self.sample().time < time - half {
+            self.step();
+            after(self);
+        }
+    }
+
     fn gather(&mut self) {
         self.poses.update_archetypes(&self.world);
         self.states.clear();

@@ -2,7 +2,52 @@
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// A file under another name beside its place, which is removed again where it does not come to that.
+pub struct Draft {
+    place: PathBuf,
+    draft: PathBuf,
+}
+
+impl Draft {
+    /// Begins the file that is to be at that place; what is written goes to the file that is handed back, or to
+    /// [`path`](Self::path).
+    ///
+    /// # Errors
+    /// The place names no file, or the file cannot be made.
+    pub fn begin(place: &Path) -> io::Result<(Self, File)> {
+        let name = place.file_name().ok_or_else(|| io::Error::new(ErrorKind::InvalidInput, "names no file"))?;
+        // Of the same kind, by the end of its name.
+        let draft = place.with_file_name(format!(".{}.{}", std::process::id(), name.to_string_lossy()));
+        let file = File::create(&draft)?;
+        Ok((Self { place: place.to_owned(), draft }, file))
+    }
+
+    /// Where it is until it has its place.
+    pub fn path(&self) -> &Path {
+        &self.draft
+    }
+
+    /// Where it is to be.
+    pub fn place(&self) -> &Path {
+        &self.place
+    }
+
+    /// Puts it there: whoever reads meanwhile sees the old file or the new one.
+    ///
+    /// # Errors
+    /// The system refuses.
+    pub fn finish(&self) -> io::Result<()> {
+        fs::rename(&self.draft, &self.place)
+    }
+}
+
+impl Drop for Draft {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.draft); // it has its place, or none
+    }
+}
 
 /// Writes a text file under another name beside it, then puts it in its place: whoever reads
 /// meanwhile, and whoever looks after a failure, sees the old text or the new one.
@@ -10,19 +55,10 @@ use std::path::Path;
 /// # Errors
 /// The path names no file, or the folder or the file cannot be written.
 pub fn write_whole(path: &Path, text: &str) -> io::Result<()> {
-    let name = path.file_name().ok_or_else(|| io::Error::new(ErrorKind::InvalidInput, "names no file"))?;
-    let draft = path.with_file_name(format!(".{}.{}.draft", name.to_string_lossy(), std::process::id()));
-    let written = write(&draft, text).and_then(|()| fs::rename(&draft, path));
-    if written.is_err() {
-        let _ = fs::remove_file(&draft); // it may never have been made
-    }
-    written
-}
-
-fn write(path: &Path, text: &str) -> io::Result<()> {
-    let mut file = File::create(path)?;
+    let (draft, mut file) = Draft::begin(path)?;
     file.write_all(text.as_bytes())?;
-    file.sync_all()
+    file.sync_all()?;
+    draft.finish()
 }
 
 #[cfg(test)]

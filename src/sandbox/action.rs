@@ -14,7 +14,8 @@ pub(super) struct CarryOut;
 #[derive(Message, Clone, Debug, PartialEq)]
 pub enum SandboxAction {
     /// Replaces the scene: a built-in name or the path of a RON file, with parameters as on the
-    /// command line, or the path of a recording, all of which is on the strip of time then. What is wrong with it goes to [`super::Notice`], and the old one stays.
+    /// command line, or the path of a recording, all of which is on the strip of time then. What is wrong with it goes to
+    /// [`super::Notice`], and the old one stays.
     LoadScene {
         /// Name or path.
         scene: String,

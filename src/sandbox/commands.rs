@@ -62,8 +62,7 @@ pub fn monkey(run: &MonkeyRun) -> Result<Outcome, SandboxCommandError> {
     let place = run.out.display();
     match recording {
         Ok(recording) => {
-            let unwritable = |reason| CommandError::Output { place: place.to_string(), reason };
-            recording.write(&run.out).map_err(unwritable)?;
+            recording.write(&run.out).map_err(CommandError::unwritable(&run.out))?;
             said += &format!("recorded: 'plumb {place}' shows it\n");
         }
         Err(problem) => said += &format!("not recorded: {problem}\n"),

@@ -9,7 +9,7 @@ use egui_plot::{GridInput, GridMark, HoverPosition, Line, Plot, PlotPoints};
 
 use super::CurrentScene;
 use super::any_joint::{IsJoint, WholeJoint, noun};
-use super::ghost::{self, Apart, GhostReadings, MOST_GHOSTS};
+use super::ghost::{self, Apart, GhostReading, GhostReadings, MOST_GHOSTS};
 use super::joint_readings::ReadJoints;
 use super::panel::{Quantity, name_of, palette, without_negative_zero};
 use crate::lab::round_step;
@@ -265,17 +265,9 @@ pub(super) fn show(
             curves: &[("step", palette::GREEN, &|sample| sample.step_seconds)],
         },
     ];
-    const DISTANCES: [&dyn Fn(&Sample) -> f64; MOST_GHOSTS] =
-        [&|sample| sample.ghosts[0].distance, &|sample| sample.ghosts[1].distance, &|sample| sample.ghosts[2].distance];
-    const ANGLES: [&dyn Fn(&Sample) -> f64; MOST_GHOSTS] =
-        [&|sample| sample.ghosts[0].angle.to_degrees(), &|sample| sample.ghosts[1].angle.to_degrees(), &|sample| {
-            sample.ghosts[2].angle.to_degrees()
-        }];
-    let curves_of = |values: [&'static dyn Fn(&Sample) -> f64; MOST_GHOSTS]| -> Vec<Curve> {
-        let ghosts = ghosts.ghosts.iter().zip(values);
-        ghosts.map(|(ghost, value)| (first_word(&ghost.name), ghost.color, value as &dyn Fn(&Sample) -> f64)).collect()
-    };
-    let (distances, angles) = (curves_of(DISTANCES), curves_of(ANGLES));
+    let distances = std::array::from_fn(|place| move |sample: &Sample| sample.ghosts[place].distance);
+    let angles = std::array::from_fn(|place| move |sample: &Sample| sample.ghosts[place].angle.to_degrees());
+    let (distances, angles) = (curves_of(&ghosts.ghosts, &distances), curves_of(&ghosts.ghosts, &angles));
     let of_ghosts = [
         Chart {
             title: "ghosts",
@@ -299,9 +291,10 @@ pub(super) fn show(
     }
 }
 
-/// Enough to tell curves apart that have colors besides.
-fn first_word(name: &str) -> &str {
-    name.split([' ', ',']).next().unwrap_or_default()
+/// A curve for each ghost.
+fn curves_of<'a, F: Fn(&Sample) -> f64>(ghosts: &'a [GhostReading], values: &'a [F; MOST_GHOSTS]) -> Vec<Curve<'a>> {
+    let curve = |(ghost, value): (&'a GhostReading, &'a F)| -> Curve { (ghost.short_name(), ghost.color, value) };
+    ghosts.iter().zip(values).map(curve).collect()
 }
 
 /// The load of the plotted joint, and where it stands along its axis if it has one.

@@ -7,18 +7,16 @@ use bevy::prelude::*;
 use super::screenshot::next_free_path;
 use super::state::report;
 use super::{CurrentScene, drag, timeline};
-use crate::lab::recording::{Difference, EXTENSION, Recording, Replay};
+use crate::lab::recording::{EXTENSION, Recording, RecordingError, Replay};
 use crate::physics::SolverSettings;
 use crate::scene::SceneSpec;
 
 /// Writes what happened since the scene began.
 pub(super) fn record(world: &mut World) {
-    let Some(current) = world.get_resource::<CurrentScene>().cloned() else { return };
     drag::release(world);
+    let Some(recorded) = so_far(world) else { return };
     let path = next_free_path(EXTENSION);
-    let (scene, entities) = current.beginning();
-    let recorded = Recording::of_world(world, scene, entities).map_err(|error| error.to_string());
-    let written = recorded.and_then(|recording| {
+    let written = recorded.map_err(|error| error.to_string()).and_then(|recording| {
         let bytes =
             recording.write(&path).map_err(|error| format!("{}: cannot be written: {error}", path.display()))?;
         let shown = std::path::absolute(&path).unwrap_or(path);
@@ -26,6 +24,13 @@ pub(super) fn record(world: &mut World) {
         Ok(format!("recorded {} steps to {}, {kilobytes} kB", recording.steps(), shown.display()))
     });
     report(world, written);
+}
+
+/// What happened since the scene on view began; none where there is no scene.
+pub(super) fn so_far(world: &mut World) -> Option<Result<Recording, RecordingError>> {
+    let current = world.get_resource::<CurrentScene>()?.clone();
+    let (scene, entities) = current.beginning();
+    Some(Recording::of_world(world, scene, entities))
 }
 
 /// The recording in a file, its scene and its settings.
@@ -47,9 +52,10 @@ pub(super) fn play(world: &mut World, recording: &Recording, file: &str) -> Resu
     let Replay { steps, differs } = replayed.map_err(|error| error.to_string())?;
     match differs {
         None => Ok(format!("{file}: {steps} steps, all as they were recorded; Space plays them")),
-        Some(Difference { step, body }) => {
-            let first = body.map_or(String::new(), |body| format!(", first '{body}'"));
-            Err(format!("{file}: step {step} comes out otherwise than recorded{first}: it is played up to there"))
-        }
+        Some(differs) => Err(format!(
+            "{file}: step {} comes out otherwise than recorded{}: it is played up to there",
+            differs.step,
+            differs.first()
+        )),
     }
 }

@@ -1,6 +1,7 @@
 //! Screenshots, numbered, in the working directory.
 
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
@@ -18,17 +19,18 @@ pub(super) fn take(world: &mut World) {
 
 fn save(captured: On<ScreenshotCaptured>, mut notice: ResMut<Notice>) {
     let path = next_free_path("png");
-    let saved = captured
-        .image
-        .clone()
-        .try_into_dynamic()
-        .map_err(|error| error.to_string())
-        .and_then(|image| image.to_rgb8().save(&path).map_err(|error| error.to_string()));
+    let saved = save_picture(captured.image.clone(), &path);
     let shown = std::path::absolute(&path).unwrap_or(path);
     *notice = match saved {
         Ok(()) => Notice::Info(format!("saved {}", shown.display())),
         Err(error) => Notice::Error(format!("{}: {error}", shown.display())),
     };
+}
+
+/// Writes a picture without its alpha, as what its name ends with.
+pub(super) fn save_picture(image: Image, path: &Path) -> io::Result<()> {
+    let image = image.try_into_dynamic().map_err(io::Error::other)?;
+    image.to_rgb8().save(path).map_err(io::Error::other)
 }
 
 /// In the working directory.

@@ -5,8 +5,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use bevy::math::{UVec2, Vec2};
-use plumb::lab::recording::Recording;
-use plumb::sandbox::{CurrentScene, SandboxAction};
+use plumb::sandbox::SandboxAction;
 
 use crate::picture::{NO_DRIVER, Picture, skip, software_driver};
 use crate::stage::Stage;
@@ -109,12 +108,12 @@ fn a_recording_is_filmed_with_all_that_was_done() {
     let mut stage = Stage::open(SCENE);
     stage.act(SandboxAction::Reset);
     stage.frames(10);
-    let untouched = record(&mut stage);
+    let untouched = stage.record();
     untouched.write(&folder.path().join("untouched.plumb")).unwrap();
     let ball = stage.body("ball");
     stage.world().get_mut::<plumb::physics::Velocity>(ball).unwrap().linear.x = 3.0;
     stage.frames(15);
-    record(&mut stage).write(&folder.path().join("pushed.plumb")).unwrap();
+    stage.record().write(&folder.path().join("pushed.plumb")).unwrap();
     let folder = folder.path();
     let end = |file: &str, seconds: &str| {
         films(folder, &[file, "--seconds", seconds, "--out", "end.png"]);
@@ -129,11 +128,6 @@ fn a_recording_is_filmed_with_all_that_was_done() {
     let fallen = seen(&folder.join("end.png"));
     assert!(pushed.x - fallen.x > 20.0, "{pushed} {fallen}");
     assert!((pushed.y - fallen.y).abs() < 3.0, "{pushed} {fallen}");
-}
-
-fn record(stage: &mut Stage) -> Recording {
-    let current = stage.app.world().resource::<CurrentScene>().clone();
-    Recording::of_world(stage.world(), &current.spec, &current.entities).unwrap()
 }
 
 #[test]

@@ -8,6 +8,7 @@ use bevy::input::mouse::{MouseScrollUnit, MouseWheel};
 use bevy::input::touch::TouchPhase;
 use bevy::math::DVec3;
 use bevy::prelude::*;
+use plumb::lab::recording::Recording;
 use plumb::physics::{Position, RenderOrigin};
 use plumb::sandbox::{CurrentScene, Hands, SandboxAction};
 
@@ -48,6 +49,13 @@ impl Stage {
         std::fs::write(file.path(), scene).expect("a scene file");
         let scene = file.path().to_str().expect("a UTF-8 path").to_owned();
         self.act(SandboxAction::LoadScene { scene, parameters: Vec::new() });
+    }
+
+    /// What happened since the scene began.
+    pub fn record(&mut self) -> Recording {
+        let current = self.world().resource::<CurrentScene>().clone();
+        let (scene, entities) = current.beginning();
+        Recording::of_world(self.world(), scene, entities).expect("a history from the start")
     }
 
     /// The body of that name in the scene file.

@@ -4,11 +4,9 @@ use std::path::Path;
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use plumb::lab::recording::{Recording, Replay};
+use plumb::lab::recording::Replay;
 use plumb::physics::{BallJoint, History, JointCoordinate, Position, RigidBody, StepStats};
-use plumb::sandbox::{
-    CurrentScene, GhostChoice, GhostReadings, Ghosts, Notice, Playback, SandboxAction, Selection, Timeline,
-};
+use plumb::sandbox::{GhostChoice, GhostReadings, Ghosts, Notice, Playback, SandboxAction, Selection, Timeline};
 
 use crate::stage::{SIZE, Stage};
 
@@ -401,8 +399,7 @@ fn the_turns_of_a_hinge_that_came_back_are_recorded() {
     let world = stage.world();
     let turns = world.query::<&JointCoordinate>().single(world).unwrap().value;
     assert!(turns > 6.0 * std::f64::consts::PI, "{turns}");
-    let current = stage.world().resource::<CurrentScene>().clone();
-    let recording = Recording::of_world(stage.world(), &current.spec, &current.entities).unwrap();
+    let recording = stage.record();
     let replay = recording.replay(Path::new("wheel.plumb"), |_| ()).unwrap();
     assert_eq!(replay, Replay { steps: recording.steps(), differs: None });
 }
@@ -422,9 +419,7 @@ fn a_scene_that_came_back_is_recorded_as_it_came_back() {
     stage.act(SandboxAction::Undo);
     stage.frames(20);
     assert_eq!(named(&mut stage, "thrown ball").len(), 1);
-    let current = stage.world().resource::<CurrentScene>().clone();
-    let (scene, entities) = current.beginning();
-    let recording = Recording::of_world(stage.world(), scene, entities).unwrap();
+    let recording = stage.record();
     assert!(recording.steps() > 10, "{}", recording.steps());
     let replay = recording.replay(Path::new("back.plumb"), |_| ()).unwrap();
     assert_eq!(replay, Replay { steps: recording.steps(), differs: None });

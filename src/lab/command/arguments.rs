@@ -288,17 +288,15 @@ impl OpenArguments {
     /// Checks what the sandbox is to open with: a window that closes again is no error message.
     pub fn resolve(self) -> Result<Open, CommandError> {
         let start = || scene::catalog().first().map_or_else(String::new, |first| first.name.to_owned());
-        let given = self.settings.is_given();
+        if let Some(scene) = &self.scene {
+            refuse_beside_recording(scene, &self.parameters, &self.settings)?;
+        }
         let open = Open {
             scene: self.scene.unwrap_or_else(start),
             parameters: self.parameters.list,
             settings: self.settings.resolve()?,
         };
         if is_recording(&open.scene) {
-            if given || !open.parameters.is_empty() {
-                let problem = format!("{}: a recording has its own parameters and settings", open.scene);
-                return Err(CommandError::Usage(problem));
-            }
             let path = Path::new(&open.scene);
             Recording::read(path)?.start(path)?;
         } else {
@@ -312,9 +310,7 @@ impl FilmArguments {
     /// Checks what belongs together; whether the scene is there is seen when it is read.
     pub fn resolve(self) -> Result<Filming, CommandError> {
         let Self { scene, parameters, settings, from, seconds, fps, size, out } = self;
-        if is_recording(&scene) && (settings.is_given() || !parameters.list.is_empty()) {
-            return Err(CommandError::Usage(format!("{scene}: a recording has its own parameters and settings")));
-        }
+        refuse_beside_recording(&scene, &parameters, &settings)?;
         let settings = settings.resolve()?;
         Ok(Filming { scene, parameters: parameters.list, settings, from, seconds, fps: fps.into(), size, out })
     }
@@ -329,6 +325,18 @@ impl MonkeyArguments {
         let out = out.unwrap_or_else(|| format!("{name}-monkey-{seed}.plumb").into());
         Ok(MonkeyRun { scene, parameters, settings, seed, steps, out })
     }
+}
+
+/// A recording has them already.
+fn refuse_beside_recording(
+    scene: &str,
+    parameters: &ParameterArguments,
+    settings: &SettingsArguments,
+) -> Result<(), CommandError> {
+    if is_recording(scene) && (settings.is_given() || !parameters.list.is_empty()) {
+        return Err(CommandError::Usage(format!("{scene}: a recording has its own parameters and settings")));
+    }
+    Ok(())
 }
 
 /// `640x360`.

@@ -100,8 +100,7 @@ fn budget(extent: Extent) -> Budget {
 }
 
 pub(super) fn make_folder(folder: &Path) -> Result<(), CommandError> {
-    std::fs::create_dir_all(folder)
-        .map_err(|reason| CommandError::Output { place: folder.display().to_string(), reason })
+    std::fs::create_dir_all(folder).map_err(CommandError::unwritable(folder))
 }
 
 /// Rows that are passed over are not passed over in silence.

@@ -14,8 +14,7 @@ pub(super) fn export(arguments: &ExportArguments) -> Result<Outcome, CommandErro
     let text = format!("// {}\n{}", origin(arguments), scene.to_ron(folder)?);
     match &arguments.out {
         None => print(&text)?,
-        Some(file) => fs::write(file, text)
-            .map_err(|reason| CommandError::Output { place: file.display().to_string(), reason })?,
+        Some(file) => fs::write(file, text).map_err(CommandError::unwritable(file))?,
     }
     Ok(Outcome::Done)
 }

@@ -56,8 +56,7 @@ fn conclude(subject: &Subject, found: &Fit, arguments: &FitArguments) -> Result<
     };
     let path: PathBuf = arguments.out.join(format!("fit-{}.ron", subject.stem()));
     let settings = best.solver_settings().unwrap_or_default();
-    write_settings(&path, &settings)
-        .map_err(|reason| CommandError::Output { place: path.display().to_string(), reason })?;
+    write_settings(&path, &settings).map_err(CommandError::unwritable(&path))?;
     let percent = 100.0 * MARGIN;
     let parameters =
         subject.parameters.iter().fold(String::new(), |text, (name, value)| format!("{text} -p {name}={value}"));

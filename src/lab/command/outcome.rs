@@ -1,6 +1,7 @@
 //! How a command ends, and what it prints.
 
 use std::io::{self, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 use crate::lab::chart::{ChartError, PeersError};
@@ -51,6 +52,14 @@ pub enum CommandError {
         /// What the system said.
         reason: io::Error,
     },
+}
+
+impl CommandError {
+    /// For an output that cannot be written.
+    pub fn unwritable(place: &Path) -> impl FnOnce(io::Error) -> Self {
+        let place = place.display().to_string();
+        move |reason| Self::Output { place, reason }
+    }
 }
 
 /// How a task ended.

@@ -22,18 +22,14 @@ pub(super) fn race(arguments: &RaceArguments) -> Result<Outcome, CommandError> {
     let (scene, built_in) = (plan.scene, plan.built_in);
     let race = Race { scene, built_in, runners, from: arguments.from, seconds, apart: arguments.apart };
     let folder = &arguments.out;
-    let unwritable = |place: &Path| {
-        let place = place.display().to_string();
-        move |reason| CommandError::Output { place, reason }
-    };
-    fs::create_dir_all(folder).map_err(unwritable(folder))?;
+    fs::create_dir_all(folder).map_err(CommandError::unwritable(folder))?;
     let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %, {eta} left").expect("a template of this file");
     let bar = ProgressBar::new(1000).with_style(style);
     let outcome = race.run(|share| bar.set_position((1000.0 * share) as u64));
     bar.finish_and_clear();
     let stem = folder.join(format!("{}-race", race.scene.name));
     let rows = stem.with_extension("csv");
-    write_whole(&rows, &outcome.csv()).map_err(unwritable(&rows))?;
+    write_whole(&rows, &outcome.csv()).map_err(CommandError::unwritable(&rows))?;
     outcome.draw(&race, &stem)?;
     let mut said = format!("distances are from {}\n", outcome.base);
     let columns = ["runner", "apart at", "distance", "joint gap", "overlap", "energy", "ms/step", "fails"];

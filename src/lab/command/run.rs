@@ -28,10 +28,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Outcome, CommandError> {
 
 /// Files are created before the run: nobody waits for a run whose result cannot be kept.
 fn measure_and_write(plan: &Plan, arguments: &RunArguments) -> Result<Metrics, CommandError> {
-    let unwritable = |path: &Path| {
-        let place = path.display().to_string();
-        move |reason| CommandError::Output { place, reason }
-    };
+    let unwritable = CommandError::unwritable;
     let names = plan.scene.bodies.iter().map(|body| body.name.clone()).collect();
     let out = arguments.out.as_deref();
     let writer = |path: &Path| TrajectoryWriter::create(path, names, arguments.every).map_err(unwritable(path));

@@ -52,8 +52,8 @@ pub(super) struct JointMetrics {
     pub of_limb: f64,
 }
 
-/// Of the rigid joints that are asked for, the one that is farthest from what it holds now, by the names of its bodies, and how far: as a share of the
-/// smaller bounding diameter of the bodies that it holds. What broke holds nothing.
+/// Of the rigid joints that are asked for, the one that is farthest from what it holds now, by the names of its bodies, and
+/// how far: as a share of the smaller bounding diameter of the bodies that it holds. What broke holds nothing.
 pub fn widest_gap_of_limb(simulation: &Simulation, is_asked: impl Fn(&JointSpec) -> bool) -> Option<(String, f64)> {
     let (scene, states) = (simulation.scene(), simulation.sample().bodies);
     let asked = joined(scene).enumerate().filter(|(_, (joint, _))| is_asked(joint));

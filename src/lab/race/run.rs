@@ -90,12 +90,11 @@ impl Lane {
 
     /// As near to that time as whole steps come.
     fn go_to(&mut self, time: f64) {
-        let half = 0.5 * self.simulation.settings().step();
-        while self.simulation.sample().time < time - half {
-            self.simulation.step();
-            self.taken.0 += 1;
-            self.taken.1 += self.simulation.world().resource::<StepStats>().step_seconds;
-        }
+        let (steps, seconds) = &mut self.taken;
+        self.simulation.step_to(time, |simulation| {
+            *steps += 1;
+            *seconds += simulation.world().resource::<StepStats>().step_seconds;
+        });
     }
 
     fn poses(&self) -> Poses {

@@ -8,8 +8,8 @@ use crate::scene::SceneError;
 
 /// Of the format. A change of what an older build cannot read makes it another.
 pub(super) const VERSION: &str = "1";
-/// Of a file.
-pub(super) const FIRST_LINE: &str = "plumb recording 1";
+/// What the first line of a file says before that.
+pub(super) const FIRST_WORDS: &str = "plumb recording ";
 
 /// Why there is no recording, or why it cannot be run again.
 #[derive(Debug, thiserror::Error)]
@@ -23,7 +23,7 @@ pub enum RecordingError {
         reason: io::Error,
     },
     /// Another kind of file.
-    #[error("{}: is no recording: one begins with the line '{}'", path.display(), FIRST_LINE)]
+    #[error("{}: is no recording: one begins with the line '{}{}'", path.display(), FIRST_WORDS, VERSION)]
     NoRecording {
         /// The file.
         path: PathBuf,

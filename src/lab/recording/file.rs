@@ -13,7 +13,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::error::{FIRST_LINE, RecordingError, VERSION};
+use super::error::{FIRST_WORDS, RecordingError, VERSION};
 use super::print::Print;
 use crate::lab::settings_file::settings_to_ron;
 use crate::lab::write_whole;
@@ -23,7 +23,6 @@ use crate::scene::{SceneError, SceneSpec};
 /// What was read while it ran.
 const FORCES: &str = "forces";
 const NOTHING: &str = "nothing";
-const FIRST_WORDS: &str = "plumb recording ";
 
 /// What happened to a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,7 +87,7 @@ impl Recording {
     /// The text of its file.
     pub fn text(&self) -> String {
         let Self { build, name, scene, settings, reads_forces, prints, deeds } = self;
-        let mut text = format!("{FIRST_LINE}\nbuild {build}\n");
+        let mut text = format!("{FIRST_WORDS}{VERSION}\nbuild {build}\n");
         text += &format!("scene {} {}\n{scene}\n", scene.len(), name.replace('\n', " "));
         let reads = if *reads_forces { FORCES } else { NOTHING };
         text += &format!("settings {settings}\nreads {reads}\n");

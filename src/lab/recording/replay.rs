@@ -33,6 +33,13 @@ pub struct Difference {
     pub body: Option<String>,
 }
 
+impl Difference {
+    /// What is to be said after the step: the body, where it is known.
+    pub fn first(&self) -> String {
+        self.body.as_ref().map_or(String::new(), |body| format!(", first '{body}'"))
+    }
+}
+
 impl Recording {
     /// The scene in it, and the settings, of the file at that path.
     ///

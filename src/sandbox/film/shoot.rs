@@ -6,10 +6,10 @@ use super::error::FilmError;
 use super::reel::Reel;
 use super::studio::Studio;
 use crate::lab::Plan;
-use crate::lab::command::Filming;
+use crate::lab::command::{CommandError, Filming};
 use crate::lab::recording::{Recording, RecordingError, Replay, is_recording};
-use crate::physics::{History, begin_anew, go_to};
-use crate::sandbox::timeline::LIMIT;
+use crate::physics::{History, go_to};
+use crate::sandbox::timeline;
 use crate::sandbox::window::catch_failed_start;
 
 /// What came of it.
@@ -27,22 +27,23 @@ pub struct Filmed {
 /// Bad input, no graphics driver, or an output that cannot be written.
 pub fn shoot(film: &Filming, mut watch: impl FnMut(u64, u64)) -> Result<Filmed, FilmError> {
     let path = Path::new(&film.scene);
-    let recording = is_recording(&film.scene).then(|| Recording::read(path)).transpose()?;
-    let (scene, settings, seconds) = match &recording {
+    let recording = is_recording(&film.scene).then(|| Recording::read(path)).transpose().map_err(CommandError::from)?;
+    let (scene, settings, whole) = match &recording {
         Some(recording) => {
-            let (scene, settings) = recording.start(path)?;
-            let seconds = recording.steps() as f64 * settings.step() - film.from;
-            (scene, settings, film.seconds.unwrap_or(seconds.max(0.0)))
+            let (scene, settings) = recording.start(path).map_err(CommandError::from)?;
+            (scene, settings, (recording.steps() as f64 * settings.step() - film.from).max(0.0))
         }
         None => {
-            let plan = Plan::new(&film.scene, &film.parameters, film.settings, film.seconds)?;
-            let seconds = plan.steps as f64 * plan.settings.step();
-            (plan.scene, plan.settings, film.seconds.unwrap_or(seconds))
+            let plan = Plan::new(&film.scene, &film.parameters, film.settings, film.seconds);
+            let plan = plan.map_err(CommandError::from)?;
+            (plan.scene, plan.settings, plan.steps as f64 * plan.settings.step())
         }
     };
+    let seconds = film.seconds.unwrap_or(whole);
     let mut reel = Reel::begin(&film.out, film.size, film.fps)?;
     let mut studio = catch_failed_start(|| Studio::open(&scene, settings, film.size))?;
-    let replay = recording.map(|recording| run_again(&mut studio, &recording, path)).transpose()?;
+    let replay = recording.map(|recording| run_again(&mut studio, &recording, path)).transpose();
+    let replay = replay.map_err(CommandError::from)?;
     let (first, frames) = match reel.is_one_picture() {
         true => (film.from + seconds, 1),
         false => (film.from, ((seconds * film.fps).round() as u64).max(1)),
@@ -58,13 +59,12 @@ pub fn shoot(film: &Filming, mut watch: impl FnMut(u64, u64)) -> Result<Filmed, 
 }
 
 /// Has all of a recording happen, and goes back to its start: it happens once more while it is filmed.
-fn run_again(studio: &mut Studio, recording: &Recording, path: &Path) -> Result<Replay, FilmError> {
+fn run_again(studio: &mut Studio, recording: &Recording, path: &Path) -> Result<Replay, RecordingError> {
     let entities = studio.entities.clone();
     let world = studio.world();
-    begin_anew(world);
-    History::begin(world, LIMIT);
+    timeline::begin(world);
     let replay = recording.replay_in(world, &entities, path, |_| ())?;
-    let first = world.resource::<History>().reach()[0];
-    go_to(world, first).map_err(RecordingError::from)?;
+    let begun = world.resource::<History>().begun();
+    go_to(world, begun)?;
     Ok(replay)
 }

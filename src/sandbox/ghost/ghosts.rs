@@ -58,6 +58,13 @@ pub struct GhostReading {
     pub parted: Option<u64>,
 }
 
+impl GhostReading {
+    /// Enough of its name to tell it apart where it has its color besides.
+    pub fn short_name(&self) -> &str {
+        self.name.split([' ', ',']).next().unwrap_or_default()
+    }
+}
+
 pub fn plugin(app: &mut App) {
     app.init_resource::<Ghosts>()
         .init_resource::<GhostReadings>()
@@ -111,7 +118,7 @@ fn restart(world: &mut World, mut seen: Local<Option<bevy::ecs::change_detection
             None => Lane::answer(&world.resource::<CurrentScene>().spec),
         };
         let Some(mut lane) = lane else { continue };
-        let at_start = lane.advance(time, &limits);
+        let at_start = lane.advance(time, |_, _| ());
         // The answer knows the bodies in the order of the scene's file.
         let entities = match choice {
             GhostChoice::Reference => &world.resource::<CurrentScene>().entities.bodies.clone(),
@@ -131,7 +138,7 @@ fn restart(world: &mut World, mut seen: Local<Option<bevy::ecs::change_detection
             name: choice.name(),
             color,
             apart: Apart::default(),
-            reading: lane.reading.clone(),
+            reading: settings.map(|_| Reading::default()),
             parted: None,
         });
         lanes.push(lane);
@@ -160,9 +167,13 @@ pub fn follow(
     }
     for (lane, ghost) in lanes.iter_mut().zip(ghosts) {
         let place = |body| bodies.get(body).ok().map(|(at, turned, collider)| (at.0, turned.0, collider));
-        let apart = lane.follow(stats.time, limits, place);
+        let note = |measured: &Diagnostics, stats: &StepStats| {
+            if let Some(reading) = &mut ghost.reading {
+                reading.note(measured, stats, limits);
+            }
+        };
+        let apart = lane.follow(stats.time, note, place);
         ghost.apart = if is_before { Apart::default() } else { apart };
-        ghost.reading.clone_from(&lane.reading);
         let has_parted = ghost.apart.distance > *limit;
         // What is gone back behind has not happened, or happens otherwise.
         ghost.parted.take_if(|step| *step > stats.steps || *step == stats.steps && !has_parted);

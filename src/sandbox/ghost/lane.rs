@@ -77,8 +77,6 @@ enum Source {
 pub(super) struct Lane {
     source: Source,
     pub pairs: Vec<Pair>,
-    /// None of the answer.
-    pub reading: Option<Reading>,
 }
 
 impl Lane {
@@ -88,36 +86,32 @@ impl Lane {
         simulation.set_clock(time);
         simulation.world_mut().init_resource::<Diagnostics>();
         simulation.keep_history(HISTORY);
-        Self { source: Source::Method(Box::new(simulation)), pairs: Vec::new(), reading: Some(Reading::default()) }
+        Self { source: Source::Method(Box::new(simulation)), pairs: Vec::new() }
     }
 
     /// The answer of a scene, if that gives the whole motion.
     pub fn answer(scene: &SceneSpec) -> Option<Self> {
         let source = Source::Answer(truth::poses(scene)?);
-        Some(Self { source, pairs: Vec::new(), reading: None })
+        Some(Self { source, pairs: Vec::new() })
     }
 
-    /// Goes on to a time of the scene, s, or back, and tells where the bodies are then.
-    pub fn advance(&mut self, time: f64, limits: &Limits) -> Vec<(usize, DVec3, DQuat)> {
+    /// Goes on to a time of the scene, s, or back, and tells where the bodies are then; `note` sees what was measured after
+    /// each step.
+    pub fn advance(&mut self, time: f64, mut note: impl FnMut(&Diagnostics, &StepStats)) -> Vec<(usize, DVec3, DQuat)> {
         let simulation = match &mut self.source {
             Source::Answer(poses) => return poses(time),
             Source::Method(simulation) => simulation,
         };
-        // Half a step short of it is as near as whole steps come.
         let step = simulation.settings().step();
-        let half = 0.5 * step;
-        if simulation.sample().time > time + half {
+        if simulation.sample().time > time + 0.5 * step {
             // As far back as is kept; it waits there.
             let first = simulation.world().resource::<History>().reach()[0];
             let _ = simulation.go_to(((time / step).round() as u64).max(first));
         }
-        while simulation.sample().time < time - half {
-            simulation.step();
+        simulation.step_to(time, |simulation| {
             let world = simulation.world();
-            if let Some(reading) = &mut self.reading {
-                reading.note(world.resource::<Diagnostics>(), world.resource::<StepStats>(), limits);
-            }
-        }
+            note(world.resource::<Diagnostics>(), world.resource::<StepStats>());
+        });
         let bodies = simulation.sample().bodies.iter().enumerate();
         bodies.map(|(index, body)| (index, body.position, body.rotation)).collect()
     }
@@ -126,11 +120,11 @@ impl Lane {
     pub fn follow<'a>(
         &mut self,
         time: f64,
-        limits: &Limits,
+        note: impl FnMut(&Diagnostics, &StepStats),
         body: impl Fn(Entity) -> Option<(DVec3, DQuat, &'a Collider)>,
     ) -> Apart {
         // Both go up by index.
-        let mut poses = self.advance(time, limits).into_iter();
+        let mut poses = self.advance(time, note).into_iter();
         let mut apart = Apart::default();
         for pair in &mut self.pairs {
             let Some((_, position, rotation)) = poses.by_ref().find(|(index, ..)| *index == pair.index) else { break };

@@ -185,9 +185,9 @@ fn table(ui: &mut egui::Ui, readings: &GhostReadings, settings: &SolverSettings,
     egui::Grid::new("ghosts").striped(true).spacing([6.0, 2.0]).min_col_width(58.0).show(ui, |ui| {
         text(ui, String::new());
         text(ui, "the scene".into());
-        for GhostReading { name, color: own, .. } in &readings.ghosts {
-            let short = name.split([' ', ',']).next().unwrap_or_default();
-            ui.label(egui::RichText::new(format!("■ {short}")).size(11.0).color(color(*own))).on_hover_text(name);
+        for ghost in &readings.ghosts {
+            let head = egui::RichText::new(format!("■ {}", ghost.short_name())).size(11.0);
+            ui.label(head.color(color(ghost.color))).on_hover_text(&ghost.name);
         }
         ui.end_row();
         for (what, value) in [

@@ -6,15 +6,15 @@ use std::path::Path;
 use bevy::ecs::resource::IsResource;
 use bevy::ecs::system::SystemIdMarker;
 use bevy::prelude::*;
-use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use super::deeds::{BACK, pause};
-use crate::lab::recording::{Recording, Replay};
+use super::deeds::{moment_up_to, pause};
+use crate::lab::recording::Recording;
 use crate::lab::{Simulation, state_hash, widest_gap_of_limb};
 use crate::physics::{
     History, Position, Quarantined, RigidBody, Rotation, SolverSettings, StepStats, Velocity, left_over,
 };
+use crate::sandbox::recordings::so_far;
 use crate::sandbox::{CurrentScene, Hands, SandboxAction};
 use crate::scene::{JointSpec, SceneSpec};
 
@@ -50,8 +50,7 @@ pub(super) fn goes_back_and_on(hands: &mut Hands, random: &mut Pcg64Mcg) -> Chec
     pause(hands, true);
     hands.frames(1);
     let (head, before) = (step(hands), state_hash(hands.app.world()));
-    let first = hands.app.world().get_resource::<History>().map_or(head, |history| history.reach()[0]);
-    let to = random.random_range(first.max(head.saturating_sub(BACK))..=head);
+    let to = moment_up_to(hands, random, head);
     hands.act(SandboxAction::GoTo { step: to });
     if step(hands) != to {
         return Err(format!("step {to} cannot be gone back to: the world is at {}", step(hands)));
@@ -104,12 +103,12 @@ pub(super) fn saves_and_loads(hands: &mut Hands, settings: &SolverSettings) -> C
 /// A second after hands let go, the joints of the scene hold that no joint of the monkey's has to do with: what came back where
 /// others are by now, and is pinned, may have no place to be. By sweeps over forces joints need not hold, as their maps show.
 pub(super) fn joints_hold(hands: &mut Hands, settings: &SolverSettings) -> Check {
-    let Some(scene) = hands.app.world().get_resource::<CurrentScene>().map(|current| current.spec.clone()) else {
-        return Ok(());
-    };
     if settings.method.is_force_level() {
         return Ok(());
     }
+    let Some(scene) = hands.app.world().get_resource::<CurrentScene>().map(|current| current.spec.clone()) else {
+        return Ok(());
+    };
     hands.frames(REST);
     let simulation = Simulation::new(SceneSpec::of_world(hands.world(), "now"), *settings);
     let meddled = meddled_with(simulation.scene(), &scene);
@@ -149,26 +148,15 @@ fn meddled_with(now: &SceneSpec, first: &SceneSpec) -> HashSet<String> {
 pub(super) fn is_a_recording(hands: &mut Hands) -> Check {
     let recording = record(hands)?;
     let replay = recording.replay(Path::new("the recording"), |_| ()).map_err(|error| error.to_string())?;
-    match replay {
-        Replay { differs: None, .. } => Ok(()),
-        Replay { differs: Some(difference), .. } => Err(format!(
-            "its recording comes out otherwise at step {}{}",
-            difference.step,
-            difference.body.map_or(String::new(), |body| format!(", first '{body}'")),
-        )),
+    match replay.differs {
+        None => Ok(()),
+        Some(differs) => Err(format!("its recording comes out otherwise at step {}{}", differs.step, differs.first())),
     }
 }
 
 /// What happened since the scene began.
 pub(super) fn record(hands: &mut Hands) -> Result<Recording, String> {
-    let Some(current) = hands.app.world().get_resource::<CurrentScene>().cloned() else {
-        return Err("there is no scene".into());
-    };
-    {
-        let (scene, entities) = current.beginning();
-        Recording::of_world(hands.world(), scene, entities)
-    }
-    .map_err(|error| error.to_string())
+    so_far(hands.world()).ok_or("there is no scene")?.map_err(|error| error.to_string())
 }
 
 /// Everything that there is, but for what Bevy makes once of each resource and of each system that is called by hand.

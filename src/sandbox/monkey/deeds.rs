@@ -9,11 +9,12 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::physics::{Breakable, Collider, History, Method, RigidBody, SolverSettings, StepStats, Velocity};
 use crate::sandbox::any_joint::IsJoint;
+use crate::sandbox::timeline::head_and_reach;
 use crate::sandbox::{Blueprint, Hands, JoinKind, JointChange, Picked, Playback, SandboxAction, Selection};
 use crate::scene::{MeshSpec, ShapeSpec};
 
 /// How far one goes back at most, steps.
-pub(super) const BACK: u64 = 40;
+const BACK: u64 = 40;
 /// The window, logical pixels.
 pub(super) const SIZE: UVec2 = UVec2::new(1280, 720);
 /// What panel and strip take of it at the right and at the bottom.
@@ -39,7 +40,7 @@ const KINDS: [(Kind, u32); 17] = [
     (Kind::MakeBrittle, 1),
     (Kind::Teleport, 1),
     (Kind::Mark, 1),
-    (Kind::Freeze, 1),
+    (Kind::Wait, 1),
 ];
 
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +61,7 @@ enum Kind {
     MakeBrittle,
     Teleport,
     Mark,
-    Freeze,
+    Wait,
 }
 
 /// Does something; what, in words. Settings that it changes are the scene's own again after it.
@@ -101,7 +102,9 @@ pub(super) fn do_something(hands: &mut Hands, random: &mut Pcg64Mcg, own: &Solve
             format!("chose {said} for a while")
         }
         Kind::GoBack => {
-            let to = any_moment(hands, random);
+            let world = hands.app.world();
+            let (_, [_, last]) = head_and_reach(world.resource::<StepStats>(), world.get_resource::<History>());
+            let to = moment_up_to(hands, random, last);
             hands.act(SandboxAction::GoTo { step: to });
             pause(hands, false);
             format!("went to step {to}")
@@ -141,7 +144,7 @@ pub(super) fn do_something(hands: &mut Hands, random: &mut Pcg64Mcg, own: &Solve
             hands.act(SandboxAction::ToggleMark);
             "marked a moment".into()
         }
-        Kind::Freeze => {
+        Kind::Wait => {
             hands.act(SandboxAction::Escape);
             hands.frames(random.random_range(1..30));
             "waited".into()
@@ -157,7 +160,7 @@ fn any_kind(random: &mut Pcg64Mcg) -> Kind {
         drawn = drawn.saturating_sub(*often);
         is_it
     });
-    kind.map_or(Kind::Freeze, |(kind, _)| *kind)
+    kind.map_or(Kind::Wait, |(kind, _)| *kind)
 }
 
 /// Presses at a place, moves about, and mostly lets go.
@@ -230,11 +233,9 @@ fn one_of(mut all: Vec<Entity>, random: &mut Pcg64Mcg) -> Option<Entity> {
     (!all.is_empty()).then(|| all[random.random_range(0..all.len())])
 }
 
-/// A step that is kept, not long ago.
-pub(super) fn any_moment(hands: &Hands, random: &mut Pcg64Mcg) -> u64 {
-    let world = hands.app.world();
-    let head = world.resource::<StepStats>().steps;
-    let [first, last] = world.get_resource::<History>().map_or([head; 2], History::reach);
+/// A step that is kept, not long before that one.
+pub(super) fn moment_up_to(hands: &Hands, random: &mut Pcg64Mcg, last: u64) -> u64 {
+    let first = hands.app.world().get_resource::<History>().map_or(last, |history| history.reach()[0]);
     random.random_range(first.max(last.saturating_sub(BACK))..=last)
 }
 
