@@ -74,12 +74,17 @@ fn frames_show_the_scene_at_their_times() {
     // It is seen from 5 m, the picture is as wide as 45 degrees are high times 16/9: pixels a metre.
     let scale = f64::from(SIZE.y) / (2.0 * 22.5_f64.to_radians().tan() * 5.0);
     let start = seen(&frame(1));
-    for n in 1..=5 {
-        let t = (n - 1) as f64 / 10.0;
-        let fallen = f64::from(seen(&frame(n)).y - start.y) / scale;
+    let falls = |t: f64, place: Vec2| {
+        let fallen = f64::from(place.y - start.y) / scale;
         let expected = 0.5 * 9.81 * t * t;
         assert!((fallen - expected).abs() < 0.03, "at {t} s it has fallen {fallen} m, not {expected}");
+    };
+    for n in 1..=5 {
+        falls((n - 1) as f64 / 10.0, seen(&frame(n)));
     }
+    // Between two steps as well: four eleventh of a second are 21.8 steps.
+    films(folder, &["scene.ron", "--from", "0.3636363636", "--seconds", "0.1", "--fps", "10", "--out", "between"]);
+    falls(4.0 / 11.0, seen(&folder.join("between/frame-00001.png")));
     // The end alone, which is the start of what comes after.
     films(folder, &["scene.ron", "--seconds", "0.4", "--out", "end.png"]);
     assert_eq!(seen(&folder.join("end.png")), seen(&frame(5)));

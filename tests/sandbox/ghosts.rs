@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use plumb::lab::truth;
 use plumb::lab::vary::Assignment;
 use plumb::physics::{Position, SolverSettings, StepStats};
-use plumb::sandbox::{CurrentScene, GhostChoice, GhostReadings, Ghosts, SandboxAction};
+use plumb::sandbox::{CurrentScene, GhostChoice, GhostReadings, Ghosts, SandboxAction, Selection};
 
 use crate::eyes::{click_on, open_eyes, point_at, reads, rewrite, seen};
 use crate::stage::Stage;
@@ -274,4 +274,22 @@ fn who_fails_and_when_is_told() {
     stage.frames(5);
     assert!(reads(&mut stage, &format!("at {time:.2} s")));
     assert!(reads(&mut stage, "apart at") && reads(&mut stage, "joint gap"));
+}
+
+/// It stands as it was left, and so do its ghosts.
+#[test]
+fn ghosts_begin_with_a_scene_that_came_back() {
+    let mut stage = open("stack");
+    stage.world().insert_resource(Ghosts(vec![GhostChoice::Method(0)]));
+    let top = stage.body("cube 9");
+    stage.world().insert_resource(Selection::of(top));
+    stage.act(SandboxAction::DeletePicked);
+    stage.act(SandboxAction::ThrowBall);
+    stage.frames(30);
+    stage.load("(bodies: [])");
+    stage.frames(3);
+    stage.act(SandboxAction::Undo);
+    stage.frames(3);
+    assert_eq!(ghosts(&mut stage).len(), 10, "nine cubes and the ball");
+    assert!(distance(&mut stage).unwrap() < 1e-6);
 }

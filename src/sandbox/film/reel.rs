@@ -58,9 +58,7 @@ impl Reel {
                 let unwritable = || CommandError::unwritable(file.place());
                 let pixels = image.try_into_dynamic().map_err(io::Error::other).map_err(unwritable())?;
                 let mut frame = Frame::from_rgb_speed(width, height, &pixels.to_rgb8(), HASTE);
-                // Hundredths of a second, such that what is rounded off does not add up.
-                let shown = |frames: u32| (100.0 * f64::from(frames) / *fps).round() as u16;
-                frame.delay = shown(*frames + 1) - shown(*frames);
+                frame.delay = delay(*frames, *fps);
                 *frames += 1;
                 encoder.write_frame(&frame).map_err(to_io).map_err(unwritable())
             }
@@ -88,9 +86,28 @@ impl Reel {
     }
 }
 
+/// How long a frame is shown after so many others, hundredths of a second: what is rounded off does not add up.
+fn delay(frames: u32, fps: f64) -> u16 {
+    let shown = |frames: f64| (100.0 * frames / fps).round();
+    (shown(f64::from(frames) + 1.0) - shown(f64::from(frames))) as u16
+}
+
 fn to_io(error: EncodingError) -> io::Error {
     match error {
         EncodingError::Io(error) => error,
         other => io::Error::other(other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::delay;
+
+    #[test]
+    fn frames_last_as_long_after_a_quarter_of_an_hour_as_at_first() {
+        for frames in [0, 100, 25_000] {
+            assert_eq!(delay(frames, 25.0), 4);
+            assert_eq!((0..30).map(|frame| delay(frames + frame, 30.0)).sum::<u16>(), 100);
+        }
     }
 }

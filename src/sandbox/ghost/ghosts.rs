@@ -98,8 +98,8 @@ fn restart(world: &mut World, mut seen: Local<Option<bevy::ecs::change_detection
     }
     let (scene, bodies) = match is_new {
         true => {
-            let current = world.resource::<CurrentScene>();
-            (current.spec.clone(), current.entities.bodies.clone())
+            let (scene, entities) = world.resource::<CurrentScene>().beginning();
+            (scene.clone(), entities.bodies.clone())
         }
         false => SceneSpec::with_entities(world, "now"),
     };
