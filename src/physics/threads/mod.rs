@@ -1,7 +1,8 @@
-//! Work split over Bevy's compute pool, at most one scope a phase.
+//! Work split over Bevy's compute pool, whose threads stay awake from phase to phase ([`crew`]).
 
 mod blocks;
 mod claims;
+mod crew;
 mod shared;
 mod stages;
 mod workers;

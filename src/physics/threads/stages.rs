@@ -1,7 +1,6 @@
-//! Many short stages on several threads, in one scope.
+//! Many short stages on several threads, as one piece of work.
 //!
-//! Opening a scope costs some 60 µs of waking; a step has a hundred stages of a few microseconds.
-//! So workers enter one scope and walk the stages together: each claims chunks of the present stage
+//! A step has a hundred stages of a few microseconds. So workers walk them together: each claims chunks of the present stage
 //! by an atomic counter, and spins until all its chunks are done before it goes on. The calling
 //! thread can do every chunk of every stage itself, so that nobody waits for a worker that starts
 //! late or never; a late one joins at the stage the others are at.
