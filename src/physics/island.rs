@@ -79,6 +79,12 @@ impl Islands {
         self.parent[body as usize]
     }
 
+    /// The same of any body, if there is one of that index and some constraint holds or touches the island.
+    pub fn constrained_root_of(&self, body: u32) -> Option<u32> {
+        let root = *self.parent.get(body as usize)?;
+        self.constrained.get(root as usize)?.then_some(root)
+    }
+
     /// Whether something that contacts and joints do not move holds or touches the island of that root.
     pub fn is_grounded(&self, root: u32) -> bool {
         self.grounded[root as usize]

@@ -29,6 +29,7 @@ pub mod joint;
 mod lanes;
 mod left_over;
 mod messages;
+mod phase_times;
 mod plugin;
 mod prepare;
 mod readings;
@@ -39,9 +40,11 @@ mod schedule;
 mod settings;
 pub mod shape;
 mod sleep;
+mod solve_trace;
 mod solver;
 mod state_hash;
 mod stats;
+mod step_details;
 #[cfg(test)]
 mod testing;
 mod threads;
@@ -71,11 +74,15 @@ pub(crate) use joint::{JoinedPairs, Joint, JointDefinition, JointSlot, Joints};
 pub use left_over::left_over;
 pub(crate) use messages::set_aside;
 pub use messages::{BodyQuarantined, Collision, ContactEnded, ContactStarted, JointBroke, LimitReached};
+pub use phase_times::PhaseTimes;
 pub use plugin::{PhysicsPlugin, headless_app, step};
 pub use prepare::AddConstraint;
 pub use readings::{ContactForce, ContactForces, Diagnostics, JointForce, JointForces};
 pub(crate) use refill::Refill;
-pub use rewind::{Deeds, GoError, History, Keep, Told, begin_anew, bury, go_to, is_empty, retell, uncut};
+pub use rewind::{
+    Deeds, GoError, History, Keep, Mark, Told, begin_anew, bury, go_to, is_empty, retell, swap_cut, take_back_since,
+    uncut,
+};
 pub(crate) use scalar::Scalar;
 pub use schedule::{PhysicsSchedule, PhysicsSystems};
 pub(crate) use settings::contacts_last;
@@ -86,7 +93,9 @@ pub use settings::{
 pub use shape::{Collider, ConvexHull, HullError, MassProperties, Shape};
 pub(crate) use shape::{EdgeLanes, EdgeParts, Geometry, Hull};
 pub(crate) use sleep::Sleep;
-pub(crate) use solver::{ExactGroups, IslandSolvers};
+pub use solve_trace::{Residuals, SolveTrace};
+pub(crate) use solver::{ExactGroups, ImpulseGroups, IslandSolvers};
 pub use state_hash::hash_state;
 pub use stats::StepStats;
+pub use step_details::{BodyDetails, ContactDetails, JointDetails, body_details, contact_details, joint_details};
 pub(crate) use threads::{Shared, for_each_of};

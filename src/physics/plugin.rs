@@ -11,8 +11,8 @@ use super::diagnostics::{self, MeasuringTime};
 use super::rewind::{note_blank, step_and_note};
 use super::{
     BodyQuarantined, Collision, ContactEnded, ContactStarted, Gravity, JointBroke, Keep, LimitReached, PhysicsSchedule,
-    PhysicsSystems, RenderOrigin, SolverSettings, StepStats, breaking, collision, events, island, prepare, sleep,
-    solver, transform, write_back,
+    PhysicsSystems, RenderOrigin, SolverSettings, StepStats, breaking, collision, events, island, phase_times, prepare,
+    sleep, solver, transform, write_back,
 };
 
 /// Rigid bodies for a Bevy app: adds [`PhysicsSchedule`] and runs it once a fixed step.
@@ -71,6 +71,7 @@ impl Plugin for PhysicsPlugin {
                 events::plugin,
                 breaking::plugin,
                 diagnostics::plugin,
+                phase_times::plugin,
             ));
         note_blank(app.world_mut());
         let fixed = [

@@ -146,6 +146,17 @@ impl Sleep {
         }
     }
 
+    /// The body of lowest index in the island of a body that sleeps.
+    pub fn root_of(&self, body: u32) -> Option<u32> {
+        self.islands.get(*self.island_of.get(body as usize)? as usize)?.first().copied()
+    }
+
+    /// How much of [`DELAY`] a body that is awake has been calm for, 0 to 1, at a step of that number and length, s.
+    pub fn calm_share(&self, body: u32, step: u64, h: f64) -> f64 {
+        let since = self.calm.get(body as usize).and_then(|calm| calm.since);
+        since.map_or(0.0, |(since, _)| (step.saturating_sub(since) as f64 * h / DELAY).min(1.0))
+    }
+
     /// To be called for one that is marked as asleep by somebody else.
     pub fn is_no_sleeper(&mut self, entity: Entity) {
         self.marks.push((entity, false));

@@ -85,6 +85,8 @@ pub enum SandboxAction {
     DeletePicked,
     /// Takes back what was added, joined, pinned, changed, cut or deleted last.
     Undo,
+    /// Has what was undone last come again.
+    Redo,
     /// Unpicks; closes the help.
     Escape,
     /// Puts the camera back to where the scene is best seen from.
@@ -112,6 +114,8 @@ pub enum SandboxAction {
     },
     /// Writes all that happened since the scene began to the next free `plumb-N.plumb` in the working directory.
     Record,
+    /// Writes what probes read over the last minute to the next free `plumb-N.csv` in the working directory.
+    SaveProbes,
     /// Writes the picture to the next free `plumb-N.png` in the working directory.
     Screenshot,
     /// Shows or hides the help.

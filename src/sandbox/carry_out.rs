@@ -11,10 +11,12 @@ use super::motor_keys::check_keys;
 use super::state::{SceneProblem, report};
 use super::timeline::{self, Timeline};
 use super::watch::Watch;
-use super::{CurrentScene, Notice, Playback, SandboxAction, Selection, build, files, panel, recordings, screenshot};
+use super::{
+    CurrentScene, Notice, Playback, SandboxAction, Selection, build, files, panel, probe, recordings, screenshot,
+};
 use crate::lab::recording::is_recording;
 use crate::physics::{Collider, ContactForces, Position, RigidBody, Velocity};
-use crate::scene::{self, BodyColor, SceneEntity, SceneSpec, SpawnedScene, ViewSpec};
+use crate::scene::{self, BodyColor, Probes, SceneEntity, SceneSpec, SpawnedScene, ViewSpec};
 
 pub(super) fn plugin(app: &mut App) {
     app.add_message::<SandboxAction>().add_systems(Update, carry_out_actions.in_set(CarryOut));
@@ -73,10 +75,19 @@ fn carry_out(world: &mut World, action: SandboxAction) {
                 bring_back(world, scene);
             }
         }
-        SandboxAction::Escape => world.insert_resource(Selection::default()),
+        SandboxAction::Escape => {
+            world.insert_resource(Selection::default());
+            probe::escape(world);
+        }
+        SandboxAction::Redo => {
+            if let Some(scene) = build::redo(world) {
+                bring_back(world, scene);
+            }
+        }
         SandboxAction::FrameScene => frame_scene(world),
         SandboxAction::Follow => follow::toggle(world),
         SandboxAction::Record => recordings::record(world),
+        SandboxAction::SaveProbes => probe::save(world),
         SandboxAction::Screenshot => screenshot::take(world),
         SandboxAction::MeasureChart => panel::measure_chart(world),
         SandboxAction::ToggleHelp => {} // the help's own
@@ -166,7 +177,7 @@ fn reload_scene(world: &mut World) {
     let mut watch = Watch::on(&current.scene).with_meshes(&current.spec);
     let notice = match load(&current.scene, &current.parameters) {
         Ok(spec) => {
-            let kept = respawn(world, &mut current.entities, &spec);
+            let kept = respawn(world, (&current.spec, &mut current.entities), &spec);
             watch = watch.with_meshes(&spec);
             (current.spec, current.came_back_as) = (spec, None);
             let reloaded = format!("reloaded {}", current.scene);
@@ -187,19 +198,24 @@ fn reload_scene(world: &mut World) {
 /// The camera stays: whoever resets wants to see the same thing again.
 fn reset(world: &mut World) {
     let Some(mut current) = world.get_resource::<CurrentScene>().cloned() else { return };
-    if let Some(name) = respawn(world, &mut current.entities, &current.spec) {
+    if let Some(name) = respawn(world, (&current.spec, &mut current.entities), &current.spec) {
         *world.resource_mut::<Notice>() = Notice::Info(kept_text(&name));
     }
     current.came_back_as = None;
     world.insert_resource(current);
 }
 
-/// Spawns the same scene anew; what is plotted of it stays so. The scene's name where it is kept as it stood.
-fn respawn(world: &mut World, entities: &mut SpawnedScene, spec: &SceneSpec) -> Option<String> {
+/// Spawns the same scene anew; what is plotted of it stays so, but where a file says otherwise. The scene's name where it is
+/// kept as it stood.
+fn respawn(world: &mut World, (before, entities): (&SceneSpec, &mut SpawnedScene), spec: &SceneSpec) -> Option<String> {
     timeline::go_on(world);
     let kept = build::keep_what_was_built(world);
+    let probes = world.resource::<Probes>().clone();
     despawn_scene(world);
     let now = spec.spawn(world);
+    if spec.probes == before.probes {
+        world.insert_resource(probes.follow((before, entities), (spec, &now)));
+    }
     timeline::begin(world);
     world.resource_mut::<ReadJoints>().follow(entities, &now);
     world.resource_mut::<Followed>().follow(entities, &now);

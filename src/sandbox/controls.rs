@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy_egui::input::EguiWantsInput;
 
 use super::SandboxAction;
-use super::state::{CONTROL_KEYS, DrivingKeys};
+use super::state::{CONTROL_KEYS, DrivingKeys, SHIFT_KEYS};
 
 /// Keys and what they do.
 pub struct Binding {
@@ -16,6 +16,8 @@ pub struct Binding {
     pub keys: &'static [KeyCode],
     /// Whether Ctrl (or ⌘) is held with it; without, it must not be.
     pub with_control: bool,
+    /// Whether Shift is held with it; without, it may be.
+    pub with_shift: bool,
     /// The keys as the help names them.
     pub label: &'static str,
     /// What they do, as the help says it.
@@ -25,12 +27,17 @@ pub struct Binding {
 }
 
 const fn binding(keys: &'static [KeyCode], label: &'static str, about: &'static str, action: SandboxAction) -> Binding {
-    Binding { keys, with_control: false, label, about, action }
+    Binding { keys, with_control: false, with_shift: false, label, about, action }
 }
 
 impl Binding {
     const fn with_control(mut self) -> Self {
         self.with_control = true;
+        self
+    }
+
+    const fn with_shift(mut self) -> Self {
+        self.with_shift = true;
         self
     }
 }
@@ -55,6 +62,8 @@ pub const BINDINGS: &[Binding] = &[
     binding(&[KeyCode::KeyC], "C", "cut the joint at the pointer", SandboxAction::CutPicked),
     binding(&[KeyCode::Delete, KeyCode::KeyX], "Del or X", "delete the picked body", SandboxAction::DeletePicked),
     binding(&[KeyCode::KeyZ], "Ctrl+Z", "undo what was built, changed or cut", SandboxAction::Undo).with_control(),
+    binding(&[KeyCode::KeyY], "Ctrl+Y", "redo what was undone", SandboxAction::Redo).with_control(),
+    binding(&[KeyCode::KeyZ], "Ctrl+Shift+Z", "the same", SandboxAction::Redo).with_control().with_shift(),
     binding(&[KeyCode::KeyF], "F", "frame the scene", SandboxAction::FrameScene),
     binding(&[KeyCode::KeyV], "V", "follow the picked body, or stay", SandboxAction::Follow),
     binding(&[KeyCode::F12, KeyCode::KeyP], "F12 or P", "screenshot to plumb-N.png", SandboxAction::Screenshot),
@@ -68,6 +77,7 @@ pub const MOUSE: &[(&str, &str)] = &[
     ("Shift + left button", "pick a second one"),
     ("wheel while dragging", "farther or nearer"),
     ("right button", "orbit"),
+    ("right click", "plot, trail or measure what is there"),
     ("middle button", "pan"),
     ("wheel", "zoom"),
 ];
@@ -81,27 +91,40 @@ pub(super) fn plugin(app: &mut App) {
 fn read_keys(
     mut inputs: MessageReader<KeyboardInput>,
     mut lost: MessageReader<KeyboardFocusLost>,
-    mut controls: Local<HashSet<KeyCode>>,
+    mut held: Local<HashSet<KeyCode>>,
     egui: Res<EguiWantsInput>,
     driving: Res<DrivingKeys>,
     mut actions: MessageWriter<SandboxAction>,
 ) {
     for &KeyboardInput { key_code: key, state, repeat, .. } in inputs.read() {
         match state {
-            ButtonState::Released => _ = controls.remove(&key),
-            ButtonState::Pressed if CONTROL_KEYS.contains(&key) => _ = controls.insert(key),
+            ButtonState::Released => _ = held.remove(&key),
+            ButtonState::Pressed if is_modifier(&key) => _ = held.insert(key),
             ButtonState::Pressed if repeat || egui.wants_any_keyboard_input() => {}
             ButtonState::Pressed => {
-                let control = !controls.is_empty();
+                let [control, shift] =
+                    [&CONTROL_KEYS[..], &SHIFT_KEYS].map(|keys| keys.iter().any(|key| held.contains(key)));
                 let drives = !control && driving.0.iter().any(|motors| motors.keys.contains(&key));
-                let bound = |binding: &&Binding| binding.with_control == control && binding.keys.contains(&key);
-                if let Some(binding) = BINDINGS.iter().find(bound).filter(|_| !drives) {
+                if let Some(binding) = bound(key, control, shift).filter(|_| !drives) {
                     actions.write(binding.action.clone());
                 }
             }
         }
     }
     if lost.read().count() > 0 {
-        controls.clear();
+        held.clear();
     }
+}
+
+fn is_modifier(key: &KeyCode) -> bool {
+    CONTROL_KEYS.contains(key) || SHIFT_KEYS.contains(key)
+}
+
+/// What a key does while Ctrl and Shift are held or not. With Shift it does what it does without, unless Shift makes it do
+/// something else.
+fn bound(key: KeyCode, control: bool, shift: bool) -> Option<&'static Binding> {
+    let fits = |binding: &&Binding| {
+        binding.with_control == control && binding.keys.contains(&key) && (shift || !binding.with_shift)
+    };
+    BINDINGS.iter().filter(fits).max_by_key(|binding| binding.with_shift)
 }

@@ -14,6 +14,7 @@ use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
 
 use super::any_joint::{AnyJoint, IsJoint};
 use super::held::{Drag, DragPart, Held};
+use super::probe::TapeStart;
 use super::{Picked, Playback, Selection};
 use crate::physics::{
     BallJoint, BrokenJoint, Collider, Damping, History, Mass, Position, Quarantined, RenderOrigin, RigidBody, Rotation,
@@ -72,13 +73,13 @@ fn pick(
     bodies: Query<(&RigidBody, &Collider, &Transform, Option<&Damping>, Has<Quarantined>)>,
     cameras: Query<&GlobalTransform, With<Camera>>,
     origin: Res<RenderOrigin>,
-    keys: Res<ButtonInput<KeyCode>>,
+    (keys, tape): (Res<ButtonInput<KeyCode>>, Res<TapeStart>),
     joined: Joined,
     (parts, playback, stats, history): (Query<&DragPart>, Res<Playback>, Res<StepStats>, Option<Res<History>>),
 ) {
     // The event bubbles up to the window: it is ours at what was hit, and there only.
     let is_first = press.entity == press.original_event_target();
-    if !is_first || press.button != PointerButton::Primary || drag.is_active() {
+    if !is_first || press.button != PointerButton::Primary || drag.is_active() || tape.is_waiting() {
         return;
     }
     let position = press.pointer_location.position;
@@ -142,7 +143,7 @@ fn pick(
 }
 
 /// Whether something of egui's that takes clicks lies at that place of the window.
-fn claims(context: &mut egui::Context, position: Vec2) -> bool {
+pub(super) fn claims(context: &mut egui::Context, position: Vec2) -> bool {
     let position = egui::pos2(position.x, position.y) / context.zoom_factor();
     context.layer_id_at(position).is_some_and(|layer| layer.order != egui::Order::Background)
 }

@@ -11,8 +11,10 @@ use bevy_egui::egui;
 use super::any_joint::{IsJoint, WholeJoint, WholeJointItem};
 use super::glyphs::Placed;
 use super::panel::{Quantity, palette};
+use super::probe::reads_contact_forces;
+use super::why::Painted;
 use crate::physics::{Collider, ContactForces, Gravity, Mass, RenderOrigin, RigidBody, StepStats, Velocity};
-use crate::scene::JointComponent;
+use crate::scene::{JointComponent, Probes};
 
 /// What is drawn over the picture.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -54,15 +56,20 @@ pub(super) fn plugin(app: &mut App) {
         PostUpdate,
         (
             draw_contacts.run_if(|shown: Res<ShownGizmos>| shown.contacts),
-            draw_joints.run_if(|shown: Res<ShownGizmos>| shown.joints),
+            draw_joints.run_if(|shown: Res<ShownGizmos>, painted: Res<Painted>| shown.joints || painted.has_joints()),
             draw_bounds.run_if(|shown: Res<ShownGizmos>| shown.bounds),
             draw_velocities.run_if(|shown: Res<ShownGizmos>| shown.velocities),
         ),
     );
 }
 
-fn switch_contact_forces(mut commands: Commands, shown: Res<ShownGizmos>, forces: Option<Res<ContactForces>>) {
-    match (shown.contacts, forces.is_some()) {
+fn switch_contact_forces(
+    mut commands: Commands,
+    shown: Res<ShownGizmos>,
+    probes: Res<Probes>,
+    forces: Option<Res<ContactForces>>,
+) {
+    match (shown.contacts || reads_contact_forces(&probes), forces.is_some()) {
         (true, false) => commands.init_resource::<ContactForces>(),
         (false, true) => commands.remove_resource::<ContactForces>(),
         _ => {}
@@ -216,7 +223,8 @@ const LEVEL: f64 = 1e-3;
 
 fn draw_joints(
     (mut gizmos, mut rims, mut glyphs): (Gizmos<Overlay>, Gizmos<Rims>, Gizmos<Glyphs>),
-    joints: Query<WholeJoint, IsJoint>,
+    joints: Query<(Entity, WholeJoint), IsJoint>,
+    painted: Res<Painted>,
     poses: Query<(&RigidBody, &Transform, Option<&Collider>)>,
     gravity: Res<Gravity>,
     stats: Res<StepStats>,
@@ -224,13 +232,15 @@ fn draw_joints(
 ) {
     let measure = Measure::of(&bodies, &gravity);
     let down = gravity.0.normalize_or(DVec3::NEG_Y).as_vec3();
-    for joint in &joints {
+    for (entity, joint) in &joints {
         let Some(component) = joint.joint.component() else { continue };
         let Ok(ends) = poses.get_many(component.bodies()) else { continue };
         let size = measure.glyph_size(ends.map(|(.., collider)| collider));
         let load = measure.share(&joint, &stats, f64::from(size));
         let tint = match joint.broken {
             Some(_) => color(BROKEN),
+            // The picture's legend tells of all joints.
+            None if painted.has_joints() => color(painted.joint(entity).unwrap_or(UNKNOWN)),
             None => load.map_or(color(UNKNOWN), shade),
         };
         let placed = Placed { joint: &joint, poses: ends.map(|end| *end.1), size, tint, down, time: stats.time };
@@ -297,7 +307,7 @@ mod tests {
 
     fn switches() -> App {
         let mut app = App::new();
-        app.init_resource::<ShownGizmos>().add_systems(PreUpdate, switch_contact_forces);
+        app.init_resource::<ShownGizmos>().init_resource::<Probes>().add_systems(PreUpdate, switch_contact_forces);
         app
     }
 

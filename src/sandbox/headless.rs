@@ -94,6 +94,18 @@ impl Hands {
         self.frames(1);
     }
 
+    /// Presses the right button.
+    pub fn press_right(&mut self) {
+        self.point(PointerAction::Press(PointerButton::Secondary));
+        self.frames(1);
+    }
+
+    /// Releases it.
+    pub fn release_right(&mut self) {
+        self.point(PointerAction::Release(PointerButton::Secondary));
+        self.frames(1);
+    }
+
     /// The window.
     ///
     /// # Panics

@@ -5,8 +5,10 @@ use bevy::prelude::*;
 use super::any_joint::IsJoint;
 use super::gizmos::ShownGizmos;
 use super::looked_at::LookedAt;
+use super::probe::read_loads;
+use super::why::ColorBy;
 use crate::physics::{JointLoad, StepStats};
-use crate::scene::SpawnedScene;
+use crate::scene::{Probes, SpawnedScene};
 
 /// Joints of which the panel shows numbers.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
@@ -24,33 +26,41 @@ impl ReadJoints {
         self.plotted = place.and_then(|place| now.joints.get(place).copied());
     }
 
-    fn contains(&self, joint: Entity) -> bool {
-        self.open.contains(&joint) || self.plotted == Some(joint)
+    /// With those whose load probes read.
+    fn all(&self, probes: &Probes) -> Vec<Entity> {
+        self.open.iter().copied().chain(self.plotted).chain(read_loads(probes)).collect()
     }
 }
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<ReadJoints>().add_systems(PreUpdate, switch_joint_loads);
+    app.init_resource::<ReadJoints>().init_resource::<Probes>().add_systems(PreUpdate, switch_joint_loads);
 }
 
 fn switch_joint_loads(
     mut commands: Commands,
     shown: Res<ShownGizmos>,
+    by: Res<ColorBy>,
     read: Res<ReadJoints>,
+    probes: Res<Probes>,
     stats: Res<StepStats>,
     without: Query<Entity, (IsJoint, Without<JointLoad>)>,
     with: Query<Entity, (IsJoint, With<LookedAt>)>,
 ) {
     let marked = || (JointLoad::default(), LookedAt::from_now(&stats));
     let begin = |joint: Entity| _ = commands.entity(joint).insert(marked());
-    if shown.joints {
+    let are_all_read = shown.joints || *by == ColorBy::Load;
+    if are_all_read {
         without.iter().for_each(begin);
     } else {
-        let read = read.open.iter().chain(&read.plotted).copied();
-        read.filter(|joint| without.contains(*joint)).for_each(begin);
+        let mut read = read.all(&probes);
+        read.retain(|joint| without.contains(*joint));
+        read.sort_unstable();
+        read.dedup();
+        read.into_iter().for_each(begin);
     }
-    if !shown.joints && (shown.is_changed() || read.is_changed()) {
-        for joint in with.iter().filter(|joint| !read.contains(*joint)) {
+    if !are_all_read && (shown.is_changed() || by.is_changed() || read.is_changed() || probes.is_changed()) {
+        let read = read.all(&probes);
+        for joint in with.iter().filter(|joint| !read.contains(joint)) {
             commands.entity(joint).remove::<(JointLoad, LookedAt)>();
         }
     }
@@ -64,7 +74,7 @@ mod tests {
 
     fn switches() -> App {
         let mut app = App::new();
-        app.init_resource::<ShownGizmos>().init_resource::<StepStats>();
+        app.init_resource::<ShownGizmos>().init_resource::<ColorBy>().init_resource::<StepStats>();
         plugin(&mut app);
         app
     }

@@ -12,6 +12,7 @@
 
 mod action;
 mod any_joint;
+mod axes;
 mod build;
 mod camera;
 mod carry_out;
@@ -39,6 +40,7 @@ mod panel;
 mod playback;
 mod plots;
 mod plugin;
+mod probe;
 mod quality;
 mod recordings;
 mod reload;
@@ -47,6 +49,7 @@ mod sky;
 mod state;
 mod timeline;
 mod watch;
+mod why;
 mod window;
 
 pub use action::SandboxAction;
@@ -57,9 +60,11 @@ pub use ghost::{Apart, GhostChoice, GhostReading, GhostReadings, Ghosts, MOST_GH
 pub use gizmos::ShownGizmos;
 pub use headless::Hands;
 pub use monkey::{Failure, Played, play};
-pub use panel::{ChartOf, ChartSource};
+pub use panel::ChartSource;
 pub use playback::StepBudget;
 pub use plugin::SandboxPlugin;
+pub use probe::{Row, Track, Tracks};
 pub use state::{CurrentScene, Notice, Picked, Playback, Selection};
 pub use timeline::Timeline;
+pub use why::ColorBy;
 pub use window::{Launch, LaunchError, launch};

@@ -5,15 +5,17 @@ use std::collections::VecDeque;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_egui::egui;
-use egui_plot::{GridInput, GridMark, HoverPosition, Line, Plot, PlotPoints};
+use egui_plot::{HoverPosition, Line, Plot, PlotPoints};
 
 use super::CurrentScene;
 use super::any_joint::{IsJoint, WholeJoint, noun};
+use super::axes::{color32, fifth_seconds, mark_text, round_marks};
 use super::ghost::{self, Apart, GhostReading, GhostReadings, MOST_GHOSTS};
 use super::joint_readings::ReadJoints;
-use super::panel::{Quantity, name_of, palette, without_negative_zero};
-use crate::lab::round_step;
+use super::panel::{Quantity, name_of, palette};
+use super::probe::offer;
 use crate::physics::{Diagnostics, JointAxis, PhysicsSchedule, PhysicsSystems, Position, Rotation, StepStats};
+use crate::scene::{Probe, ProbePlot, ProbeSubject, Probes};
 
 /// Simulation time on view, s.
 const WINDOW: f64 = 10.0;
@@ -224,6 +226,8 @@ struct Chart<'a> {
     unit: &'static str,
     about: &'static str,
     curves: &'a [Curve<'a>],
+    /// What a right click on its title offers to plot.
+    offered: Vec<Probe<Entity, Entity>>,
 }
 
 /// The section of the panel.
@@ -234,6 +238,7 @@ pub(super) fn show(
     read: Res<ReadJoints>,
     joints: Query<WholeJoint>,
     names: Query<&Name>,
+    mut probes: ResMut<Probes>,
 ) {
     let start = history.potential_at_start.unwrap_or_default();
     let potential = |sample: &Sample| sample.potential - start;
@@ -248,6 +253,7 @@ pub(super) fn show(
                 ("potential", palette::ORANGE, &potential),
                 ("total", [240; 3], &total),
             ],
+            offered: of_scene(&[ProbePlot::KineticEnergy, ProbePlot::PotentialEnergy, ProbePlot::Energy]),
         },
         Chart {
             title: "error",
@@ -257,12 +263,14 @@ pub(super) fn show(
                 ("joint", palette::PURPLE, &|sample| sample.joint_error),
                 ("contact", palette::YELLOW, &|sample| sample.penetration),
             ],
+            offered: of_scene(&[ProbePlot::Gap, ProbePlot::Overlap]),
         },
         Chart {
             title: "step time",
             unit: "s",
             about: "wall-clock time of a step",
             curves: &[("step", palette::GREEN, &|sample| sample.step_seconds)],
+            offered: of_scene(&[ProbePlot::StepTime]),
         },
     ];
     let distances = std::array::from_fn(|place| move |sample: &Sample| sample.ghosts[place].distance);
@@ -274,11 +282,18 @@ pub(super) fn show(
             unit: "m",
             about: "largest distance between a body and its ghost: of the point of it that is farthest from its place",
             curves: &distances,
+            offered: Vec::new(),
         },
-        Chart { title: "turned", unit: "°", about: "largest angle between a body and its ghost", curves: &angles },
+        Chart {
+            title: "turned",
+            unit: "°",
+            about: "largest angle between a body and its ghost",
+            curves: &angles,
+            offered: Vec::new(),
+        },
     ];
     let plotted = read.plotted.and_then(|joint| joints.get(joint).ok());
-    let of_joint = plotted.iter().flat_map(|joint| joint_charts(joint.axis()));
+    let of_joint = plotted.iter().zip(read.plotted).flat_map(|(joint, entity)| joint_charts(joint.axis(), entity));
     let has_ghosts = !ghosts.ghosts.is_empty();
     let charts: Vec<_> = of_joint.chain(of_ghosts.into_iter().filter(|_| has_ghosts)).chain(charts).collect();
     if let Some(component) = plotted.and_then(|joint| joint.joint.component()) {
@@ -287,8 +302,12 @@ pub(super) fn show(
             .on_hover_text("the joint that is plotted: tick it off in the list");
     }
     for (place, chart) in charts.iter().enumerate() {
-        chart.draw(ui, &history, place + 1 == charts.len());
+        chart.draw(ui, &history, place + 1 == charts.len(), &mut probes);
     }
+}
+
+fn of_scene(plots: &[ProbePlot]) -> Vec<Probe<Entity, Entity>> {
+    plots.iter().map(|plot| Probe::Plot(ProbeSubject::Scene, *plot)).collect()
 }
 
 /// A curve for each ghost.
@@ -298,53 +317,54 @@ fn curves_of<'a, F: Fn(&Sample) -> f64>(ghosts: &'a [GhostReading], values: &'a 
 }
 
 /// The load of the plotted joint, and where it stands along its axis if it has one.
-fn joint_charts<'a>(axis: Option<JointAxis>) -> impl Iterator<Item = Chart<'a>> {
+fn joint_charts<'a>(axis: Option<JointAxis>, joint: Entity) -> impl Iterator<Item = Chart<'a>> {
+    let offered = move |plot| vec![Probe::Plot(ProbeSubject::Joint(joint), plot)];
     let force = Chart {
         title: "joint force",
         unit: "N",
         about: "what the plotted joint carries",
         curves: &[("force", palette::VERMILION, &|sample| sample.joint.force)],
+        offered: offered(ProbePlot::Force),
     };
     let torque = Chart {
         title: "joint torque",
         unit: "N·m",
         about: "the torque about its point that the plotted joint carries",
         curves: &[("torque", palette::ORANGE, &|sample| sample.joint.torque)],
+        offered: offered(ProbePlot::Torque),
     };
     let about = "where the plotted joint stands along its axis";
-    let stands = axis.map(|axis| match axis.is_angle() {
+    let stands = axis.map(move |axis| match axis.is_angle() {
         // In degrees, as the list has it.
         true => Chart {
             title: "joint angle",
             unit: "°",
             about,
             curves: &[("stands at", palette::SKY, &|sample| sample.joint.value.to_degrees())],
+            offered: offered(ProbePlot::Coordinate),
         },
         false => Chart {
             title: "joint distance",
             unit: "m",
             about,
             curves: &[("stands at", palette::SKY, &|sample| sample.joint.value)],
+            offered: offered(ProbePlot::Coordinate),
         },
     });
     [force, torque].into_iter().chain(stands)
 }
 
-/// A mark with the digits that its step has: of halves one.
-fn mark_text(mark: GridMark) -> String {
-    let decimals = (-mark.step_size.log10()).ceil().max(0.0) as usize;
-    without_negative_zero(format!("{:.decimals$}", mark.value))
-}
-
 impl Chart<'_> {
     /// A caption that is the legend too, with the newest values, and the curves below.
-    fn draw(&self, ui: &mut egui::Ui, history: &History, labels_time: bool) {
-        let &Self { title, unit, about, curves } = self;
+    fn draw(&self, ui: &mut egui::Ui, history: &History, labels_time: bool, probes: &mut ResMut<Probes>) {
+        let &Self { title, unit, about, curves, .. } = self;
         let largest = curves.iter().map(|(_, _, value)| history.largest(value)).fold(0.0, f64::max);
         let scale = Quantity::suiting(largest, unit);
         let newest = history.samples.back();
         ui.horizontal(|ui| {
-            ui.label(format!("{title}, {}", scale.unit)).on_hover_text(about);
+            let label =
+                egui::Label::new(format!("{title}, {}", scale.unit)).selectable(false).sense(egui::Sense::click());
+            offer(&ui.add(label).on_hover_text(about), probes, &self.offered);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 for (name, color, value) in curves.iter().rev() {
                     let text = newest.map_or_else(|| "–".into(), |sample| scale.number(value(sample)));
@@ -394,29 +414,6 @@ impl Chart<'_> {
     }
 }
 
-fn color32([r, g, b]: [u8; 3]) -> egui::Color32 {
-    egui::Color32::from_rgb(r, g, b)
-}
-
-/// A line every five seconds.
-fn fifth_seconds(from: f64, to: f64) -> Vec<GridMark> {
-    let (first, last) = ((from / 5.0).ceil() as i64, (to / 5.0).floor() as i64);
-    (first..=last).map(|line| GridMark { value: 5.0 * line as f64, step_size: 5.0 }).collect()
-}
-
-/// Up to three lines, 1, 2 or 5 times a power of ten apart: egui leaves out numbers that stand
-/// closer.
-fn round_marks(input: GridInput) -> Vec<GridMark> {
-    let (low, high) = input.bounds;
-    let least = (high - low) / 2.5;
-    if !(least.is_normal() && least > 0.0) {
-        return Vec::new();
-    }
-    let step_size = round_step(least);
-    let (first, last) = ((low / step_size).ceil() as i64, (high / step_size).floor() as i64);
-    (first..=last).map(|line| GridMark { value: line as f64 * step_size, step_size }).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -459,16 +456,6 @@ mod tests {
     }
 
     #[test]
-    fn axes_have_a_few_round_marks() {
-        for (low, high) in [(0.0, 1.0), (-3.0, 17.0), (0.0, 999.0), (-0.002, 0.0035)] {
-            let marks = round_marks(GridInput { bounds: (low, high), base_step_size: 0.0 });
-            assert!((1..=3).contains(&marks.len()), "{low} to {high}: {marks:?}");
-            assert!(marks.iter().all(|mark| (low..=high).contains(&mark.value)));
-        }
-        assert!(round_marks(GridInput { bounds: (0.0, f64::NAN), base_step_size: 0.0 }).is_empty());
-    }
-
-    #[test]
     fn going_back_in_time_forgets_what_came_later() {
         let mut history = History::default();
         history.push(Sample { potential: 7.0, ..at(1.0) });
@@ -493,15 +480,6 @@ mod tests {
         assert_eq!(times(&history), [1.0]);
         history.push(at(0.5));
         assert_eq!(times(&history), [0.5]);
-    }
-
-    #[test]
-    fn marks_have_the_digits_of_their_step() {
-        for (value, step_size, text) in
-            [(0.5, 0.5, "0.5"), (0.002, 0.001, "0.002"), (40.0, 20.0, "40"), (3.0, 1.0, "3")]
-        {
-            assert_eq!(mark_text(GridMark { value, step_size }), text);
-        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use bevy_panorbit_camera::PanOrbitCameraPlugin;
 
 use super::{
     build, camera, carry_out, controls, drag, follow, ghost, gizmos, ground, help, highlight, joint_readings, light,
-    meshes, motor_keys, panel, playback, plots, quality, reload, screenshot, sky, state, timeline,
+    meshes, motor_keys, panel, playback, plots, probe, quality, reload, screenshot, sky, state, timeline, why,
 };
 use crate::physics::PhysicsPlugin;
 
@@ -33,7 +33,9 @@ impl Plugin for SandboxPlugin {
                 panel::plugin,
                 joint_readings::plugin,
                 plots::plugin,
+                probe::plugin,
                 ghost::plugin,
+                why::plugin,
                 gizmos::plugin,
                 help::plugin,
             ));

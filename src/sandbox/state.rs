@@ -130,7 +130,10 @@ pub(super) struct DrivenMotors {
 pub(super) const CONTROL_KEYS: [KeyCode; 4] =
     [KeyCode::ControlLeft, KeyCode::ControlRight, KeyCode::SuperLeft, KeyCode::SuperRight];
 
-/// Whether one of them is held.
+/// Both Shift keys.
+pub(super) const SHIFT_KEYS: [KeyCode; 2] = [KeyCode::ShiftLeft, KeyCode::ShiftRight];
+
+/// Whether Ctrl or ⌘ is held.
 pub(super) fn is_control_held(keys: &ButtonInput<KeyCode>) -> bool {
     keys.any_pressed(CONTROL_KEYS)
 }

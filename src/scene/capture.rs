@@ -7,7 +7,7 @@ use bevy::prelude::*;
 
 use super::body::WORLD_PREFIX;
 use super::spawn::{BodyColor, GivenHull, SceneEntity};
-use super::{BodySpec, JointParts, JointSpec, MaterialSpec, PictureMesh, SceneSpec, ShapeSpec};
+use super::{BodySpec, JointParts, JointSpec, MaterialSpec, PictureMesh, Probes, SceneSpec, ShapeSpec};
 use crate::physics::joint::JointSlot;
 use crate::physics::{
     BodySlot, Collider, CollisionLayers, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia, LockedAxes,
@@ -20,7 +20,7 @@ const NAMELESS: &str = "body";
 impl SceneSpec {
     /// The scene in a world as it stands now: every body and joint that a scene spawned
     /// ([`SceneEntity`]), in the order in which they were made, with their present poses,
-    /// velocities and forces; no view. Spawned, it goes on from there, but for what the solver
+    /// velocities and forces, and the [`Probes`] of what is there; no view. Spawned, it goes on from there, but for what the solver
     /// carried from the last step.
     ///
     /// Bodies keep their names, made unique by a number where two share one. Masses and inertias
@@ -41,7 +41,13 @@ impl SceneSpec {
         let mut described: Vec<(Entity, BodySpec)> = described.collect();
         make_names_unique(described.iter_mut().map(|(_, body)| body));
         let by_entity: HashMap<Entity, &BodySpec> = described.iter().map(|(entity, body)| (*entity, body)).collect();
-        scene.joints = scene_joints(world).iter().filter_map(|joint| joint_between(joint, &by_entity)).collect();
+        let joints = scene_joints(world);
+        let joints = joints.iter().filter_map(|(entity, joint)| Some((*entity, joint_between(joint, &by_entity)?)));
+        let joint_entities: Vec<Entity>;
+        (joint_entities, scene.joints) = joints.unzip();
+        if let Some(probes) = world.get_resource::<Probes>() {
+            scene.probes = probes.to_specs(&by_entity, &joint_entities);
+        }
         let (entities, bodies) = described.into_iter().unzip();
         scene.bodies = bodies;
         (scene, entities)
@@ -107,11 +113,11 @@ fn scene_bodies(world: &mut World) -> Vec<Entity> {
     bodies.into_iter().map(|(_, entity)| entity).collect()
 }
 
-fn scene_joints(world: &mut World) -> Vec<JointParts> {
+fn scene_joints(world: &mut World) -> Vec<(Entity, JointParts)> {
     let mut query = world.query_filtered::<(&JointSlot, Entity), With<SceneEntity>>();
     let mut joints: Vec<(u64, Entity)> = query.iter(world).map(|(slot, entity)| (slot.born, entity)).collect();
     joints.sort_unstable_by_key(|&(born, _)| born);
-    joints.into_iter().filter_map(|(_, entity)| JointParts::of_entity(world, entity)).collect()
+    joints.into_iter().filter_map(|(_, entity)| Some((entity, JointParts::of_entity(world, entity)?))).collect()
 }
 
 /// None where one of its bodies is not of the scene.

@@ -394,7 +394,7 @@ impl JointParts {
 }
 
 /// From the axes that a simulated body has to those that its shape is given in.
-fn in_principal_axes(body: &BodySpec) -> DQuat {
+pub(super) fn in_principal_axes(body: &BodySpec) -> DQuat {
     body.shape.as_ref().and_then(ShapeSpec::convex_hull).map_or(DQuat::IDENTITY, |hull| hull.axes())
 }
 

@@ -16,6 +16,7 @@ mod info;
 mod joint;
 mod mesh;
 mod number;
+mod probe;
 mod spawn;
 mod spec;
 mod validate;
@@ -31,6 +32,7 @@ pub(crate) use joint::JointComponent;
 pub(crate) use joint::JointParts;
 pub use joint::{JointKindSpec, JointSpec, LimitSpec, MotorKeys};
 pub use mesh::{MAX_MESH_BYTES, MeshError, MeshSpec, PictureMesh, TriangleMesh, builtin_meshes};
+pub use probe::{MAX_PROBES, Probe, ProbePlot, ProbePoint, ProbeSpec, ProbeSubject, Probes};
 pub use spawn::{BodyColor, SceneEntity, SpawnedScene, keep_scene};
 pub use spec::{MAX_BODIES, SceneSpec, ViewSpec};
 #[cfg(feature = "sandbox")]

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use bevy::prelude::*;
 
-use super::{BodySpec, HullSpec, JointParts, JointSpec, MotorKeys, PictureMesh, SceneSpec, ShapeSpec};
+use super::{BodySpec, HullSpec, JointParts, JointSpec, MotorKeys, PictureMesh, Probes, SceneSpec, ShapeSpec};
 use crate::physics::{
     Collider, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia, Keep, Mass, Position, RenderOrigin,
     Rotation, SurfaceMaterial, Velocity,
@@ -34,7 +34,7 @@ pub struct SpawnedScene {
 }
 
 impl SceneSpec {
-    /// Spawns every body (with its `Name`) and joint into a world and sets its gravity. The scene
+    /// Spawns every body (with its `Name`) and joint into a world and sets its gravity and its [`Probes`]. The scene
     /// must be valid.
     ///
     /// # Panics
@@ -51,7 +51,19 @@ impl SceneSpec {
         let by_name: HashMap<&str, (Entity, &BodySpec)> =
             self.bodies.iter().zip(&bodies).map(|(body, &entity)| (body.name.as_str(), (entity, body))).collect();
         let joints = self.joints.iter().map(|joint| spawn_joint(joint, &by_name, world)).collect();
-        SpawnedScene { bodies, joints }
+        let spawned = SpawnedScene { bodies, joints };
+        world.insert_resource(Probes::of_specs(&self.probes, &self.bodies, [&spawned.bodies, &spawned.joints]));
+        spawned
+    }
+}
+
+impl Probes {
+    /// Of the bodies of the same names and of the same joints, in a scene that was spawned anew.
+    #[cfg(feature = "sandbox")]
+    pub(crate) fn follow(&self, before: (&SceneSpec, &SpawnedScene), now: (&SceneSpec, &SpawnedScene)) -> Self {
+        let bodies = before.1.bodies.iter().copied().zip(&before.0.bodies).collect();
+        let probes = self.to_specs(&bodies, &before.1.joints);
+        Self::of_specs(&probes, &now.0.bodies, [&now.1.bodies, &now.1.joints])
     }
 }
 

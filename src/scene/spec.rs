@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use bevy::math::DVec3;
 
-use super::{BodySpec, JointSpec};
+use super::{BodySpec, JointSpec, ProbeSpec};
 
 /// Most bodies that a scene may have.
 pub const MAX_BODIES: usize = 100_000;
@@ -22,6 +22,8 @@ pub struct SceneSpec {
     pub joints: Vec<JointSpec>,
     /// Where a camera best looks from.
     pub view: Option<ViewSpec>,
+    /// What is plotted, trailed or measured in a window.
+    pub probes: Vec<ProbeSpec>,
 }
 
 /// A camera.
@@ -36,7 +38,7 @@ pub struct ViewSpec {
 impl SceneSpec {
     /// An empty scene.
     pub fn new(name: impl Into<String>, gravity: DVec3) -> Self {
-        Self { name: name.into(), gravity, bodies: Vec::new(), joints: Vec::new(), view: None }
+        Self { name: name.into(), gravity, bodies: Vec::new(), joints: Vec::new(), view: None, probes: Vec::new() }
     }
 }
 

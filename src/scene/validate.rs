@@ -10,7 +10,8 @@ use super::JointParts;
 use super::error::Flaw;
 use super::number::{Finite, Fraction, NonNegative, NumberError, Positive};
 use super::{
-    BodySpec, JointKindSpec, JointSpec, LimitSpec, MAX_BODIES, MotorKeys, SceneError, SceneSpec, ShapeSpec, ViewSpec,
+    BodySpec, JointKindSpec, JointSpec, LimitSpec, MAX_BODIES, MAX_PROBES, MotorKeys, Probe, ProbePoint, ProbeSpec,
+    ProbeSubject, SceneError, SceneSpec, ShapeSpec, ViewSpec,
 };
 use crate::physics::{DistanceLaw, JointAxes, JointMotor, MotorTarget, RigidBody, Softness};
 
@@ -49,6 +50,14 @@ impl SceneSpec {
         for (i, joint) in self.joints.iter().enumerate() {
             check_joint(joint, |name| by_name.get(name).map(|&body| &self.bodies[body]))
                 .map_err(|(field, problem)| Flaw::new(format!("joints[{i}].{field}"), problem))?;
+        }
+        if self.probes.len() > MAX_PROBES {
+            let problem = format!("{} are more than the limit of {MAX_PROBES}", self.probes.len());
+            return Err(Flaw::new("probes", problem));
+        }
+        for (i, probe) in self.probes.iter().enumerate() {
+            check_probe(probe, |name| by_name.contains_key(name), self.joints.len())
+                .map_err(|(field, problem)| Flaw::new(format!("probes[{i}].{field}"), problem))?;
         }
         match &self.view {
             Some(view) => check_view(view).map_err(|(field, problem)| Flaw::new(format!("view.{field}"), problem)),
@@ -299,6 +308,40 @@ fn check_view(view: &ViewSpec) -> Result<(), FieldFlaw> {
         return Err(("target", "must not be where the eye is".to_owned()));
     }
     Ok(())
+}
+
+fn check_probe(probe: &ProbeSpec, is_body: impl Fn(&str) -> bool, joints: usize) -> Result<(), FieldFlaw> {
+    let check_point = |fields: [&'static str; 2], point: &ProbePoint<String>| match &point.body {
+        Some(name) if !is_body(name) => Err((fields[0], no_body(name))),
+        _ => finite(fields[1], point.at),
+    };
+    let here = ["body", "at"];
+    match probe {
+        Probe::Plot(subject, plot) => {
+            match subject {
+                ProbeSubject::Point(point) => check_point(here, point)?,
+                ProbeSubject::Joint(joint) if *joint >= joints => {
+                    return Err(("joint", format!("no joint {joint}; the scene has {joints}, counted from 0")));
+                }
+                ProbeSubject::Joint(_) | ProbeSubject::Scene => {}
+            }
+            let of = match subject {
+                ProbeSubject::Point(ProbePoint { body: Some(_), .. }) => "a body",
+                ProbeSubject::Point(_) => "the world, which stands still; name a body",
+                ProbeSubject::Joint(_) => "a joint",
+                ProbeSubject::Scene => "a scene; name a body or a joint",
+            };
+            if plot.is_of(subject) { Ok(()) } else { Err(("show", format!("there is no {plot:?} of {of}"))) }
+        }
+        Probe::Trail(point) if point.body.is_none() => {
+            Err(("body", "the world leaves no trail; name one of the scene's bodies".to_owned()))
+        }
+        Probe::Trail(point) => check_point(here, point),
+        Probe::Tape([from, to]) => {
+            check_point(here, from)?;
+            check_point(["show.body", "show.at"], to)
+        }
+    }
 }
 
 fn number<N: TryFrom<f64, Error = NumberError>>(field: &'static str, value: f64) -> Result<(), FieldFlaw> {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use plumb::physics::{BrokenJoint, GoError, History, bury, go_to, uncut};
+use plumb::physics::{BrokenJoint, GoError, History, Mark, bury, go_to, swap_cut, take_back_since, uncut};
 use plumb::prelude::*;
 use plumb::scene::{catalog, load};
 
@@ -226,6 +226,56 @@ fn what_is_done_in_the_past_ends_what_was_to_come() {
         step(&mut world);
         assert_eq!(state_hash(&world), hash, "step {made} of what was before");
     }
+}
+
+#[test]
+fn what_was_done_in_the_past_and_what_was_to_come_change_places() {
+    let mut world = kept(SolverSettings::game(), "limbs", &[]);
+    let hashes = play(&mut world, 60, meddle);
+    let turn = |world: &mut World, back_to: u64, down: DVec3| {
+        go_to(world, back_to).unwrap();
+        world.resource_mut::<Gravity>().0 = down;
+        play(world, 10, nothing)
+    };
+    let others = turn(&mut world, 31, DVec3::X);
+    let inner = turn(&mut world, 35, DVec3::Z);
+    for _ in 0..2 {
+        check_all(&mut world, &inner, [36, 40], "what was done in what was done instead");
+        swap_cut(&mut world, 2).unwrap();
+        check_all(&mut world, &others, [33, 38], "what was done instead");
+        swap_cut(&mut world, 1).unwrap();
+        assert_eq!(world.resource::<StepStats>().steps, 31);
+        check_all(&mut world, &hashes, [31, 20, 58], "what was to come");
+        // What was done within it is not there meanwhile.
+        assert_eq!(swap_cut(&mut world, 2), Err(GoError::NoHistory));
+        swap_cut(&mut world, 1).unwrap();
+        swap_cut(&mut world, 2).unwrap();
+    }
+}
+
+#[test]
+fn what_was_done_since_a_mark_is_as_if_it_had_never_been() {
+    let mut world = kept(SolverSettings::game(), "limbs", &[]);
+    let hashes = play(&mut world, 60, meddle);
+    for step in [60, 47, 15] {
+        go_to(&mut world, step).unwrap();
+        let mark = Mark::of(&mut world).unwrap();
+        assert_eq!(Mark::of(&mut world), Some(mark));
+        for _ in 0..2 {
+            world.resource_mut::<Gravity>().0 = DVec3::X;
+            let body = world.query_filtered::<Entity, With<RigidBody>>().iter(&world).last().unwrap();
+            bury(&mut world, body);
+            assert_ne!(Mark::of(&mut world), Some(mark));
+            assert_eq!(world.resource::<History>().reach()[1], step, "what was to come is not");
+        }
+        take_back_since(&mut world, mark).unwrap();
+        assert_eq!((state_hash(&world), world.resource::<History>().reach()), (hashes[&step], [0, 60]));
+        check_all(&mut world, &hashes, [step.min(59), 10], "as if nothing had been done");
+    }
+    go_to(&mut world, 20).unwrap();
+    let mark = Mark::of(&mut world).unwrap();
+    step(&mut world);
+    assert_eq!(take_back_since(&mut world, mark), Err(GoError::NoHistory));
 }
 
 #[test]

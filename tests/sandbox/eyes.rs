@@ -55,13 +55,18 @@ pub fn open_eyes(stage: &mut Stage) {
 }
 
 /// Every text, in the order of drawing.
-fn texts(stage: &mut Stage) -> Vec<(String, Vec2)> {
+pub fn texts(stage: &mut Stage) -> Vec<(String, Vec2)> {
     stage.world().resource::<Painted>().texts.clone()
 }
 
 /// Whether a text is shown that has this in it.
 pub fn reads(stage: &mut Stage, part: &str) -> bool {
     texts(stage).iter().any(|(text, _)| text.contains(part))
+}
+
+/// The first text that has this in it.
+pub fn text_with(stage: &mut Stage, part: &str) -> Option<String> {
+    texts(stage).into_iter().map(|(text, _)| text).find(|text| text.contains(part))
 }
 
 /// Where that very text is, below another one if it is on view more than once.

@@ -29,17 +29,27 @@ fn every_key_writes_its_action_once() {
     stage.world().resource_mut::<Written>().0.clear();
     for binding in BINDINGS {
         for &key in binding.keys {
-            for control in [false, true] {
+            for (control, shift) in [(false, false), (true, false), (false, true), (true, true)] {
+                if shift {
+                    stage.hold(KeyCode::ShiftLeft);
+                }
                 if control {
                     stage.key_with_control(key)
                 } else {
                     stage.key(key)
                 }
+                if shift {
+                    stage.let_go(KeyCode::ShiftLeft);
+                }
                 let written = std::mem::take(&mut stage.world().resource_mut::<Written>().0);
-                let bound = |other: &&Binding| other.with_control == control && other.keys.contains(&key);
-                let expected: Vec<_> = BINDINGS.iter().filter(bound).map(|binding| binding.action.clone()).collect();
+                let bound = |with_shift: bool| {
+                    BINDINGS.iter().find(|other| {
+                        other.with_control == control && other.with_shift == with_shift && other.keys.contains(&key)
+                    })
+                };
+                let expected = bound(shift).or_else(|| bound(false)).map(|binding| binding.action.clone());
                 remove_recording(&mut stage);
-                assert_eq!(written, expected, "{key:?}, Ctrl {control}");
+                assert_eq!(written, Vec::from_iter(expected), "{key:?}, Ctrl {control}, Shift {shift}");
             }
         }
     }
@@ -48,9 +58,10 @@ fn every_key_writes_its_action_once() {
 #[test]
 fn no_two_actions_share_a_key() {
     let mut seen = HashSet::new();
-    let pressed = |binding: &'static Binding| binding.keys.iter().map(|key| (key, binding.with_control));
-    for (key, control) in BINDINGS.iter().flat_map(pressed) {
-        assert!(seen.insert((key, control)), "{key:?} is bound twice");
+    let pressed =
+        |binding: &'static Binding| binding.keys.iter().map(|key| (key, binding.with_control, binding.with_shift));
+    for pressed in BINDINGS.iter().flat_map(pressed) {
+        assert!(seen.insert(pressed), "{pressed:?} is bound twice");
     }
 }
 

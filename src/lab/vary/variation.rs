@@ -83,6 +83,18 @@ impl Variation {
             _ => index as f64,
         }
     }
+
+    /// Where a value lies on the axis that may be none of those that are varied; none where the axis has no place for it.
+    pub fn place_of(&self, value: Value) -> Option<f64> {
+        if let Some(index) = self.values.iter().position(|own| own.value == value) {
+            return Some(self.place(index));
+        }
+        match (self.scale, value) {
+            (Scale::Linear, Value::Number(value)) => Some(value),
+            (Scale::Logarithmic, Value::Number(value)) if value > 0.0 => Some(value.log10()),
+            _ => None,
+        }
+    }
 }
 
 fn list(name: &str, values: &str, scene: Option<&SceneInfo>) -> Result<Variation, VaryError> {
@@ -208,6 +220,8 @@ mod tests {
         let variation = Variation::parse("slop=0,0.001,0.01,1", None).unwrap();
         let places: Vec<f64> = (0..4).map(|index| variation.place(index)).collect();
         assert_eq!(places, [-4.5, -3.0, -2.0, 0.0]);
+        let of = |value| variation.place_of(Value::Number(value));
+        assert_eq!([of(0.0), of(0.1), of(-1.0)], [Some(-4.5), Some(-1.0), None]);
         let two = Variation::parse("slop=-0,0.01,0.2", None).unwrap();
         assert!(two.place(0) < two.place(1) && two.place(0).is_finite(), "{}", two.place(0));
     }

@@ -7,6 +7,7 @@ use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
 
 use super::acts::{Acts, Deeds};
+use super::branch::Branch;
 use super::bury::is_empty;
 use super::keyframe::Keyframe;
 use super::kinds::{Kinds, Removals};
@@ -27,15 +28,15 @@ pub struct History {
     /// Steps before it was begun.
     begun: u64,
     /// By step, ascending; the first is where what is kept begins.
-    frames: Vec<Keyframe>,
+    pub(super) frames: Vec<Keyframe>,
     /// What was done after so many steps, in its order.
-    acts: BTreeMap<u64, Vec<Acts>>,
+    pub(super) acts: BTreeMap<u64, Vec<Acts>>,
     /// Steps up to which it reaches.
-    last: u64,
+    pub(super) last: u64,
     /// How often something else was done in the past, so that what was to come was forgotten.
-    cuts: u64,
+    pub(super) cuts: u64,
     /// What was to come before each, the last last.
-    branches: Vec<Branch>,
+    pub(super) branches: Vec<Branch>,
     /// What it may take, bytes.
     limit: usize,
     /// What is newer was done by others since the last step.
@@ -43,18 +44,6 @@ pub struct History {
     /// What steps took since the last keyframe, and what that took.
     steps: Duration,
     keyframe: Duration,
-}
-
-/// What was to come, of a moment at which somebody did something else.
-struct Branch {
-    /// Which cut made it.
-    cut: u64,
-    /// Where it begins, and how many of the acts there are its own.
-    at: u64,
-    acts_at: usize,
-    frames: Vec<Keyframe>,
-    acts: BTreeMap<u64, Vec<Acts>>,
-    last: u64,
 }
 
 /// Why a world cannot be brought back.
@@ -152,12 +141,9 @@ impl History {
 
     /// About what it takes, bytes.
     pub fn bytes(&self) -> usize {
-        let of = |frames: &[Keyframe], acts: &BTreeMap<u64, Vec<Acts>>| {
-            let frames: usize = frames.iter().map(Keyframe::bytes).sum();
-            frames + acts.values().flatten().map(Acts::bytes).sum::<usize>()
-        };
-        let branches: usize = self.branches.iter().map(|branch| of(&branch.frames, &branch.acts)).sum();
-        of(&self.frames, &self.acts) + branches
+        let frames: usize = self.frames.iter().map(Keyframe::bytes).sum();
+        let acts: usize = self.acts.values().flatten().map(Acts::bytes).sum();
+        frames + acts + self.branches.iter().map(Branch::bytes).sum::<usize>()
     }
 
     fn take(&mut self, world: &mut World, step: u64) {
@@ -193,7 +179,7 @@ impl History {
         self.since = world.increment_change_tick();
     }
 
-    fn go(&mut self, world: &mut World, step: u64) -> Result<(), GoError> {
+    pub(super) fn go(&mut self, world: &mut World, step: u64) -> Result<(), GoError> {
         self.note_acts(world);
         let [first, last] = self.reach();
         if !(first..=last).contains(&step) {
@@ -248,7 +234,7 @@ impl History {
     }
 
     /// Takes in what was done since the last step. Where that lies in the past, what came after it is forgotten.
-    fn note_acts(&mut self, world: &mut World) {
+    pub(super) fn note_acts(&mut self, world: &mut World) {
         let (step, since) = (world.resource::<StepStats>().steps, self.since);
         let acts = world.resource_scope(|world, mut kinds: Mut<Kinds>| Acts::since(world, &mut kinds, since));
         if acts.is_empty() {
@@ -260,32 +246,16 @@ impl History {
                 cut: self.cuts,
                 at: step,
                 acts_at: self.acts.get(&step).map_or(0, Vec::len),
+                own: Vec::new(),
                 frames: self.frames.split_off(self.frames.partition_point(|frame| frame.step <= step)),
                 acts: self.acts.split_off(&(step + 1)),
                 last: self.last,
+                inner: Vec::new(),
             });
             self.last = step;
         }
         self.acts.entry(step).or_default().push(acts);
         self.note_end(world);
-    }
-
-    /// The world is where that cut was made, and what was to come is again: what was done instead is not.
-    fn uncut(&mut self, world: &mut World, cut: u64) -> Result<(), GoError> {
-        self.note_acts(world);
-        let place = self.branches.iter().position(|branch| branch.cut == cut).ok_or(GoError::NoHistory)?;
-        // Those after it began in what was done instead.
-        let branch = self.branches.drain(place..).next();
-        let Branch { at, acts_at, frames, acts, last, .. } = branch.ok_or(GoError::NoHistory)?;
-        self.frames.retain(|frame| frame.step <= at);
-        self.frames.extend(frames);
-        self.acts.retain(|&step, _| step <= at);
-        if let Some(own) = self.acts.get_mut(&at) {
-            own.truncate(acts_at);
-        }
-        self.acts.extend(acts);
-        self.last = last;
-        self.go(world, at)
     }
 
     /// Takes in a step that was made, and took so long: what was done after it is done again where it lies in the past.
@@ -335,18 +305,6 @@ pub(crate) fn step_and_note(world: &mut World) -> Duration {
         world.insert_resource(history);
     }
     took
-}
-
-/// Takes back what was done in the past: the world is where it was done, and what was to come then is again. Cuts are
-/// counted by [`History::cuts`].
-///
-/// # Errors
-/// What was to come is not kept any more, or one of the entities is gone for good.
-pub fn uncut(world: &mut World, cut: u64) -> Result<(), GoError> {
-    let mut history = world.remove_resource::<History>().ok_or(GoError::NoHistory)?;
-    let outcome = history.uncut(world, cut);
-    world.insert_resource(history);
-    outcome
 }
 
 /// Remembers what resources are in a world without a body, for [`begin_anew`].

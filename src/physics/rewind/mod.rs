@@ -13,13 +13,16 @@
 //! as the one that it was: whoever refers to it refers to it still.
 
 mod acts;
+mod branch;
 mod bury;
 mod history;
 mod keyframe;
 mod kinds;
+mod taking_back;
 
 pub use acts::Deeds;
 pub use bury::{bury, is_empty};
-pub use history::{GoError, History, Told, begin_anew, go_to, retell, uncut};
+pub use history::{GoError, History, Told, begin_anew, go_to, retell};
 pub(crate) use history::{note_blank, step_and_note};
 pub use kinds::Keep;
+pub use taking_back::{Mark, swap_cut, take_back_since, uncut};

@@ -15,10 +15,15 @@ mod substeps;
 mod sweeps;
 
 pub(crate) use exact::ExactGroups;
+pub(crate) use impulse::ImpulseGroups;
 pub(crate) use sweeps::IslandSolvers;
 
 use bevy::prelude::*;
 
+use super::rewind::Keep;
+use super::solve_trace::SolveTrace;
+
 pub(super) fn plugin(app: &mut App) {
+    app.keep_resource::<SolveTrace>();
     app.add_plugins((sweeps::plugin, impulse::plugin, exact::plugin));
 }

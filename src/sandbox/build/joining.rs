@@ -112,11 +112,7 @@ fn meant_joint(world: &mut World) -> Result<Entity, String> {
         Some(place) if !aim.by_pointer => (place - aim.origin).normalize_or(aim.direction),
         _ => aim.direction,
     };
-    let nearest = |candidates: Vec<(Entity, JointComponent)>| {
-        let angle = |joint| Some(toward.angle_between(place_of_joint(world, joint)? - aim.origin));
-        let angles = candidates.iter().filter_map(|(entity, joint)| Some((*entity, angle(joint)?)));
-        angles.min_by(|(_, a), (_, b)| a.total_cmp(b))
-    };
+    let nearest = |candidates: Vec<(Entity, JointComponent)>| nearest(world, &candidates, aim.origin, toward);
     if aim.by_pointer
         && selection.partner.is_some()
         && let Some((joint, _)) = nearest(all).filter(|(_, angle)| *angle < POINTING)
@@ -133,6 +129,20 @@ fn meant_joint(world: &mut World) -> Result<Entity, String> {
             None => Err(format!("{} has no joint", name_of(world, picked.entity))),
         },
     }
+}
+
+/// The joint that the pointer is on, if it is on one.
+pub fn joint_at_pointer(world: &mut World) -> Option<Entity> {
+    let aim = world.run_system_cached(camera::aim).ok().flatten().filter(|aim| aim.by_pointer)?;
+    let all = joints(world);
+    nearest(world, &all, aim.origin, aim.direction).filter(|(_, angle)| *angle < POINTING).map(|(joint, _)| joint)
+}
+
+/// The joint that is nearest to a direction as seen from a place, and the angle to it, rad.
+fn nearest(world: &World, candidates: &[(Entity, JointComponent)], eye: DVec3, toward: DVec3) -> Option<(Entity, f64)> {
+    let angle = |joint| Some(toward.angle_between(place_of_joint(world, joint)? - eye));
+    let angles = candidates.iter().filter_map(|(entity, joint)| Some((*entity, angle(joint)?)));
+    angles.min_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
 /// Cuts that joint.

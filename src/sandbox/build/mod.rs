@@ -18,13 +18,13 @@ pub use blueprint::{Blueprint, Weight};
 pub(super) use blueprint::{choose_mesh, stem};
 pub(super) use changing::change_joint;
 pub use join_kind::JoinKind;
-pub(super) use joining::{cut, cut_picked, join_picked, pin_picked};
+pub(super) use joining::{cut, cut_picked, join_picked, joint_at_pointer, pin_picked};
 pub use joint_change::JointChange;
 pub(super) use joints::Pin;
 pub(super) use kept::KeptScene;
 pub(super) use names::unique_name;
 pub(super) use spawning::spawn_body;
-pub(super) use undo::{UndoStack, delete_picked, follow_time, keep_what_was_built, undo};
+pub(super) use undo::{UndoStack, delete_picked, follow_time, keep_what_was_built, redo, undo};
 
 use bevy::prelude::*;
 

@@ -1,4 +1,4 @@
-//! Taking back what was built, cut or deleted, the last first.
+//! Taking back what was built, cut or deleted, the last first, and having it come again.
 
 use bevy::prelude::*;
 
@@ -6,7 +6,10 @@ use super::joint_change::JointChange;
 use super::joints::{Pin, idle_without, joints_of};
 use super::kept::KeptScene;
 use super::names::name_of;
-use crate::physics::{History, RigidBody, StepStats, bury, is_empty, uncut};
+use crate::physics::{
+    History, Mark, RenderOrigin, RigidBody, StepStats, bury, go_to, is_empty, swap_cut, take_back_since,
+};
+use crate::sandbox::held::Drag;
 use crate::sandbox::state::report;
 use crate::sandbox::{Selection, drag};
 use crate::scene::{BodySpec, JointParts, SceneEntity};
@@ -19,13 +22,22 @@ const DEPTH: usize = 64;
 #[derive(Resource, Default)]
 pub struct UndoStack {
     deeds: Vec<Done>,
-    /// Those that the scene has not come to (it went back), the next last.
-    ahead: Vec<Done>,
+    /// What redo would have come again, the next last.
+    undone: Vec<Undone>,
+    ahead: Ahead,
     /// How often what was to come had been cut off when that was looked at.
     cuts: u64,
 }
 
+/// What was done and undone at moments that the scene has not come to (it went back), the next last.
+#[derive(Clone, Default)]
+pub struct Ahead {
+    deeds: Vec<Done>,
+    undone: Vec<Undone>,
+}
+
 /// A deed, and when it was done.
+#[derive(Clone)]
 pub struct Done {
     /// Completes "undid …".
     what: String,
@@ -34,7 +46,22 @@ pub struct Done {
     step: u64,
 }
 
+/// A deed that was undone.
+#[derive(Clone)]
+struct Undone {
+    done: Done,
+    /// What does it again.
+    again: Deed,
+    /// Steps that the world had made.
+    step: u64,
+    /// How the history stood before it was undone and after that.
+    marks: [Option<Mark>; 2],
+    /// What was to come, where undoing it ended that.
+    ahead: Ahead,
+}
+
 /// What a deed did to the world.
+#[derive(Clone)]
 pub enum Deed {
     /// These bodies and joints are new.
     Added(Vec<Entity>),
@@ -53,7 +80,7 @@ pub enum Deed {
         back: JointChange,
     },
     /// Something was done in the past: what was to come will not, by the count of such cuts, nor these deeds.
-    Cut(u64, Vec<Done>),
+    Cut(u64, Ahead),
     /// A scene in which something was built is on view no longer.
     Left(Box<KeptScene>),
 }
@@ -61,7 +88,8 @@ pub enum Deed {
 impl UndoStack {
     /// Forgets the bodies and joints that deeds mean, which are about to go. Tells whether there were such deeds.
     pub fn leave_scene(&mut self) -> bool {
-        self.ahead.clear();
+        self.ahead = Ahead::default();
+        self.undone.clear();
         let built = self.deeds.iter().any(|done| !matches!(done.deed, Deed::Left(_) | Deed::Cut(..)));
         self.deeds.retain(|done| matches!(done.deed, Deed::Left(_)));
         built
@@ -70,6 +98,11 @@ impl UndoStack {
     /// What the next undo would take back.
     pub fn next(&self) -> Option<&str> {
         self.deeds.last().map(|done| done.what.as_str())
+    }
+
+    /// What the next redo would have come again.
+    pub fn next_again(&self) -> Option<&str> {
+        self.undone.last().map(|undone| undone.done.what.as_str())
     }
 
     /// Whether a change of that joint would be one more like the last deed.
@@ -87,15 +120,30 @@ impl UndoStack {
             let what = "what was done in the past".to_owned();
             let deed = Deed::Cut(cuts, std::mem::take(&mut self.ahead));
             self.deeds.push(Done { what, deed, step });
+            self.undone.clear();
         }
         self.cuts = cuts;
-        let is_done = |done: &Done| done.step <= step || matches!(done.deed, Deed::Left(_));
-        while self.deeds.last().is_some_and(|done| !is_done(done)) {
-            self.ahead.extend(self.deeds.pop());
+        let is_past = |at: u64, deed: &Deed| at <= step || matches!(deed, Deed::Left(_));
+        change_places(&mut self.deeds, &mut self.ahead.deeds, |done| is_past(done.step, &done.deed));
+        change_places(&mut self.undone, &mut self.ahead.undone, |undone| is_past(undone.step, &undone.done.deed));
+    }
+
+    /// Takes in whether undo or redo itself ended what was to come: that is no deed of its own. What was to come then.
+    fn note_cut(&mut self, cuts: u64) -> Ahead {
+        match std::mem::replace(&mut self.cuts, cuts) == cuts {
+            true => Ahead::default(),
+            false => std::mem::take(&mut self.ahead),
         }
-        while self.ahead.last().is_some_and(is_done) {
-            self.deeds.extend(self.ahead.pop());
-        }
+    }
+}
+
+/// Moves what is past to the one list and what is not to the other.
+fn change_places<T>(past: &mut Vec<T>, ahead: &mut Vec<T>, is_past: impl Fn(&T) -> bool) {
+    while past.last().is_some_and(|last| !is_past(last)) {
+        ahead.extend(past.pop());
+    }
+    while ahead.last().is_some_and(&is_past) {
+        past.extend(ahead.pop());
     }
 }
 
@@ -116,6 +164,7 @@ pub fn remember(world: &mut World, what: String, deed: Deed) {
     follow_time(world);
     let step = world.resource::<StepStats>().steps;
     let mut stack = world.resource_mut::<UndoStack>();
+    stack.undone.clear();
     if stack.deeds.len() == DEPTH {
         stack.deeds.remove(0);
     }
@@ -163,62 +212,130 @@ pub fn keep_what_was_built(world: &mut World) -> Option<String> {
 
 /// Takes the last deed back. Of leaving a scene, tells which is to take the place of the present one.
 pub fn undo(world: &mut World) -> Option<KeptScene> {
-    History::take_in(world);
+    let before = Mark::of(world);
     follow_time(world);
-    let mut left = None;
-    let outcome = match world.resource_mut::<UndoStack>().deeds.pop() {
-        None => Err("nothing to undo".to_owned()),
-        Some(Done { what, deed: Deed::Left(scene), .. }) => {
-            left = Some(*scene);
+    let Some(done) = world.resource_mut::<UndoStack>().deeds.pop() else {
+        report(world, Err("nothing to undo".to_owned()));
+        return None;
+    };
+    let what = done.what.clone();
+    let (again, left) = match done.deed.clone() {
+        Deed::Left(scene) => (leave(world), Some(*scene)),
+        Deed::Cut(cut, ahead) => (swap(world, cut, ahead, None), None),
+        deed => (take_back(world, deed).ok_or("it is gone"), None),
+    };
+    let ahead = note_cut(world);
+    let outcome = match again {
+        Ok(again) => {
+            let (step, marks) = (world.resource::<StepStats>().steps, [before, Mark::of(world)]);
+            world.resource_mut::<UndoStack>().undone.push(Undone { done, again, step, marks, ahead });
             Ok(format!("undid {what}"))
         }
-        Some(Done { what, deed: Deed::Cut(cut, ahead), .. }) => take_back_cut(world, &what, cut, ahead),
-        Some(Done { what, deed, .. }) => {
-            let was_there = take_back(world, deed);
-            // Where that ends what was to come, the next undo is not to bring back what this one took.
-            History::take_in(world);
-            let cuts = cuts(world);
-            let mut stack = world.resource_mut::<UndoStack>();
-            if std::mem::replace(&mut stack.cuts, cuts) != cuts {
-                stack.ahead.clear();
-            }
-            match was_there {
-                true => Ok(format!("undid {what}")),
-                false => Err(format!("cannot undo {what}: it is gone")),
-            }
-        }
+        Err(reason) => Err(format!("cannot undo {what}: {reason}")),
     };
+    let left = left.filter(|_| outcome.is_ok());
     report(world, outcome);
     left
 }
 
-/// What was to come is again.
-fn take_back_cut(world: &mut World, what: &str, cut: u64, ahead: Vec<Done>) -> Result<String, String> {
-    drag::release(world);
-    uncut(world, cut).map_err(|_| format!("cannot undo {what}: what was to come then is not kept any more"))?;
-    let cuts = cuts(world);
-    let mut stack = world.resource_mut::<UndoStack>();
-    (stack.ahead, stack.cuts) = (ahead, cuts);
-    Ok(format!("undid {what}: what came after is there again"))
+/// Has what was undone last come again: to the last bit where nothing has happened since, else as it can be by now. Of a
+/// scene that was left again, tells that it is to take the place of the present one.
+pub fn redo(world: &mut World) -> Option<KeptScene> {
+    let now = Mark::of(world);
+    follow_time(world);
+    let Some(undone) = world.resource_mut::<UndoStack>().undone.pop() else {
+        report(world, Err("nothing to redo".to_owned()));
+        return None;
+    };
+    let Undone { done: Done { what, deed, mut step }, again, marks: [before, after], ahead, .. } = undone;
+    let is_as_it_was = now == after && !world.resource::<Drag>().is_active();
+    let (came, left) = match (again, before.filter(|_| is_as_it_was)) {
+        (Deed::Left(scene), _) => (leave(world), Some(*scene)),
+        (Deed::Cut(cut, instead), _) => (swap(world, cut, instead, before), None),
+        (_, Some(before)) => {
+            let came = take_back_since(world, before).map_err(|_| "it is gone");
+            world.resource_mut::<RenderOrigin>().set_changed();
+            let mut stack = world.resource_mut::<UndoStack>();
+            stack.ahead.deeds.extend(ahead.deeds);
+            stack.ahead.undone.extend(ahead.undone);
+            (came.map(|()| deed), None)
+        }
+        (again, None) => {
+            step = world.resource::<StepStats>().steps;
+            (take_back(world, again).ok_or("it is gone"), None)
+        }
+    };
+    note_cut(world);
+    let outcome = match came {
+        Ok(deed) => {
+            world.resource_mut::<UndoStack>().deeds.push(Done { what: what.clone(), deed, step });
+            follow_time(world);
+            Ok(format!("redid {what}"))
+        }
+        Err(reason) => Err(format!("cannot redo {what}: {reason}")),
+    };
+    let left = left.filter(|_| outcome.is_ok());
+    report(world, outcome);
+    left
 }
 
-/// Tells whether there was anything left to take back.
-fn take_back(world: &mut World, deed: Deed) -> bool {
+/// Where undo or redo ends what was to come, the next undo is not to bring back what this one took. What was to come.
+fn note_cut(world: &mut World) -> Ahead {
+    History::take_in(world);
+    let cuts = cuts(world);
+    world.resource_mut::<UndoStack>().note_cut(cuts)
+}
+
+/// The scene on view makes place for another: how it comes back. Deeds that mean its bodies are none any more.
+fn leave(world: &mut World) -> Result<Deed, &'static str> {
+    drag::release(world);
+    let kept = KeptScene::of(world).ok_or("there is no scene")?;
+    let mut stack = world.resource_mut::<UndoStack>();
+    stack.undone.retain(|undone| matches!(undone.done.deed, Deed::Left(_)));
+    stack.ahead = Ahead::default();
+    Ok(Deed::Left(Box::new(kept)))
+}
+
+/// What was to come at a cut, and what was done instead, change places, with the deeds of the one that is to be on the strip;
+/// the world is at the cut then, or where it was in that when they last did. What has them change again.
+fn swap(world: &mut World, cut: u64, deeds: Ahead, back_to: Option<Mark>) -> Result<Deed, &'static str> {
+    drag::release(world);
+    swap_cut(world, cut).map_err(|_| "what was to come then is not kept any more")?;
+    note_cut(world);
+    follow_time(world);
+    let others = std::mem::replace(&mut world.resource_mut::<UndoStack>().ahead, deeds);
+    if let Some(mark) = back_to {
+        go_to(world, mark.step).map_err(|_| "what was done then is not kept any more")?;
+    }
+    world.resource_mut::<RenderOrigin>().set_changed();
+    Ok(Deed::Cut(cut, others))
+}
+
+/// Takes a deed of the running scene back, and tells the deed that does so, which is taken back in the same way; none where
+/// there was nothing left to take back.
+fn take_back(world: &mut World, deed: Deed) -> Option<Deed> {
     match deed {
         Deed::Added(entities) => {
-            let was_there: Vec<bool> = entities.into_iter().map(|entity| bury(world, entity)).collect();
-            !was_there.contains(&false)
+            let is_there = |&entity: &Entity| world.get_entity(entity).is_ok() && !is_empty(world, entity);
+            let was_there = entities.iter().all(is_there);
+            let is_body = |entity: &Entity| world.get::<RigidBody>(*entity).is_some();
+            let (bodies, joints): (Vec<_>, Vec<_>) = entities.iter().copied().partition(is_body);
+            let removed = remove(world, bodies, &joints);
+            was_there.then_some(removed)
         }
-        Deed::Removed { bodies, joints } => restore(world, bodies, joints),
-        Deed::Changed { joint, mut back } => back.write(world, joint),
-        Deed::Left(_) | Deed::Cut(..) => false, // not one thing of the running scene
+        Deed::Removed { bodies, joints } => {
+            let came_back = restore(world, bodies, joints);
+            (!came_back.is_empty()).then_some(Deed::Added(came_back))
+        }
+        Deed::Changed { joint, mut back } => back.write(world, joint).then_some(Deed::Changed { joint, back }),
+        Deed::Left(_) | Deed::Cut(..) => None, // not one thing of the running scene
     }
 }
 
 /// Has bodies and joints come back as the entities that they were; a joint whose other body has gone meanwhile stays
-/// away. Tells whether anything came back.
-fn restore(world: &mut World, bodies: Vec<(Entity, BodySpec)>, joints: Vec<(Entity, Name, JointParts)>) -> bool {
-    let mut came_back = false;
+/// away. Tells what came back.
+fn restore(world: &mut World, bodies: Vec<(Entity, BodySpec)>, joints: Vec<(Entity, Name, JointParts)>) -> Vec<Entity> {
+    let mut came_back = Vec::new();
     for (entity, body) in bodies {
         if !is_empty(world, entity) {
             continue; // it is there, or gone for good
@@ -227,7 +344,7 @@ fn restore(world: &mut World, bodies: Vec<(Entity, BodySpec)>, joints: Vec<(Enti
             world.entity_mut(entity).insert(Pin); // nothing else without a shape is ever removed
         }
         body.spawn_at(world, entity);
-        came_back = true;
+        came_back.push(entity);
     }
     for (entity, name, parts) in joints {
         let holds = parts.bodies().into_iter().all(|end| world.get::<RigidBody>(end).is_some());
@@ -235,7 +352,7 @@ fn restore(world: &mut World, bodies: Vec<(Entity, BodySpec)>, joints: Vec<(Enti
             let mut joint = world.entity_mut(entity);
             joint.insert((name, SceneEntity));
             parts.insert(&mut joint);
-            came_back = true;
+            came_back.push(entity);
         }
     }
     came_back

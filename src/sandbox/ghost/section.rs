@@ -145,7 +145,7 @@ fn type_for(
             let names = vary::settings_names(settings);
             let suggest = |name: &str| vary::suggested_value(name, settings);
             let about = "the ghost's value; Enter lets it run on from here";
-            if vary::show(ui, "changed setting", &names, typed, suggest, about) {
+            if vary::show(ui, "changed setting", "", &names, typed, suggest, about) {
                 let changed = Assignment::parse(&typed.text(), None);
                 typed.problem = changed.as_ref().err().map(ToString::to_string);
                 if let Ok(changed) = changed {

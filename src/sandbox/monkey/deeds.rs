@@ -23,7 +23,7 @@ const COVERED: Vec2 = Vec2::new(350.0, 80.0);
 const BRITTLE: f64 = 200.0;
 
 /// Kinds of deeds, and how often each comes.
-const KINDS: [(Kind, u32); 17] = [
+const KINDS: [(Kind, u32); 18] = [
     (Kind::Drag, 4),
     (Kind::Throw, 2),
     (Kind::Add, 2),
@@ -32,6 +32,7 @@ const KINDS: [(Kind, u32); 17] = [
     (Kind::Cut, 2),
     (Kind::Delete, 2),
     (Kind::Undo, 4),
+    (Kind::Redo, 3),
     (Kind::Preset, 1),
     (Kind::Setting, 1),
     (Kind::GoBack, 2),
@@ -53,6 +54,7 @@ enum Kind {
     Cut,
     Delete,
     Undo,
+    Redo,
     Preset,
     Setting,
     GoBack,
@@ -88,6 +90,10 @@ pub(super) fn do_something(hands: &mut Hands, random: &mut Pcg64Mcg, own: &Solve
         Kind::Undo => {
             hands.act(SandboxAction::Undo);
             "undid something".into()
+        }
+        Kind::Redo => {
+            hands.act(SandboxAction::Redo);
+            "redid something".into()
         }
         Kind::Preset => {
             let presets = SolverSettings::PRESETS;

@@ -102,11 +102,16 @@ pub(super) fn show(
             ActionButton::new("✂ Cut", SandboxAction::CutPicked).enabled_if(selection.body.is_some()),
         ],
     );
-    let undoes = undo.next().map(|what| format!("⮪ Undo {what}"));
-    let button = egui::Button::new(undoes.as_deref().unwrap_or("⮪ Undo")).truncate();
-    if ui.add_enabled(undoes.is_some(), button).on_hover_text(tooltip(&SandboxAction::Undo)).clicked() {
-        actions.write(SandboxAction::Undo);
-    }
+    ui.columns(2, |columns| {
+        let both = [("⮪ Undo", undo.next(), SandboxAction::Undo), ("⮫ Redo", undo.next_again(), SandboxAction::Redo)];
+        for (column, (label, what, action)) in columns.iter_mut().zip(both) {
+            let text = what.map_or_else(|| label.to_owned(), |what| format!("{label} {what}"));
+            let button = egui::Button::new(text).truncate();
+            if column.add_enabled(what.is_some(), button).on_hover_text(tooltip(&action)).clicked() {
+                actions.write(action);
+            }
+        }
+    });
 }
 
 /// What joints are made as.

@@ -72,6 +72,7 @@ mod tests {
             SandboxAction::CutPicked,
             SandboxAction::Follow,
             SandboxAction::Undo,
+            SandboxAction::Redo,
             SandboxAction::DeletePicked,
             SandboxAction::Screenshot,
             SandboxAction::ToggleHelp,

@@ -1,29 +1,35 @@
-//! The panel at the right: playback, scenes, building, files, gizmos, the selected body, plots,
-//! solver, read-outs.
+//! The panel at the right: playback, scenes, building, files, gizmos, colors and what made the last step, the selected body,
+//! plots, probes, ghosts beside the scene, charts, sweeps, solver, read-outs.
 //!
 //! Each section is a system that is handed egui's `Ui`, so that it names the resources it shows
 //! and nothing else. What a section asks of the sandbox it writes as a
 //! [`SandboxAction`](super::SandboxAction); physics resources it edits in place.
 
+mod axes;
 mod build;
 mod buttons;
 mod chart;
 mod entry;
 mod files;
 mod joint;
+mod measuring;
 mod playback;
 mod readouts;
 mod scenes;
 mod selection;
 mod solver;
 mod strip;
+mod sweep;
 mod theme;
 mod toast;
 pub(super) mod vary;
 mod world;
 
-pub use chart::{ChartOf, ChartSource, measure_chart};
+pub(super) use axes::power;
+pub use chart::measure_chart;
 pub(super) use entry::Entered;
+pub use measuring::ChartSource;
+pub(super) use strip::HEIGHT as STRIP_HEIGHT;
 pub(super) use theme::{Quantity, name_of, palette, without_negative_zero};
 
 use bevy::prelude::*;
@@ -31,7 +37,8 @@ use bevy_egui::{EguiContext, EguiPrimaryContextPass, PrimaryEguiContext, egui};
 
 use super::joint_readings::ReadJoints;
 use super::state::Covered;
-use super::{ghost, gizmos, plots};
+use super::{ghost, gizmos, plots, probe, why};
+use crate::scene::Probes;
 
 /// Whether the panel is open. Closed by dragging its edge to the side of the window.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,7 +46,15 @@ pub struct PanelOpen(pub bool);
 
 pub(super) fn plugin(app: &mut App) {
     app.insert_resource(PanelOpen(true))
-        .add_plugins((playback::plugin, scenes::plugin, files::plugin, chart::plugin, toast::plugin))
+        .add_plugins((
+            playback::plugin,
+            scenes::plugin,
+            files::plugin,
+            measuring::plugin,
+            chart::plugin,
+            sweep::plugin,
+            toast::plugin,
+        ))
         .add_systems(EguiPrimaryContextPass, (theme::apply, show, strip::show).chain());
 }
 
@@ -78,7 +93,7 @@ fn show(world: &mut World) -> Result {
     }
     world.resource_mut::<PanelOpen>().set_if_neq(PanelOpen(open));
     world.resource_mut::<Covered>().set_if_neq(Covered(covered));
-    let watched = drawn? && open;
+    let watched = (drawn? && open) || probe::reads_diagnostics(world.resource::<Probes>());
     world.resource_mut::<plots::Watched>().set_if_neq(plots::Watched(watched));
     Ok(())
 }
@@ -106,14 +121,17 @@ fn sections(ui: &mut egui::Ui, world: &mut World) -> Result<bool> {
             section(ui, world, "Build", true, build::show)?;
             section(ui, world, "Files", true, files::show)?;
             section(ui, world, "Gizmos", true, gizmos::show)?;
+            section(ui, world, "Why", false, why::show)?;
             // Beside the gizmos and the plots, which show what is chosen here.
             let list_open = section(ui, world, "Selected body", true, selection::show)?;
             if !list_open && !world.resource::<ReadJoints>().open.is_empty() {
                 world.resource_mut::<ReadJoints>().open.clear();
             }
             let plots_open = section(ui, world, "Plots", true, plots::show)?;
+            section(ui, world, "Probes", true, probe::show)?;
             section(ui, world, "Side by side", false, ghost::show)?;
             section(ui, world, "Chart", false, chart::show)?;
+            section(ui, world, "Sweep", false, sweep::show)?;
             section(ui, world, "Solver", true, solver::show)?;
             section(ui, world, "Read-outs", true, readouts::show)?;
             section(ui, world, "World", false, world::show)?;

@@ -4,8 +4,10 @@ use bevy::prelude::*;
 use bevy_egui::egui;
 
 use super::super::held::Drag;
+use super::super::probe::offer;
 use super::theme::Quantity;
 use crate::physics::{Quarantined, StepStats};
+use crate::scene::{Probe, ProbePlot, ProbeSubject, Probes};
 
 /// How many quarantined bodies are named.
 const NAMED: usize = 8;
@@ -15,25 +17,36 @@ pub(super) fn show(
     stats: Res<StepStats>,
     drag: Res<Drag>,
     quarantined: Query<(Entity, Option<&Name>, &Quarantined)>,
+    mut probes: ResMut<Probes>,
 ) {
     // The hand, and the joint that it drags with, are none of the scene.
     let of_hand = u32::from(drag.is_active());
-    let counts: [(&str, u64, &str); 10] = [
-        ("bodies", stats.bodies.saturating_sub(of_hand).into(), "bodies of all kinds"),
-        ("joints", stats.joints.saturating_sub(of_hand).into(), "joints"),
-        ("pairs", stats.pairs.into(), "pairs that the broad phase handed on"),
-        ("touching", stats.manifolds.into(), "pairs that touch"),
-        ("contacts", stats.contact_points.into(), "contact points"),
-        ("rows", stats.rows.into(), "scalar constraints solved in one substep"),
-        ("row updates", stats.row_updates, "rows × iterations × solves, over all substeps: a cost without a clock"),
-        ("islands", stats.islands.into(), "groups of awake bodies that touch or are joined"),
-        ("at rest", stats.resting.into(), "awake bodies of islands at rest: solved directly, or nothing to solve"),
-        ("asleep", stats.sleeping.into(), "bodies that sleep"),
+    let counts: [(&str, u64, &str, Option<ProbePlot>); 10] = [
+        ("bodies", stats.bodies.saturating_sub(of_hand).into(), "bodies of all kinds", None),
+        ("joints", stats.joints.saturating_sub(of_hand).into(), "joints", None),
+        ("pairs", stats.pairs.into(), "pairs that the broad phase handed on", Some(ProbePlot::Pairs)),
+        ("touching", stats.manifolds.into(), "pairs that touch", Some(ProbePlot::Touching)),
+        ("contacts", stats.contact_points.into(), "contact points", Some(ProbePlot::Contacts)),
+        ("rows", stats.rows.into(), "scalar constraints solved in one substep", Some(ProbePlot::Rows)),
+        (
+            "row updates",
+            stats.row_updates,
+            "rows × iterations × solves, over all substeps: a cost without a clock",
+            Some(ProbePlot::RowUpdates),
+        ),
+        ("islands", stats.islands.into(), "groups of awake bodies that touch or are joined", Some(ProbePlot::Islands)),
+        (
+            "at rest",
+            stats.resting.into(),
+            "awake bodies of islands at rest: solved directly, or nothing to solve",
+            Some(ProbePlot::AtRest),
+        ),
+        ("asleep", stats.sleeping.into(), "bodies that sleep", Some(ProbePlot::Asleep)),
     ];
     egui::Grid::new("read-outs").num_columns(4).spacing([14.0, 3.0]).show(ui, |ui| {
         for pair in counts.chunks(2) {
-            for (label, count, about) in pair {
-                ui.label(*label).on_hover_text(*about);
+            for (label, count, about, plot) in pair {
+                name(ui, &mut probes, label, about, *plot);
                 ui.monospace(format!("{:>9}", grouped(*count))).on_hover_text(*about);
             }
             // An odd last row has room for the time.
@@ -41,7 +54,7 @@ pub(super) fn show(
                 ui.end_row();
             }
         }
-        ui.label("step time").on_hover_text("wall-clock time of the last step");
+        name(ui, &mut probes, "step time", "wall-clock time of the last step", Some(ProbePlot::StepTime));
         ui.monospace(format!("{:>9}", Quantity::text(stats.step_seconds, "s")));
         ui.end_row();
     });
@@ -59,6 +72,13 @@ pub(super) fn show(
     if frozen > NAMED {
         ui.colored_label(red, format!("and {} more", frozen - NAMED));
     }
+}
+
+/// What a line is called; a right click plots it.
+fn name(ui: &mut egui::Ui, probes: &mut ResMut<Probes>, label: &str, about: &str, plot: Option<ProbePlot>) {
+    let shown = ui.add(egui::Label::new(label).selectable(false).sense(egui::Sense::click())).on_hover_text(about);
+    let offered = plot.map(|plot| Probe::Plot(ProbeSubject::Scene, plot));
+    offer(&shown, probes, offered.as_slice());
 }
 
 /// A number with thin gaps between thousands.

@@ -6,12 +6,13 @@ use bevy_egui::egui;
 
 use super::super::any_joint::{IsJoint, WholeJoint, WholeJointItem, noun};
 use super::super::joint_readings::ReadJoints;
+use super::super::probe::{Reader, offer_body, offer_joint};
 use super::super::{JointChange, SandboxAction, Selection};
 use super::buttons::tooltip;
 use super::joint;
 use super::theme::{Quantity, name_of, without_negative_zero};
 use crate::physics::{Mass, Position, RigidBody, Rotation, StepStats, Velocity};
-use crate::scene::{JointComponent, SceneEntity};
+use crate::scene::{JointComponent, Probes, SceneEntity};
 
 /// How many joints are listed.
 const LISTED: usize = 12;
@@ -39,6 +40,7 @@ pub(super) fn show(
     joints: Joints,
     stats: Res<StepStats>,
     mut read: ResMut<ReadJoints>,
+    (mut probes, reader): (ResMut<Probes>, Reader),
     mut changing: Local<bool>,
     mut actions: MessageWriter<SandboxAction>,
 ) {
@@ -47,10 +49,11 @@ pub(super) fn show(
     match selection.entity().filter(|entity| bodies.contains(*entity)) {
         None => _ = ui.weak("none: click a body in the picture"),
         Some(body) => {
-            show_body(ui, &selection, body, &bodies, &mut actions);
+            show_body(ui, &selection, body, &bodies, &mut probes, &mut actions);
             let own = joints_of(body, &joints);
             for (entity, joint) in own.iter().take(LISTED) {
-                let (change, cut) = show_joint(ui, body, *entity, joint, (&bodies, &stats), &mut now);
+                let (change, cut) =
+                    show_joint(ui, body, *entity, joint, (&bodies, &stats, &reader), &mut now, &mut probes);
                 if cut {
                     actions.write(SandboxAction::Cut(*entity));
                 }
@@ -85,6 +88,7 @@ fn show_body(
     selection: &Selection,
     body: Entity,
     bodies: &Bodies,
+    probes: &mut ResMut<Probes>,
     actions: &mut MessageWriter<SandboxAction>,
 ) {
     let Ok((name, kind, position, _, velocity, mass)) = bodies.get(body) else { return };
@@ -113,7 +117,8 @@ fn show_body(
         for (label, vector, unit) in
             [("position", position.0, "m"), ("velocity", velocity.linear, "m/s"), ("spin", velocity.angular, "rad/s")]
         {
-            ui.label(label);
+            let shown = ui.add(egui::Label::new(label).selectable(false).sense(egui::Sense::click()));
+            shown.on_hover_text("right click: plot it").context_menu(|ui| offer_body(ui, probes, body));
             ui.monospace(vector_text(vector, unit));
             ui.end_row();
         }
@@ -126,8 +131,9 @@ fn show_joint(
     body: Entity,
     entity: Entity,
     joint: &WholeJointItem,
-    (bodies, stats): (&Bodies, &StepStats),
+    (bodies, stats, reader): (&Bodies, &StepStats, &Reader),
     read: &mut ReadJoints,
+    probes: &mut ResMut<Probes>,
 ) -> (Option<JointChange>, bool) {
     let Some(component) = joint.joint.component() else { return (None, false) };
     let [a, b] = component.bodies();
@@ -140,9 +146,11 @@ fn show_joint(
         state.show_toggle_button(ui, egui::collapsing_header::paint_default_icon);
         cut = ui.small_button("✂ cut").on_hover_text("cut this joint").clicked();
         let label = egui::Label::new(format!("{} to {other}{broken}", noun(&component))).truncate().selectable(false);
-        if ui.add(label.sense(egui::Sense::click())).on_hover_text("click to open").clicked() {
+        let shown = ui.add(label.sense(egui::Sense::click())).on_hover_text("click to open, right click to plot");
+        if shown.clicked() {
             state.toggle(ui);
         }
+        shown.context_menu(|ui| offer_joint(ui, probes, reader, entity));
     });
     let opened = state.show_body_indented(&header.response, ui, |ui| {
         let value = value_of(joint, &component, bodies);

@@ -11,7 +11,7 @@ use crate::sandbox::timeline::{LIMIT, head_and_reach};
 use crate::sandbox::{CurrentScene, GhostReadings, Playback, SandboxAction, Timeline};
 
 /// What the strip takes of the window's height, points, its margins too.
-pub(super) const HEIGHT: f32 = 62.0;
+pub const HEIGHT: f32 = 62.0;
 const MARGIN: f32 = 8.0;
 const BAR: f32 = 18.0;
 /// Marks that are nearer than this to the pointer, points, draw the head to them.

@@ -18,6 +18,11 @@ pub struct Typed {
 }
 
 impl Typed {
+    /// What is chosen; empty where nothing is.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     /// `name=values`.
     pub fn text(&self) -> String {
         format!("{}={}", self.name, self.values)
@@ -29,11 +34,12 @@ pub fn settings_names(settings: &SolverSettings) -> Vec<&'static str> {
     SETTINGS.iter().filter(|setting| setting.is_read(settings)).map(|setting| setting.name).collect()
 }
 
-/// A list of names, and a line for the values of the one chosen, which `suggest` fills first. Tells whether something else
+/// What is chosen for, if that is to be said, a list of names, and a line for the values of the one chosen, which `suggest` fills first. Tells whether something else
 /// is asked for now.
 pub fn show(
     ui: &mut egui::Ui,
     id: &str,
+    label: &str,
     names: &[&'static str],
     typed: &mut Typed,
     suggest: impl Fn(&str) -> String,
@@ -41,6 +47,9 @@ pub fn show(
 ) -> bool {
     let mut asked = false;
     ui.horizontal(|ui| {
+        if !label.is_empty() {
+            ui.label(label);
+        }
         let shown = if typed.name.is_empty() { "…" } else { &typed.name };
         egui::ComboBox::from_id_salt(id).selected_text(shown).width(110.0).show_ui(ui, |ui| {
             for &name in names {

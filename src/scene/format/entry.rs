@@ -5,6 +5,7 @@ use ron::extensions::Extensions;
 use serde::{Deserialize, Serialize};
 
 use super::joint::JointEntry;
+use super::probe::ProbeEntry;
 use crate::physics::{CollisionLayers, LockedAxes, RigidBody};
 use crate::scene::number::{Color, Finite, Fraction, NonNegative, Positive, PositiveVector, Quaternion, Vector};
 
@@ -27,6 +28,8 @@ pub(super) struct SceneEntry {
     pub joints: Vec<JointEntry>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<ViewEntry>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub probes: Vec<ProbeEntry>,
 }
 
 #[derive(Serialize, Deserialize)]

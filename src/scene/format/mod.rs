@@ -6,6 +6,7 @@
 
 mod entry;
 mod joint;
+mod probe;
 mod read;
 mod usual;
 mod write;

@@ -85,6 +85,12 @@ impl SceneEntry {
         let mut scene = SceneSpec { bodies, ..SceneSpec::new(name, gravity) };
         scene.view = self.view.map(|view| ViewSpec { eye: view.eye.into(), target: view.target.into() });
         add_joints(&mut scene, self.joints).map_err(flawed)?;
+        for (i, entry) in self.probes.into_iter().enumerate() {
+            let probe = entry.into_probe();
+            scene
+                .probes
+                .push(probe.map_err(|(field, problem)| flawed(Flaw::new(format!("probes[{i}].{field}"), problem)))?);
+        }
         Ok(scene)
     }
 }

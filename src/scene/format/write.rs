@@ -8,11 +8,12 @@ use ron::ser::PrettyConfig;
 
 use super::entry::{self, BodyEntry, SceneEntry, ShapeEntry, USUAL_GRAVITY, ViewEntry};
 use super::joint::JointEntry;
+use super::probe::ProbeEntry;
 use super::usual::unless_same;
 use crate::scene::body::WORLD;
 use crate::scene::error::Flaw;
 use crate::scene::number::{Finite, Fraction, NonNegative, Positive};
-use crate::scene::{BodySpec, JointSpec, MeshSpec, SceneError, SceneSpec, ShapeSpec};
+use crate::scene::{BodySpec, JointSpec, MeshSpec, ProbePoint, ProbeSpec, SceneError, SceneSpec, ShapeSpec};
 
 impl SceneSpec {
     /// The scene as the text of a RON file, one body or joint a line, without what is at its
@@ -48,6 +49,7 @@ impl SceneEntry {
             bodies,
             joints: scene.joints.iter().map(|joint| joint_entry(joint, &by_name)).collect(),
             view: scene.view.map(|view| ViewEntry { eye: view.eye.into(), target: view.target.into() }),
+            probes: scene.probes.iter().map(|probe| probe_entry(probe, &by_name)).collect(),
         })
     }
 }
@@ -113,6 +115,15 @@ fn joint_entry(joint: &JointSpec, bodies: &HashMap<&str, &BodySpec>) -> JointEnt
     let (body_a, anchor_a) = hold(&joint.body_a, joint.anchor_a);
     let (body_b, anchor_b) = hold(&joint.body_b, joint.anchor_b);
     JointEntry::of(joint, [body_a, body_b], [anchor_a, anchor_b])
+}
+
+/// A probe, what stands for the world in a joint being the world.
+fn probe_entry(probe: &ProbeSpec, bodies: &HashMap<&str, &BodySpec>) -> ProbeEntry {
+    let point = |point: &ProbePoint<String>| {
+        let held = point.body.as_ref().map(|name| bodies[name.as_str()]).filter(|body| body.stands_for_world());
+        Some(held.map_or_else(|| point.clone(), |world| ProbePoint { body: None, at: world.point(point.at) }))
+    };
+    ProbeEntry::of(&probe.map(point, |joint| Some(*joint)).unwrap_or_else(|| probe.clone()))
 }
 
 /// What a scene in `folder` calls the file of a mesh.

@@ -7,8 +7,9 @@ use nalgebra::Vector3;
 
 use super::graph::{ContactGraph, Recording};
 use super::record::{ContactState, POINTS};
-use crate::physics::body::Bodies;
-use crate::physics::collision::manifold::{ContactPoint, Contacts, Manifold};
+use super::slot::Slot;
+use crate::physics::body::{Bodies, Body};
+use crate::physics::collision::manifold::{ContactPoint, Contacts, Manifold, Pair};
 use crate::physics::lanes::Record;
 use crate::physics::readings::ContactForces;
 use crate::physics::settings::SolverSettings;
@@ -36,19 +37,10 @@ pub(in crate::physics::collision) fn export_contacts(
     contacts.points.clear();
     let slots = graph.slots.iter().zip(&graph.states).enumerate();
     for (index, (slot, state)) in slots.filter(|(_, (slot, _))| slot.touching) {
-        let (a, b) = (&bodies.list[slot.pair.a as usize], &bodies.list[slot.pair.b as usize]);
+        let [a, b] = [slot.pair.a, slot.pair.b].map(|body| &bodies.list[body as usize]);
         let normal = a.rotation * state.geometry.normal();
         let first = contacts.points.len();
-        for index in 0..state.geometry.point_count() {
-            let (on_a, on_b) = state.geometry.point(index);
-            let apart = b.position - a.position + slot.ahead;
-            let (on_a, on_b) = (a.rotation * (on_a + slot.origin), b.rotation * on_b + apart);
-            contacts.points.push(ContactPoint {
-                point: a.position + (on_a + on_b) * 0.5,
-                depth: normal.dot(&(on_a - on_b)),
-                feature: slot.features[index],
-            });
-        }
+        contacts.points.extend(points_at(slot, state, [a, b]));
         if let Some(recording) = &mut recording {
             recording.tangents.push(a.rotation * state.geometry.tangent());
         }
@@ -65,7 +57,33 @@ pub(in crate::physics::collision) fn export_contacts(
     graph.recording = recording;
 }
 
+/// The points of a pair where its bodies are.
+fn points_at<'a>(
+    slot: &'a Slot,
+    state: &'a ContactState,
+    [a, b]: [&'a Body; 2],
+) -> impl Iterator<Item = ContactPoint> + 'a {
+    let normal = a.rotation * state.geometry.normal();
+    let apart = b.position - a.position + slot.ahead;
+    (0..state.geometry.point_count()).map(move |index| {
+        let (on_a, on_b) = state.geometry.point(index);
+        let (on_a, on_b) = (a.rotation * (on_a + slot.origin), b.rotation * on_b + apart);
+        let (point, depth) = (a.position + (on_a + on_b) * 0.5, normal.dot(&(on_a - on_b)));
+        ContactPoint { point, depth, feature: slot.features[index] }
+    })
+}
+
 impl ContactGraph {
+    /// The points of all pairs that touch, where their bodies are now, with their slots.
+    pub fn points<'a>(&'a self, bodies: &'a Bodies) -> impl Iterator<Item = (u32, Pair, ContactPoint)> + 'a {
+        let slots = (0..).zip(self.slots.iter().zip(&self.states)).filter(|(_, (slot, _))| slot.touching);
+        slots.flat_map(|(index, (slot, state))| {
+            let [a, b] = [slot.pair.a, slot.pair.b].map(|body| bodies.list.get(body as usize));
+            let points = a.zip(b).map(|(a, b)| points_at(slot, state, [a, b]));
+            points.into_iter().flatten().map(move |point| (index, slot.pair, point))
+        })
+    }
+
     /// A recording that begins: of those that sleep already the last substep stands for all.
     fn begin_recording(&self, settings: &SolverSettings) -> Recording {
         let all = |state: &ContactState| Record(state.impulses.0.map(|impulse| impulse * settings.substeps as f32));

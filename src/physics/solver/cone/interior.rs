@@ -48,7 +48,7 @@ impl Iterate {
         let mut is_done = false;
         for _ in 0..INTERIOR_STEPS {
             self.refresh();
-            let residual = self.residual();
+            let residual = self.traced_residual();
             let (gap, mean) = self.progress(buffers, cones);
             let first = *first.get_or_insert(mean);
             if residual.largest < next && mean < NEWTON_PRODUCT * first {

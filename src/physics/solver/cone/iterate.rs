@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::constants::ROUNDINGS;
 use super::linear::LinearSystem;
 use super::{BodyVector, ConeOutcome, ConePoint, Elimination, Law};
-use crate::physics::Refill;
+use crate::physics::{Refill, Residuals};
 
 /// The iterate of all methods.
 #[derive(Clone, Debug, Default)]
@@ -31,6 +31,8 @@ pub(super) struct Iterate {
     /// The residual that is asked for, m/s.
     pub tolerance: f64,
     pub outcome: ConeOutcome,
+    /// The residual of each iteration, while somebody reads it.
+    pub trace: Option<Residuals>,
 }
 
 /// Largest and root of the sum of squares of |r|, m/s; infinite where a number is not.
@@ -68,9 +70,18 @@ impl Iterate {
         }
     }
 
+    /// The residual, noted for whoever reads it.
+    pub fn traced_residual(&mut self) -> Residual {
+        let residual = self.residual();
+        if let Some(trace) = &mut self.trace {
+            trace.note(residual.largest);
+        }
+        residual
+    }
+
     /// The residual; notes λ if it is the best so far.
     pub fn note(&mut self) -> Residual {
-        let residual = self.residual();
+        let residual = self.traced_residual();
         if residual.largest < self.outcome.residual {
             self.outcome.residual = residual.largest;
             self.best.clone_from(&self.impulses);

@@ -8,7 +8,7 @@ use super::proximal::ProximalBuffers;
 use super::{
     ConeBody, ConeContact, ConeEnd, ConeJoint, ConeOutcome, ConePoint, Elimination, Iterate, PerPoint, Velocity, root,
 };
-use crate::physics::Refill;
+use crate::physics::{Refill, Residuals};
 
 /// Solves one island's points. Keeps its buffers and, as long as the same bodies touch, its structure.
 #[derive(Clone, Debug, Default)]
@@ -84,10 +84,23 @@ impl ConeSolver {
         iterate.outcome
     }
 
+    /// Has the residual of each iteration noted from here on, or not.
+    pub fn trace(&mut self, traces: bool) {
+        self.iterate.trace = traces.then(Residuals::default);
+    }
+
+    /// Those noted since, if any are.
+    pub fn residuals(&self) -> Option<&Residuals> {
+        self.iterate.trace.as_ref()
+    }
+
     /// The methods of the module's docs, in their order, until one does it.
     fn run(&mut self) {
         let Self { iterate, has_cones, proximal, interior, .. } = self;
         iterate.outcome = ConeOutcome::default();
+        if let Some(trace) = &mut iterate.trace {
+            trace.begin_solve();
+        }
         let is_guessed = iterate.impulses.iter().any(|impulse| *impulse != Vector3::zeros());
         iterate.refresh();
         iterate.best.clone_from(&iterate.impulses);

@@ -62,6 +62,8 @@ pub(crate) struct DirectIsland {
     pub(super) elimination: Elimination,
     /// Whether it was solved here in the last step, at rest or in motion.
     pub is_solved: bool,
+    /// How often it was in that step.
+    pub solves: u32,
     /// Whether the iterations of the last substep in motion ended.
     pub(super) has_converged: bool,
     /// Whether those of all substeps of its last step in motion did.

@@ -187,6 +187,15 @@ impl ExactGroup {
         pieces.chain(self.contact_groups.iter().map(|group| (group.rows(), group.effort)))
     }
 
+    /// Bodies that move, with how often their rows were solved.
+    pub fn solves(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        let of_piece = |piece: &JointedPiece| (piece.mechanism.moving, piece.effort.solves);
+        let pieces = self.pieces.iter().map(move |piece| (&piece.bodies[..], of_piece(piece)));
+        let groups = self.contact_groups.iter().map(|group| (group.moving(), group.effort.solves));
+        let pieces = pieces.map(|(bodies, (moving, solves))| (&bodies[..moving], solves));
+        pieces.chain(groups).flat_map(|(bodies, solves)| bodies.iter().map(move |body| (*body, solves)))
+    }
+
     /// All that the next step depends on beside bodies and joints.
     pub fn memory(&self) -> impl Iterator<Item = f64> + '_ {
         self.pieces.iter().flat_map(|piece| piece.stepper.memory())

@@ -48,6 +48,7 @@ use crate::physics::joint::{Breakable, JointLoad, Joints};
 use crate::physics::rewind::Keep;
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::physics::settings::{Method, SolverSettings};
+use crate::physics::solve_trace::SolveTrace;
 use crate::physics::stats::StepStats;
 use crate::physics::threads;
 
@@ -76,6 +77,11 @@ impl ExactGroups {
         self.list[..self.used].iter().flat_map(ExactGroup::contact_groups).flat_map(ContactGroup::point_forces)
     }
 
+    /// Bodies that move, with how often their rows were solved.
+    pub fn solves(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        self.list[..self.used].iter().flat_map(ExactGroup::solves)
+    }
+
     /// All that the next step depends on beside bodies, joints and what contacts carried.
     pub fn memory(&self) -> impl Iterator<Item = f64> + '_ {
         self.list[..self.used].iter().flat_map(ExactGroup::memory)
@@ -90,7 +96,7 @@ fn solve_exactly(
     mut graph: ResMut<ContactGraph>,
     mut groups: ResMut<ExactGroups>,
     settings: Res<SolverSettings>,
-    mut stats: ResMut<StepStats>,
+    (mut stats, mut trace): (ResMut<StepStats>, Option<ResMut<SolveTrace>>),
     read: Query<(), Or<(With<JointLoad>, With<Breakable>)>>,
 ) {
     let ExactGroups { list, used } = &mut *groups;
@@ -107,6 +113,7 @@ fn solve_exactly(
         correction_speed: settings.correction_speed.unwrap_or(f64::INFINITY),
         restitution_speed: restitution_threshold(&settings),
         reads_loads: !read.is_empty(),
+        traces: trace.is_some(),
     };
     {
         let (bodies, joints, graph) = (&*bodies, &*joints, &*graph);
@@ -126,6 +133,11 @@ fn solve_exactly(
             stats.unsettled += effort.unsettled;
             stats.jammed += effort.jammed;
         }
+    }
+    if let Some(trace) = &mut trace {
+        trace.begin_step(stats.steps + 1);
+        let groups = list.iter().flat_map(ExactGroup::contact_groups);
+        groups.for_each(|group| trace.residuals.take_in(&group.residuals));
     }
     graph.keep_forces(list.iter().flat_map(ExactGroup::contact_groups).flat_map(ContactGroup::last_forces));
 }

@@ -34,6 +34,7 @@ pub(crate) struct GroupBodies<S> {
     start: Vec<Record<S>>,
     keep: Vec<Record<S>>,
     frames: Vec<Record<S>>,
+    traced: Vec<Record<S>>,
     positions: Vec<Vector3<f64>>,
     whitening: Vec<Matrix3<f64>>,
     /// Of bodies, and of the records of frames.
@@ -111,8 +112,9 @@ impl<S: Scalar + Default> GroupBodies<S> {
         self.whitening.resize(count, Matrix3::zeros());
     }
 
-    /// Handles on all of it.
-    pub fn share(&mut self) -> SharedBodies<'_, S> {
+    /// Handles on all of it; `traces`: what sweeps change is followed.
+    pub fn share(&mut self, traces: bool) -> SharedBodies<'_, S> {
+        self.traced.resize(if traces { self.velocity.len() } else { 0 }, Record::default());
         let [of_bodies, of_frames] = &mut self.claims;
         of_bodies.cover(self.velocity.len());
         SharedBodies {
@@ -122,6 +124,7 @@ impl<S: Scalar + Default> GroupBodies<S> {
             carried: Shared::with(&mut self.carried, of_bodies),
             start: Shared::with(&mut self.start, of_bodies),
             keep: Shared::with(&mut self.keep, of_bodies),
+            traced: Shared::with(&mut self.traced, of_bodies),
             frames: Shared::new(&mut self.frames, of_frames),
             positions: Shared::with(&mut self.positions, of_bodies),
             whitening: Shared::with(&mut self.whitening, of_bodies),
@@ -144,6 +147,8 @@ pub(crate) struct SharedBodies<'a, S> {
     start: Shared<'a, Record<S>>,
     /// Factors on v, ψ for drag.
     keep: Shared<'a, Record<S>>,
+    /// v, ψ when they were last traced; of none unless somebody reads that.
+    traced: Shared<'a, Record<S>>,
     /// [`FRAME`] records each.
     frames: Shared<'a, Record<S>>,
     /// Centres of mass at the start of the step.
@@ -286,6 +291,17 @@ impl<S: Scalar + Default> ClaimedBody<'_, '_, S> {
         }
         self.set(carried, change);
         self.set(velocity, now);
+    }
+
+    /// How much the velocity of a point of the body, which is of that bounding radius, m, may have changed since this was
+    /// asked last, m/s.
+    pub fn change(&mut self, radius: f64) -> f64 {
+        let SharedBodies { velocity, traced, whitening, .. } = *self.bodies;
+        let (now, before) = (self.get(velocity), self.get(traced));
+        self.set(traced, now);
+        let half =
+            |first: usize| Vector3::from_fn(|axis, _| now.0[first + axis].to_f64() - before.0[first + axis].to_f64());
+        half(0).norm() + radius * (self.get(whitening) * half(3)).norm()
     }
 
     /// Writes the state at the end of the step to a body. For `freely` so many intervals of a length, s, what turns keeps

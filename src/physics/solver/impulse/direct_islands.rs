@@ -97,9 +97,11 @@ unsafe fn solve_at_rest(
         return false;
     }
     counts.resting += island.members().len() as u32;
+    island.solves = 0;
     counts.rows += island.rows();
     if outcome == Outcome::Rests {
         counts.row_updates += island.rows();
+        island.solves = 1;
         // SAFETY: these are the island's alone, and what was read of them is not held any more.
         unsafe {
             for (local, &member) in island.members().iter().enumerate() {
@@ -158,6 +160,7 @@ unsafe fn solve_in_motion(
         island.carry_on(h);
     }
     counts.row_updates += island.rows() * count;
+    island.solves = count;
     counts.rows += island.rows();
     view.moved.clear();
     if may_go_back {

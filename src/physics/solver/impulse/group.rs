@@ -20,6 +20,7 @@ use crate::physics::joint::{Joint, Joints};
 use crate::physics::lanes::{Lanes, READ_ONLY, WIDTH};
 use crate::physics::refill::Refill;
 use crate::physics::settings::{Method, SolverSettings};
+use crate::physics::solve_trace::Residuals;
 use crate::physics::solver::direct::DirectIsland;
 use crate::physics::solver::joint_tree::{Partition, partition};
 use crate::physics::threads::{Claims, Stages};
@@ -62,7 +63,7 @@ pub(super) struct GroupContact {
 
 /// What moves a body of the group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
+pub(super) enum Place {
     /// Free motion: no constraint holds or touches it.
     Free,
     /// A tree of joints that no contact touches.
@@ -134,7 +135,7 @@ pub(crate) struct Group<L: Lanes> {
     pub(super) members: Vec<u32>,
     pub(super) own: usize,
     guests: HashMap<u32, u32>,
-    place: Vec<Place>,
+    pub(super) place: Vec<Place>,
     pub(super) may_bounce: bool,
     /// Whether some joint's rows may change with time.
     is_driven: bool,
@@ -168,6 +169,8 @@ pub(crate) struct Group<L: Lanes> {
     pub(super) restitutions: Vec<Option<Restitution<L>>>,
     /// While somebody reads contact forces: the impulses of each block's contacts, summed over the substeps, N·s.
     pub(super) totals: Vec<[ContactImpulses; WIDTH]>,
+    /// While somebody reads the residuals of sweeps: those of the step.
+    pub(super) residuals: Residuals,
     pub(super) stages: Vec<Stage>,
     pub(super) progress: Stages,
     /// Of trees, blocks of points held at points and of other joints, and blocks of contacts with what goes with them.

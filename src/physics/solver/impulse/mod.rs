@@ -5,7 +5,7 @@
 //! [`pair`] those of a block; [`contact`], [`joint`] the kernels, [`impact`] what bounces; [`tree`] trees of joints, solved exactly; [`stage`]
 //! what a step is made of; [`soft_step`], [`sequential_impulses`], [`xpbd`] the methods, and [`method`] which is which;
 //! [`group`] what belongs together; [`world`] what groups share; [`walk`] what each stage does to a group;
-//! [`direct_islands`] what needs no sweeps.
+//! [`direct_islands`] what needs no sweeps; [`details`] what was made of whom.
 //!
 //! # Who touches what
 //! Threads work on the records of bodies, joints and contacts at once, through [`Shared`](crate::physics::threads::Shared).
@@ -29,6 +29,7 @@ mod bodies;
 mod coloring;
 mod constants;
 mod contact;
+mod details;
 mod direct_islands;
 mod group;
 mod impact;
@@ -57,21 +58,23 @@ use crate::physics::lanes::Lanes;
 use crate::physics::rewind::Keep;
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::physics::settings::{Precision, SolverSettings, contacts_last};
+use crate::physics::solve_trace::{Residuals, SolveTrace};
 use crate::physics::stats::StepStats;
 use crate::physics::threads::for_each_block;
+pub(crate) use details::ImpulseDetails;
 use group::{DirectCounts, DirectScope, Group, PlanInput};
 use stage::Plan;
 use world::{SharedWorld, WorldClaims};
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<Groups>()
-        .keep_resource::<Groups>()
+    app.init_resource::<ImpulseGroups>()
+        .keep_resource::<ImpulseGroups>()
         .add_systems(PhysicsSchedule, solve_groups.in_set(PhysicsSystems::Solve).run_if(contacts_last));
 }
 
 /// All groups, kept with their buffers from step to step.
 #[derive(Resource, Default, Clone)]
-struct Groups {
+pub(crate) struct ImpulseGroups {
     single: GroupsOf<WideF32x8>,
     double: GroupsOf<f64>,
 }
@@ -91,19 +94,24 @@ fn solve_groups(
     mut joints: ResMut<Joints>,
     mut graph: ResMut<ContactGraph>,
     islands: Res<Islands>,
-    mut groups: ResMut<Groups>,
+    mut groups: ResMut<ImpulseGroups>,
     settings: Res<SolverSettings>,
+    mut trace: Option<ResMut<SolveTrace>>,
     mut stats: ResMut<StepStats>,
 ) {
-    let Groups { single, double } = &mut *groups;
+    if let Some(trace) = &mut trace {
+        trace.begin_step(stats.steps + 1);
+    }
+    let residuals = trace.as_mut().map(|trace| &mut trace.residuals);
+    let ImpulseGroups { single, double } = &mut *groups;
     let counts = match settings.precision {
         Precision::F32 => {
             double.planned = None;
-            single.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings, stats.time)
+            single.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings, stats.time, residuals)
         }
         Precision::F64 => {
             single.planned = None;
-            double.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings, stats.time)
+            double.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings, stats.time, residuals)
         }
     };
     let Bodies { list, asleep, .. } = &mut *bodies;
@@ -122,7 +130,27 @@ fn solve_groups(
     stats.resting = counts.resting;
 }
 
+impl ImpulseGroups {
+    /// What the last step made of bodies and constraints.
+    pub fn details(&self, islands: &Islands, settings: &SolverSettings) -> ImpulseDetails {
+        let mut details = ImpulseDetails::default();
+        match settings.precision {
+            Precision::F32 => {
+                self.single.in_use(islands).iter().for_each(|group| details.add(group, islands, settings))
+            }
+            Precision::F64 => {
+                self.double.in_use(islands).iter().for_each(|group| details.add(group, islands, settings))
+            }
+        }
+        details
+    }
+}
+
 impl<L: Lanes> GroupsOf<L> {
+    fn in_use<'a>(&'a self, islands: &Islands) -> &'a [Group<L>] {
+        &self.list[..islands.count().min(self.list.len())]
+    }
+
     fn solve(
         &mut self,
         bodies: &mut Bodies,
@@ -131,6 +159,7 @@ impl<L: Lanes> GroupsOf<L> {
         islands: &Islands,
         settings: &SolverSettings,
         time: f64,
+        mut residuals: Option<&mut Residuals>,
     ) -> DirectCounts {
         let count = islands.count();
         if self.list.len() < count {
@@ -162,6 +191,7 @@ impl<L: Lanes> GroupsOf<L> {
             if counts.changed {
                 group.arrange(&PlanInput { islands, bodies, joints, graph });
             }
+            group.residuals.clear();
             total.resting += counts.resting;
             total.rows += counts.rows;
             total.row_updates += counts.row_updates;
@@ -171,6 +201,7 @@ impl<L: Lanes> GroupsOf<L> {
                 iterations: settings.iterations,
                 bounces: group.may_bounce && settings.restitution_speed.is_some(),
                 records,
+                traces: residuals.is_some(),
                 turn: group.turn(&bodies.list, settings.step()),
             };
             let colors = group.colors();
@@ -195,6 +226,9 @@ impl<L: Lanes> GroupsOf<L> {
                 groups.iter_mut().for_each(|group| step(group, 1));
             }
         });
+        if let Some(residuals) = &mut residuals {
+            groups.iter().for_each(|group| residuals.take_in(&group.residuals));
+        }
         total
     }
 }

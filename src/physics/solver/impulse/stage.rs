@@ -44,6 +44,9 @@ pub(crate) enum Stage {
     SolveFriction(Color),
     /// One update of the contacts with a normal impulse, until their surfaces neither part nor approach.
     SolveVelocities(Color),
+    /// What a sweep changed is noted, for whoever reads residuals: sweeps are numbered; the number of one that `begins`
+    /// is of the first to come.
+    Trace { begins: bool, sweep: u32 },
     /// The impulses of this substep are recorded, for whoever reads forces.
     Record(Color),
     /// Positions follow velocities; `freely`: those of bodies that no impulse touched, the mean of these.
@@ -81,6 +84,7 @@ impl Stage {
             | Self::BeginSubstep { .. }
             | Self::Drift { .. }
             | Self::EndSubstep
+            | Self::Trace { .. }
             | Self::Scatter { .. } => None,
         }
     }
@@ -129,6 +133,8 @@ pub(crate) struct Plan {
     pub bounces: bool,
     /// Whether forces are read.
     pub records: bool,
+    /// Whether residuals of sweeps are read.
+    pub traces: bool,
     /// How far a body turns at most in the step, rad; none where no joint is swept.
     pub turn: Option<f64>,
 }
@@ -193,8 +199,21 @@ impl Plan {
 
     /// As many sweeps as there are iterations.
     pub fn sweeps(&self, sweep: Sweep, colors: impl Iterator<Item = Color> + Clone, stages: &mut Vec<Stage>) {
+        self.trace(true, stages);
         for _ in 0..self.iterations {
             stages.extend(colors.clone().map(|color| Stage::Solve { color, sweep }));
+            self.trace(false, stages);
+        }
+    }
+
+    /// After a sweep, or before the first of a solve: notes what it changed.
+    pub fn trace(&self, begins: bool, stages: &mut Vec<Stage>) {
+        if self.traces {
+            let last = stages.iter().rev().find_map(|stage| match stage {
+                Stage::Trace { begins, sweep } => Some(sweep + u32::from(!begins)),
+                _ => None,
+            });
+            stages.push(Stage::Trace { begins, sweep: last.unwrap_or(0) });
         }
     }
 }

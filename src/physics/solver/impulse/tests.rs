@@ -85,7 +85,7 @@ const STEP: f64 = 1e-6;
 fn gather<L: Lanes>(bodies: &[Body]) -> GroupBodies<L::Scalar> {
     let mut group = GroupBodies::default();
     group.resize(bodies.len());
-    let shared = group.share();
+    let shared = group.share(false);
     for (index, body) in bodies.iter().enumerate() {
         one_body(&shared, index).gather(body, STEP, STEP, false);
     }
@@ -112,7 +112,7 @@ fn pairs<'b, 'a, L: Lanes>(shared: &'b SharedBodies<'a, L::Scalar>, ends: Ends) 
 
 /// Velocities as the bodies would have them after the step.
 fn velocities<L: Lanes>(group: &mut GroupBodies<L::Scalar>, bodies: &[Body]) -> Vec<Body> {
-    let shared = group.share();
+    let shared = group.share(false);
     let mut after = bodies.to_vec();
     for (index, body) in after.iter_mut().enumerate().filter(|(_, body)| body.kind == RigidBody::Dynamic) {
         one_body(&shared, index).scatter(body, None);
@@ -167,7 +167,7 @@ fn with_joint_blocks<L: Lanes>(
     for (chunk, inputs) in inputs.chunks(L::COUNT).enumerate() {
         let mut block = JointBlock::<L>::idle();
         block.ends = ends_from(chunk * L::COUNT);
-        let shared = group.share();
+        let shared = group.share(false);
         let mut pairs = pairs(&shared, block.ends);
         block.take_in(inputs, &pairs, STEP);
         work(&mut block, &mut pairs);
@@ -229,7 +229,7 @@ fn contacts_in<L: Lanes>(tolerance: f64) {
     for (chunk, inputs) in inputs.chunks(L::COUNT).enumerate() {
         let mut block = ContactBlock::<L>::idle();
         block.ends = ends_from(chunk * L::COUNT);
-        let shared = group.share();
+        let shared = group.share(false);
         let mut pairs = pairs(&shared, block.ends);
         block.take_in(inputs, &pairs);
         block.solve(&mut pairs, &SoftTerms::rigid(0.0, UNLIMITED, 0.0, 1.0), Sweep::Relax);
@@ -299,7 +299,7 @@ fn changes_in_updates(arm: Vector3<f64>) -> [f64; 2] {
     let mut before = velocities::<WideF32x8>(&mut group, &bodies);
     [1, 2].map(|updates| {
         {
-            let shared = group.share();
+            let shared = group.share(false);
             let mut pairs = pairs(&shared, block.ends);
             if updates == 1 {
                 block.take_in(&inputs, &pairs);
@@ -336,7 +336,7 @@ fn one_update_stops_points_that_approach_in_any_lanes() {
 fn two_chunks_of_one_stage(seconds: [u32; 2]) {
     let bodies = bodies(&mut Random::new(7));
     let mut group = gather::<f64>(&bodies);
-    let shared = group.share();
+    let shared = group.share(false);
     let division = Division::of_stages(1);
     for (chunk, second) in seconds.into_iter().enumerate() {
         division.work_as(chunk, || {
@@ -430,7 +430,7 @@ fn a_soft_contact_settles_where_its_spring_holds_the_weight() {
         let bodies = [plane.clone(), ball.clone()];
         let mut group = GroupBodies::<f64>::default();
         group.resize(2);
-        let shared = group.share();
+        let shared = group.share(false);
         let input = ContactInput { geometry: &state.geometry, impulses: &state.impulses, offset: ball.position };
         bodies.iter().enumerate().for_each(|(index, body)| one_body(&shared, index).gather(body, h, h, false));
         let mut block = ContactBlock::<f64>::idle();

@@ -37,6 +37,8 @@ impl<L: Lanes> Group<L> {
         if world.totals.is_some() {
             self.totals.resize(self.contact_blocks.len(), [ContactImpulses::default(); WIDTH]);
         }
+        let traces = self.stages.iter().filter(|stage| matches!(stage, Stage::Trace { .. })).count();
+        let changes: Vec<AtomicU32> = (0..traces).map(|_| AtomicU32::new(0)).collect();
         let [of_trees, of_joints, of_rows, of_contacts] = &mut self.claims;
         of_contacts.cover(self.contact_blocks.len());
         let walk = Walk {
@@ -48,13 +50,14 @@ impl<L: Lanes> Group<L> {
             contact_colors: &self.contact_colors,
             free: &self.free,
             trees: Shared::new(&mut self.trees, of_trees),
-            bodies: self.bodies.share(),
+            bodies: self.bodies.share(traces > 0),
             joint_blocks: Shared::new(&mut self.joint_blocks, of_joints),
             row_blocks: Shared::new(&mut self.row_blocks, of_rows),
             contact_blocks: Shared::with(&mut self.contact_blocks, of_contacts),
             restitutions: Shared::with(&mut self.restitutions, of_contacts),
             totals: Shared::with(&mut self.totals, of_contacts),
             struck: AtomicU32::new(0),
+            changes: &changes,
             terms,
             world,
         };
@@ -66,6 +69,16 @@ impl<L: Lanes> Group<L> {
             // else touches, as the caller promises.
             division.stage(stage).work_as(chunk, || unsafe { walk.work(stages[stage], chunk) });
         });
+        for stage in &self.stages {
+            match stage {
+                Stage::Trace { begins: true, .. } => self.residuals.begin_solve(),
+                Stage::Trace { sweep, .. } => {
+                    let change = changes[*sweep as usize].load(Ordering::Relaxed);
+                    self.residuals.note(f64::from(f32::from_bits(change)));
+                }
+                _ => {}
+            }
+        }
     }
 }
 
@@ -87,6 +100,9 @@ struct Walk<'a, L: Lanes> {
     totals: Shared<'a, [ContactImpulses; WIDTH]>,
     /// The last sweep over impacts in which there was one, counted from 1.
     struck: AtomicU32,
+    /// Of each sweep that is traced: the largest change of the velocity of a point of a body, m/s, the bits of an `f32`,
+    /// whose order is that of such numbers.
+    changes: &'a [AtomicU32],
     terms: &'a GroupTerms<L>,
     world: SharedWorld<'a>,
 }
@@ -109,7 +125,7 @@ impl<L: Lanes> Walk<'_, L> {
         match stage {
             Stage::FreeMotion => self.free.len(),
             Stage::Trees => self.trees.len(),
-            Stage::Scatter { .. } => self.own,
+            Stage::Scatter { .. } | Stage::Trace { .. } => self.own,
             _ => self.members.len(),
         }
     }
@@ -166,6 +182,13 @@ impl<L: Lanes> Walk<'_, L> {
                 Stage::Drift { freely: false } => self.bodies.claim(index).drift(<L::Scalar as Scalar>::of(*h)),
                 Stage::Drift { freely: true } => self.bodies.claim(index).drift_freely(<L::Scalar as Scalar>::of(*h)),
                 Stage::EndSubstep => self.bodies.claim(index).end_substep(),
+                Stage::Trace { begins, sweep } => {
+                    let radius = self.world.bodies.get(self.members[index] as usize).radius;
+                    let change = self.bodies.claim(index).change(radius) as f32;
+                    if !begins && change > 0.0 {
+                        self.changes[sweep as usize].fetch_max(change.to_bits(), Ordering::Relaxed);
+                    }
+                }
                 Stage::Scatter { substeps, freely } => {
                     let body = self.world.bodies.element(self.members[index] as usize);
                     if body.kind == RigidBody::Dynamic {

@@ -56,8 +56,10 @@ pub(crate) fn stages(plan: &Plan, colors: impl Iterator<Item = Color> + Clone, s
         plan.interval(interval, colors.clone(), stages, |_, stages| {
             stages.push(Stage::BeginSubstep { is_first: true });
             stages.extend(contacts.clone().map(Stage::SolveFriction));
+            plan.trace(true, stages);
             for iteration in 0..plan.iterations {
                 stages.extend(colors.clone().map(|color| Stage::SolvePositions { color, is_first: iteration == 0 }));
+                plan.trace(false, stages);
             }
             plan.drift(stages);
             stages.extend(contacts.clone().map(Stage::SolveVelocities));

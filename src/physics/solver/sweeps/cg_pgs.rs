@@ -54,12 +54,14 @@ struct Sweep {
 }
 
 /// Solves from the λ that the rows hold, with `accelerations` as in [`pgs::solve`], until nothing changes or
-/// `iterations` passes over the rows are made, sweeps or products. Returns the passes.
+/// `iterations` passes over the rows are made, sweeps or products; `note` is told `accelerations` after each sweep.
+/// Returns the passes.
 pub(super) fn solve<N: Scalar>(
     rows: &mut [Row<N>],
     accelerations: &mut [Twist<N>],
     iterations: u32,
     primer: &mut Primer<N>,
+    mut note: impl FnMut(&[Twist<N>]),
 ) -> u32 {
     primer.sides.clear();
     primer.sides.extend((0..rows.len()).map(|index| side(rows, index)));
@@ -67,6 +69,7 @@ pub(super) fn solve<N: Scalar>(
     while passes < iterations {
         let Sweep { square, settled } = primer.sweep(rows, accelerations);
         passes += 1;
+        note(accelerations);
         if square == 0.0 {
             break;
         }
@@ -91,6 +94,7 @@ pub(super) fn solve<N: Scalar>(
             primer.restore(rows, accelerations);
             last_square = square;
         }
+        note(accelerations);
     }
     passes
 }

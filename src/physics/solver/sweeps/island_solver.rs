@@ -7,6 +7,7 @@ use super::integrator;
 use super::local::{LocalBody, LocalJoint, LocalManifold, LocalPoint};
 use super::rows::{body_terms, contact_rows, joint_rows};
 use super::step_terms::StepTerms;
+use super::sweep_trace::SweepTrace;
 use super::{cg_pgs, joint_space, nncg, pgs, projection};
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::{ContactGraph, Contacts, FeatureId, Pair};
@@ -16,6 +17,7 @@ use crate::physics::island::Islands;
 use crate::physics::joint::{Joint, JointRow, Joints};
 use crate::physics::scalar::Scalar;
 use crate::physics::settings::{Integrator, Method, Precision};
+use crate::physics::solve_trace::Residuals;
 
 #[derive(Clone, Default)]
 struct Workspace<N> {
@@ -28,15 +30,15 @@ struct Workspace<N> {
 }
 
 impl<N: Scalar> Workspace<N> {
-    /// Solves the rows by the method. Returns the passes over them.
-    fn solve(&mut self, method: Method, iterations: u32) -> u32 {
+    /// Solves the rows by the method; `note` is told the accelerations after each sweep. Returns the passes over them.
+    fn solve(&mut self, method: Method, iterations: u32, note: impl FnMut(&[Twist<N>])) -> u32 {
         let Self { rows, accelerations, primer, directions, joint_space, .. } = self;
         match method {
-            Method::PrimedGaussSeidel => cg_pgs::solve(rows, accelerations, iterations, primer),
-            Method::JointSpace => joint_space::solve(rows, accelerations, iterations, joint_space),
-            Method::NonsmoothConjugateGradient => nncg::solve(rows, accelerations, iterations, directions),
+            Method::PrimedGaussSeidel => cg_pgs::solve(rows, accelerations, iterations, primer, note),
+            Method::JointSpace => joint_space::solve(rows, accelerations, iterations, joint_space, note),
+            Method::NonsmoothConjugateGradient => nncg::solve(rows, accelerations, iterations, directions, note),
             _ => {
-                pgs::solve(rows, accelerations, iterations);
+                pgs::solve(rows, accelerations, iterations, note);
                 iterations
             }
         }
@@ -60,6 +62,8 @@ pub(crate) struct IslandSolver {
     /// Rows of the last solve, and their updates in the step.
     pub row_count: u32,
     pub row_updates: u64,
+    /// Of the step, while somebody reads them.
+    pub residuals: Residuals,
     h_total: f64,
 }
 
@@ -146,6 +150,7 @@ impl IslandSolver {
     pub fn step(&mut self, terms: &StepTerms) {
         self.row_updates = 0;
         self.row_count = 0;
+        self.residuals.clear();
         self.h_total = terms.h * f64::from(terms.settings.substeps);
         match terms.settings.precision {
             Precision::F32 => {
@@ -207,7 +212,13 @@ impl IslandSolver {
         if terms.settings.sweeps.warm_starting {
             self.warm_start(&mut work.rows[..joints_from], &mut work.accelerations);
         }
-        let passes = work.solve(terms.settings.method, terms.settings.iterations);
+        let own = &self.bodies[..self.own];
+        let mut trace = terms.traces.then(|| SweepTrace::begin(own, &work.accelerations, h, &mut self.residuals));
+        let passes = work.solve(terms.settings.method, terms.settings.iterations, |accelerations| {
+            if let Some(trace) = &mut trace {
+                trace.note(accelerations);
+            }
+        });
         self.row_count = work.rows.len() as u32;
         self.row_updates += u64::from(self.row_count) * u64::from(passes);
         self.keep_forces(&work.rows, joints_from, h, terms);
@@ -253,6 +264,12 @@ impl IslandSolver {
             point.impulse += point.force * h;
             end = point.first_row;
         }
+    }
+
+    /// The bodies that it moves, and how often their rows were solved in the step.
+    pub fn solves(&self) -> (impl Iterator<Item = u32>, f64) {
+        let times = self.row_updates as f64 / f64::from(self.row_count.max(1));
+        (self.bodies[..self.own].iter().map(|local| local.global), times)
     }
 
     /// The forces of the last substep on each pair's points.

@@ -94,12 +94,13 @@ struct Joint {
 }
 
 /// Solves from the λ that the rows hold, with `accelerations` as in [`pgs::solve`], in `iterations` sweeps over the
-/// rows with bounds. Returns the sweeps.
+/// rows with bounds; `note` is told `accelerations` after each. Returns the sweeps.
 pub(super) fn solve<N: Scalar>(
     rows: &mut [Row<N>],
     accelerations: &mut [Twist<N>],
     iterations: u32,
     space: &mut JointSpace<N>,
+    mut note: impl FnMut(&[Twist<N>]),
 ) -> u32 {
     space.find_mechanisms(rows, accelerations.len());
     space.mechanisms.iter_mut().for_each(|mechanism| mechanism.factor(rows));
@@ -107,6 +108,7 @@ pub(super) fn solve<N: Scalar>(
     space.respond(rows);
     for _ in 0..iterations {
         space.sweep(rows, accelerations);
+        note(accelerations);
     }
     space.gather(rows, accelerations);
     iterations

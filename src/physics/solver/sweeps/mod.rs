@@ -16,6 +16,7 @@ mod projection;
 mod rows;
 mod solve;
 mod step_terms;
+mod sweep_trace;
 #[cfg(test)]
 mod tests;
 

@@ -31,12 +31,13 @@ pub(super) struct Directions<N> {
 }
 
 /// Iterates from the λ that the rows hold, with `accelerations` as in [`pgs::solve`], until nothing changes or
-/// `iterations` passes over the rows are made. Returns the passes.
+/// `iterations` passes over the rows are made; `note` is told `accelerations` after each. Returns the passes.
 pub(super) fn solve<N: Scalar>(
     rows: &mut [Row<N>],
     accelerations: &mut [Twist<N>],
     iterations: u32,
     directions: &mut Directions<N>,
+    mut note: impl FnMut(&[Twist<N>]),
 ) -> u32 {
     directions.forget(rows.len(), accelerations.len());
     let mut last_square = 0.0;
@@ -51,8 +52,9 @@ pub(super) fn solve<N: Scalar>(
             directions.advance(rows, accelerations, N::of(square / last_square));
         }
         last_square = square;
+        note(accelerations);
     }
-    pgs::solve(rows, accelerations, 1);
+    pgs::solve(rows, accelerations, 1, note);
     iterations
 }
 

@@ -20,10 +20,16 @@ use crate::physics::constraint::row::{Bounds, Row, RowPair, Twist, bounded};
 use crate::physics::scalar::Scalar;
 
 /// Sweeps `iterations` times over the rows, from the λ that they hold. `accelerations` must hold
-/// a = M⁻¹Jᵀλ of each body ([`add_response`]), and does afterwards.
-pub(crate) fn solve<N: SimdRealField + Copy>(rows: &mut [Row<N>], accelerations: &mut [Twist<N>], iterations: u32) {
+/// a = M⁻¹Jᵀλ of each body ([`add_response`]), and does afterwards; `note` is told it after each sweep.
+pub(crate) fn solve<N: SimdRealField + Copy>(
+    rows: &mut [Row<N>],
+    accelerations: &mut [Twist<N>],
+    iterations: u32,
+    mut note: impl FnMut(&[Twist<N>]),
+) {
     for _ in 0..iterations {
         sweep(rows, accelerations, |_, _, _| {});
+        note(accelerations);
     }
 }
 

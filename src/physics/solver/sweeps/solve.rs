@@ -12,6 +12,7 @@ use crate::physics::readings::ContactForces;
 use crate::physics::rewind::Keep;
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::physics::settings::{Gravity, SolverSettings};
+use crate::physics::solve_trace::SolveTrace;
 use crate::physics::stats::StepStats;
 use crate::physics::threads;
 
@@ -44,10 +45,12 @@ fn solve_islands(
     settings: Res<SolverSettings>,
     gravity: Res<Gravity>,
     forces: Option<Res<ContactForces>>,
+    mut trace: Option<ResMut<SolveTrace>>,
     mut stats: ResMut<StepStats>,
 ) {
     let contacts = lagged.active(&settings, &contacts);
-    let terms = StepTerms::new(&settings, gravity.length(), forces.is_some(), stats.time);
+    let mut terms = StepTerms::new(&settings, gravity.length(), forces.is_some(), stats.time);
+    terms.traces = trace.is_some();
     let count = islands.count();
     if solvers.list.len() < count {
         solvers.list.resize_with(count, IslandSolver::default);
@@ -70,6 +73,10 @@ fn solve_islands(
         stats.rows += solver.row_count;
         stats.row_updates += solver.row_updates;
         solver.scatter(&mut bodies.list, &mut joints.list);
+    }
+    if let Some(trace) = &mut trace {
+        trace.begin_step(stats.steps + 1);
+        solvers.list[..count].iter().for_each(|solver| trace.residuals.take_in(&solver.residuals));
     }
     let warm = if settings.sweeps.warm_starting { count } else { 0 };
     graph.keep_forces(solvers.list[..warm].iter().flat_map(|solver| solver.forces(contacts)));

@@ -17,6 +17,8 @@ pub(crate) struct StepTerms<'a> {
     pub gravity: f64,
     /// Whether somebody reads contact forces.
     pub record_forces: bool,
+    /// Whether somebody reads the residual of each sweep.
+    pub traces: bool,
     /// Simulation time when the step began, s.
     pub start: f64,
 }
@@ -27,7 +29,7 @@ impl<'a> StepTerms<'a> {
         let error_rate = settings.sweeps.baumgarte / h;
         let bias_rate = if settings.sweeps.nonlinear_projection { 0.0 } else { error_rate };
         let correction_speed = settings.correction_speed.unwrap_or(f64::INFINITY);
-        Self { settings, h, error_rate, bias_rate, correction_speed, gravity, record_forces, start }
+        Self { settings, h, error_rate, bias_rate, correction_speed, gravity, record_forces, traces: false, start }
     }
 
     /// The greatest speed at which a contact of that depth is pushed out, m/s. Where there is a

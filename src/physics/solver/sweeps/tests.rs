@@ -98,7 +98,7 @@ impl Rows {
     /// Sweeps until nothing changes any more; λ and M⁻¹Jᵀλ as the solver kept it.
     fn solve_by_sweeping(&mut self) -> (DVector<f64>, DVector<f64>) {
         let mut accelerations = vec![Twist::zero(); self.bodies.len()];
-        pgs::solve(&mut self.rows, &mut accelerations, 20_000);
+        pgs::solve(&mut self.rows, &mut accelerations, 20_000, |_| ());
         let lambda = DVector::from_iterator(self.rows.len(), self.rows.iter().map(|row| row.lambda));
         (lambda, flat(&accelerations))
     }
@@ -250,7 +250,7 @@ fn soft_row_is_the_implicit_euler_step_of_a_damped_spring() {
         let spring = Spring { stiffness, damping, error: position };
         let mut rows = [Row::soft((0, &immovable()), (1, &body), pair, spring, H, Bounds::Fixed(-limit, limit))];
         let mut accelerations = [Twist::zero(); 2];
-        pgs::solve(&mut rows, &mut accelerations, 1);
+        pgs::solve(&mut rows, &mut accelerations, 1, |_| ());
         (rows[0].lambda, accelerations[1].linear.y)
     };
     let (mut position, mut velocity): (f64, f64) = (0.3, -1.0);
@@ -328,7 +328,7 @@ fn a_row_that_nothing_can_move_stays_without_force() {
     let pair = RowPair::along(Vector3::y(), Vector3::x(), Vector3::z());
     let mut rows = [Row::rigid((0, &immovable()), (1, &immovable()), pair, 1.0, H, Bounds::Fixed(f64::MIN, f64::MAX))];
     let mut accelerations = [Twist::zero(); 2];
-    pgs::solve(&mut rows, &mut accelerations, 10);
+    pgs::solve(&mut rows, &mut accelerations, 10, |_| ());
     assert_eq!(rows[0].lambda, 0.0);
 }
 
@@ -397,7 +397,7 @@ fn eight_lanes_solve_eight_systems_as_one_lane_solves_each() {
     let vectors = std::array::from_fn(|vector| lanes(systems.map(|(_, vectors)| vectors[vector])));
     let mut wide_rows = every_kind_of_row(&bodies, &vectors, WideF32x8::splat);
     let mut wide_accelerations = [Twist::zero(); 3];
-    pgs::solve(&mut wide_rows, &mut wide_accelerations, 20);
+    pgs::solve(&mut wide_rows, &mut wide_accelerations, 20, |_| ());
 
     let (mut at_bound, mut apart) = (0, 0);
     for (lane, (bodies, vectors)) in systems.into_iter().enumerate() {
@@ -408,7 +408,7 @@ fn eight_lanes_solve_eight_systems_as_one_lane_solves_each() {
         });
         let mut rows = every_kind_of_row(&bodies, &vectors.map(single), |value| value);
         let mut accelerations = [Twist::zero(); 3];
-        pgs::solve(&mut rows, &mut accelerations, 20);
+        pgs::solve(&mut rows, &mut accelerations, 20, |_| ());
         for (row, wide) in rows.iter().zip(&wide_rows) {
             assert_eq!(row.lambda, wide.lambda.extract(lane), "lane {lane}");
             apart += usize::from(row.lambda == 0.0);

@@ -1,19 +1,19 @@
 //! The plot: dots, axes, and what the pointer means.
 
 use bevy_egui::egui;
-use egui_plot::{GridInput, GridMark, Line, MarkerShape, Plot, PlotPoint, PlotResponse, PlotTransform, Points};
+use egui_plot::{Line, MarkerShape, Plot, PlotPoint, PlotResponse, PlotTransform, Points};
 
 use crate::lab::chart::{SERIES, front};
 use crate::lab::sweep::Record;
-use crate::lab::vary::{Assignment, Curves, Scale, Variation};
 use crate::lab::verdict::Verdict;
 use crate::physics::{SolverSettings, StepStats};
+use crate::sandbox::panel::axes::{mark_now, power, powers};
 use crate::sandbox::panel::palette;
 
 /// A pointer this near to a point, in egui's points, means it.
 const REACH: f32 = 12.0;
 
-/// A point on logarithmic axes, or over what varies.
+/// A point on logarithmic axes.
 pub(super) struct Dot<'a> {
     record: &'a Record,
     settings: SolverSettings,
@@ -22,14 +22,11 @@ pub(super) struct Dot<'a> {
 }
 
 impl<'a> Dot<'a> {
-    /// Of the point of that index.
-    pub fn of(index: usize, record: &'a Record, curves: Option<&Curves>) -> Option<Self> {
+    /// None where the error is not known.
+    pub fn of(record: &'a Record) -> Option<Self> {
         let (cost, error) = (record.cost()?, record.error?.max(record.uncertainty.unwrap_or(0.0)).max(1e-16));
-        let (across, series) = match curves {
-            Some(curves) => (curves.x.place(index), 0),
-            None => (cost.log10(), SERIES.iter().position(|series| series.name == record.series)?),
-        };
-        let place = [across, error.log10()];
+        let series = SERIES.iter().position(|series| series.name == record.series)?;
+        let place = [cost.log10(), error.log10()];
         place.iter().all(|at| at.is_finite()).then_some(())?;
         Some(Self { record, settings: record.solver_settings()?, place, series })
     }
@@ -103,18 +100,13 @@ pub(super) fn legend(ui: &mut egui::Ui) {
 pub(super) fn draw(
     ui: &mut egui::Ui,
     dots: &[Dot],
-    curves: Option<&Curves>,
     settings: &SolverSettings,
     cost: Option<f64>,
     pressed: &mut Option<String>,
 ) -> Option<SolverSettings> {
-    let alike = |dot: &&Dot| {
-        let own: &[&str] = if curves.is_some() { &["threads"] } else { &["threads", "impulse.sleep_speed"] };
-        dot.settings.differences(settings).all(|setting| own.contains(&setting.path))
-    };
+    let own = ["threads", "impulse.sleep_speed"];
+    let alike = |dot: &&Dot| dot.settings.differences(settings).all(|setting| own.contains(&setting.path));
     let present = dots.iter().find(alike);
-    let values = curves.map(|curves| Values::of(&curves.x));
-    let marks = values.clone();
     let plot = Plot::new("chart")
         .height(190.0)
         .allow_zoom(false)
@@ -125,19 +117,16 @@ pub(super) fn draw(
         .allow_double_click_reset(false)
         .set_margin_fraction(egui::vec2(0.08, 0.1))
         .y_axis_min_width(36.0)
-        .x_grid_spacer(move |input| marks.as_ref().map_or_else(|| powers(input), Values::marks))
+        .x_grid_spacer(powers)
         .y_grid_spacer(powers)
-        .x_axis_formatter(move |mark, _| {
-            values.as_ref().map_or_else(|| power(mark.value), |values| values.text(mark.value))
-        })
+        .x_axis_formatter(|mark, _| power(mark.value))
         .y_axis_formatter(|mark, _| power(mark.value))
         // What a point is and what a click takes are found in one way, in `follow_pointer`.
         .show_x(false)
         .show_y(false);
     let shown = ui.push_id("chart", |ui| {
         plot.show(ui, |plot| {
-            let line = if curves.is_some() { along(dots) } else { front_of(dots) };
-            plot.line(Line::new("front", line).color(egui::Color32::from_gray(150)).width(1.0));
+            plot.line(Line::new("front", front_of(dots)).color(egui::Color32::from_gray(150)).width(1.0));
             for (series, (shape, shade)) in MARKERS.iter().enumerate() {
                 for (holds, strength) in [(true, 1.0), (false, 0.25)] {
                     let of_kind = dots.iter().filter(|dot| dot.series == series && dot.holds() == holds);
@@ -155,13 +144,12 @@ pub(super) fn draw(
         })
     });
     let shown = shown.inner;
-    if let Some(cost) = cost.filter(|_| curves.is_none()) {
-        mark_cost(ui, &shown.transform, cost);
+    if let Some(cost) = cost {
+        mark_now(ui, &shown.transform, cost.log10(), &cost_text(cost));
     }
     let ring =
         if present.is_some() { "the ring has the present settings" } else { "no point has the present settings" };
-    let over = curves.map_or("ms per simulated second", |curves| curves.x.name());
-    ui.weak(format!("error over {over}; {ring}; click a point to take its settings"))
+    ui.weak(format!("error over ms per simulated second; {ring}; click a point to take its settings"))
         .on_hover_text("now: what the step costs in this window; points are measured alone, on one thread");
     follow_pointer(ui, dots, &shown, pressed)
 }
@@ -171,64 +159,6 @@ fn front_of(dots: &[Dot]) -> Vec<[f64; 2]> {
     let held: Vec<&Dot> = dots.iter().filter(|dot| dot.holds()).collect();
     let places: Vec<(f64, f64)> = held.iter().map(|dot| (dot.place[0], dot.place[1])).collect();
     front(&places).into_iter().map(|index| held[index].place).collect()
-}
-
-/// All points in the order of what varies.
-fn along(dots: &[Dot]) -> Vec<[f64; 2]> {
-    let mut places: Vec<[f64; 2]> = dots.iter().map(|dot| dot.place).collect();
-    places.sort_by(|one, other| one[0].total_cmp(&other[0]));
-    places
-}
-
-/// What is written at the axis of what varies.
-#[derive(Clone)]
-struct Values {
-    /// Place and text of each.
-    marks: Vec<(f64, String)>,
-    /// Names are all written, of numbers only as many as there is room for.
-    are_names: bool,
-}
-
-impl Values {
-    fn of(variation: &Variation) -> Self {
-        let text = |(index, value): (usize, &Assignment)| (variation.place(index), value.value.to_string());
-        let marks = variation.values().iter().enumerate().map(text).collect();
-        Self { marks, are_names: variation.scale == Scale::InOrder }
-    }
-
-    /// egui writes at marks that are far enough from each other.
-    fn marks(&self) -> Vec<GridMark> {
-        let span = self.marks.last().map_or(0.0, |last| last.0 - self.marks[0].0);
-        let step_size = if self.are_names { 1.0 } else { (span / 4.0).max(f64::MIN_POSITIVE) };
-        self.marks.iter().map(|(value, _)| GridMark { value: *value, step_size }).collect()
-    }
-
-    fn text(&self, place: f64) -> String {
-        let distance = |mark: &&(f64, String)| (mark.0 - place).abs();
-        let nearest = self.marks.iter().min_by(|one, other| distance(one).total_cmp(&distance(other)));
-        nearest.map_or_else(String::new, |(_, text)| text.clone())
-    }
-}
-
-/// A line at what the step costs now, with the number. Painted over the plot and no item of it: the axes follow the
-/// points, and do not waver with the clock. Beyond the axes, an arrow points to where it would be.
-fn mark_cost(ui: &egui::Ui, transform: &PlotTransform, cost: f64) {
-    let frame = *transform.frame();
-    let x = transform.position_from_point_x(cost.log10());
-    let shade = egui::Color32::from_gray(215);
-    let painter = ui.painter().with_clip_rect(frame.intersect(ui.clip_rect()));
-    let now = cost_text(cost);
-    let (anchor, x, text) = if x < frame.left() {
-        (egui::Align2::LEFT_TOP, frame.left(), format!("◀ {now}"))
-    } else if x > frame.right() {
-        (egui::Align2::RIGHT_TOP, frame.right(), format!("{now} ▶"))
-    } else {
-        painter.vline(x, frame.y_range(), egui::Stroke::new(1.0, shade.gamma_multiply(0.5)));
-        let on_the_left = x < frame.center().x;
-        (if on_the_left { egui::Align2::LEFT_TOP } else { egui::Align2::RIGHT_TOP }, x, now)
-    };
-    let gap = if anchor == egui::Align2::LEFT_TOP { 4.0 } else { -4.0 };
-    painter.text(egui::pos2(x + gap, frame.top() + 2.0), anchor, text, egui::FontId::proportional(11.0), shade);
 }
 
 /// Three digits.
@@ -297,53 +227,10 @@ fn about(dot: &Dot) -> String {
     text
 }
 
-/// Lines at whole powers of ten, four or five of them; in a short range at 2 and 5 times those too.
-fn powers(input: GridInput) -> Vec<GridMark> {
-    /// Decades in which lines at 1, 2 and 5 are as many as fit.
-    const SHORT: f64 = 2.5;
-    let (low, high) = input.bounds;
-    if !(high - low).is_finite() {
-        return Vec::new();
-    }
-    if high - low < SHORT {
-        let decades = low.floor() as i64..=high.floor() as i64;
-        let marks = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|digit: f64| decade as f64 + digit.log10()));
-        let within = marks.filter(|value| (low..=high).contains(value));
-        return within.map(|value| GridMark { value, step_size: 2_f64.log10() }).collect();
-    }
-    let step_size = ((high - low) / 5.0).ceil().max(1.0);
-    let (first, last) = ((low / step_size).ceil() as i64, (high / step_size).floor() as i64);
-    (first..=last).map(|line| GridMark { value: line as f64 * step_size, step_size }).collect()
-}
-
-/// Of a mark of [`powers`].
-fn power(exponent: f64) -> String {
-    // A mark is rounded: a hair below a whole power is that power.
-    let decade = (exponent + 1e-9).floor();
-    if (-2.0..=4.0).contains(&exponent) {
-        let digits = (-decade).max(0.0) as usize;
-        format!("{:.digits$}", 10_f64.powf(exponent))
-    } else {
-        format!("{:.0}e{decade}", 10_f64.powf(exponent - decade))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use bevy::prelude::default;
-
-    #[test]
-    fn short_and_long_ranges_have_marks_that_say_what_they_are() {
-        let texts = |low: f64, high: f64| -> Vec<String> {
-            let marks = powers(GridInput { bounds: (low, high), base_step_size: 0.0 });
-            marks.into_iter().map(|mark| power(mark.value)).collect()
-        };
-        assert_eq!(texts(-1.6, 0.4), ["0.05", "0.1", "0.2", "0.5", "1", "2"]);
-        assert_eq!(texts(1.2, 1.8), ["20", "50"]);
-        assert_eq!(texts(-9.4, -8.0), ["5e-10", "1e-9", "2e-9", "5e-9", "1e-8"]);
-        assert_eq!(texts(-8.0, 1.0), ["1e-8", "1e-6", "1e-4", "0.01", "1"]);
-    }
 
     #[test]
     fn no_two_methods_look_alike() {

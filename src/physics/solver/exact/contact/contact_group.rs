@@ -30,6 +30,7 @@ use crate::physics::constraint::row::Wrench;
 use crate::physics::contact::surface;
 use crate::physics::joint::{Joint, Joints};
 use crate::physics::settings::FrictionModel;
+use crate::physics::solve_trace::Residuals;
 
 /// The load of each contact point, by pair and feature.
 type PointLoads = HashMap<(u32, FeatureId), PointLoad>;
@@ -74,6 +75,8 @@ pub(crate) struct ContactTerms {
     pub restitution_speed: f64,
     /// Whether somebody reads what joints carry.
     pub reads_loads: bool,
+    /// Whether somebody reads the residuals of iterations.
+    pub traces: bool,
 }
 
 /// Bodies in reach of each other, and what joints hold to them.
@@ -103,6 +106,8 @@ pub(crate) struct ContactGroup {
     /// Mean of each link over the step: force on B, and torque about its anchor.
     joint_loads: Vec<Wrench<f64>>,
     pub effort: StepEffort,
+    /// Of the step, while somebody reads them: of positions, of velocities, then of impacts.
+    pub residuals: Residuals,
 }
 
 /// What a step starts from.
@@ -185,6 +190,8 @@ impl ContactGroup {
     /// Takes the group through a step. `graph` has the forces of the step before.
     pub fn step(&mut self, terms: &ContactTerms, graph: &ContactGraph) {
         self.effort = StepEffort::default();
+        let solvers = [&mut self.smooth.positions, &mut self.smooth.velocities, &mut self.impacts.solver];
+        solvers.into_iter().for_each(|solver| solver.trace(terms.traces));
         self.loads.clear();
         let last_loads = std::mem::take(&mut self.joint_loads);
         self.joint_loads.resize(last_loads.len(), Wrench::zero());
@@ -195,12 +202,21 @@ impl ContactGroup {
         let step = terms.h * f64::from(terms.parts);
         self.joint_loads.iter_mut().for_each(|load| *load = Wrench::zero().plus(load, 1.0 / step));
         self.loads.values_mut().for_each(|load| load.impulse /= step);
-        let solvers = [&mut self.smooth.positions, &mut self.smooth.velocities, &mut self.impacts.solver];
-        for solver in solvers {
-            self.effort.solves += std::mem::take(&mut solver.steps);
-            self.effort.unsettled += std::mem::take(&mut solver.failures);
+        let Self { smooth, impacts, residuals, effort, .. } = self;
+        residuals.clear();
+        for solver in [&mut smooth.positions, &mut smooth.velocities, &mut impacts.solver] {
+            if let Some(found) = solver.residuals() {
+                residuals.append(found);
+            }
+            effort.solves += std::mem::take(&mut solver.steps);
+            effort.unsettled += std::mem::take(&mut solver.failures);
             solver.work = 0;
         }
+    }
+
+    /// Its bodies that move.
+    pub fn moving(&self) -> &[u32] {
+        &self.bodies[..self.moving]
     }
 
     /// Takes the group through a substep, which `terms` are of.

@@ -8,6 +8,7 @@ use super::super::row_mode::RowLaw;
 use super::gap_points::{GapPoint, point_velocity};
 use crate::physics::constraint::row::Wrench;
 use crate::physics::joint::JointRow;
+use crate::physics::solve_trace::Residuals;
 use crate::physics::solver::cone::{ConeBody, ConeContact, ConeEnd, ConeJoint, ConeSolver, PerPoint, PointJacobian};
 
 /// Bodies and links; the first `moving` bodies move.
@@ -169,6 +170,16 @@ impl GroupSolver {
             count += u32::from(moved.sum::<Vector3<f64>>().dot(&point.normal) <= 0.0);
         }
         count
+    }
+
+    /// Has the residuals of the iterations to come noted, or not.
+    pub fn trace(&mut self, traces: bool) {
+        self.solver.trace(traces);
+    }
+
+    /// Those noted since, if any are.
+    pub fn residuals(&self) -> Option<&Residuals> {
+        self.solver.residuals()
     }
 
     /// Whether a step has taken its share of work here.

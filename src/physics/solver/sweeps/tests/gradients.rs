@@ -17,20 +17,20 @@ use crate::physics::testing::{Random, immovable};
 type Solve<N> = fn(&mut [Row<N>], &mut [Twist<N>], u32) -> u32;
 
 fn swept<N: Scalar>(rows: &mut [Row<N>], accelerations: &mut [Twist<N>], passes: u32) -> u32 {
-    pgs::solve(rows, accelerations, passes);
+    pgs::solve(rows, accelerations, passes, |_| ());
     passes
 }
 
 fn primed<N: Scalar>(rows: &mut [Row<N>], accelerations: &mut [Twist<N>], passes: u32) -> u32 {
-    cg_pgs::solve(rows, accelerations, passes, &mut cg_pgs::Primer::default())
+    cg_pgs::solve(rows, accelerations, passes, &mut cg_pgs::Primer::default(), |_| ())
 }
 
 fn nonsmooth<N: Scalar>(rows: &mut [Row<N>], accelerations: &mut [Twist<N>], passes: u32) -> u32 {
-    nncg::solve(rows, accelerations, passes, &mut nncg::Directions::default())
+    nncg::solve(rows, accelerations, passes, &mut nncg::Directions::default(), |_| ())
 }
 
 fn in_joint_space<N: Scalar>(rows: &mut [Row<N>], accelerations: &mut [Twist<N>], sweeps: u32) -> u32 {
-    joint_space::solve(rows, accelerations, sweeps, &mut JointSpace::default())
+    joint_space::solve(rows, accelerations, sweeps, &mut JointSpace::default(), |_| ())
 }
 
 pub(super) fn methods<N: Scalar>() -> [(&'static str, Solve<N>); 2] {
@@ -290,7 +290,7 @@ fn free_rows_are_left_once_one_of_them_comes_to_a_bound() {
     for _ in 0..40 {
         let mut system = cluster(random);
         let mut accelerations = vec![Twist::zero(); system.bodies.len()];
-        pgs::solve(&mut system.rows, &mut accelerations, 2);
+        pgs::solve(&mut system.rows, &mut accelerations, 2, |_| ());
         let limits: Vec<_> = (0..system.rows.len()).map(|index| pgs::limits(&system.rows, index)).collect();
         let within = |row: &Row<f64>, &(lower, upper): &(f64, f64)| lower < row.lambda && row.lambda < upper;
         let count = |rows: &[Row<f64>]| rows.iter().zip(&limits).filter(|(row, limits)| within(row, limits)).count();

@@ -12,7 +12,7 @@ use crate::physics::testing::Random;
 fn solved(system: &Rows, sweeps: u32, space: &mut JointSpace<f64>) -> (DVector<f64>, DVector<f64>) {
     let mut rows = system.rows.clone();
     let mut accelerations = vec![Twist::zero(); system.bodies.len()];
-    joint_space::solve(&mut rows, &mut accelerations, sweeps, space);
+    joint_space::solve(&mut rows, &mut accelerations, sweeps, space, |_| ());
     let lambda = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.lambda));
     (lambda, flat(&accelerations))
 }

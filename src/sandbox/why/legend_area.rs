@@ -1,0 +1,82 @@
+//! The legend in the picture, at the left above the strip.
+
+use bevy::prelude::*;
+use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
+
+use super::legend::{Chip, Key};
+use super::paint::Painted;
+use super::scale::{Scale, shade};
+use crate::sandbox::axes::color32;
+use crate::sandbox::panel::STRIP_HEIGHT;
+
+/// Size of a scale's bar, points.
+const BAR: egui::Vec2 = egui::vec2(262.0, 12.0);
+/// Of what stands under it.
+const TEXT: f32 = 10.5;
+/// What a notice under the legend takes, points.
+const NOTICE: f32 = 36.0;
+
+pub(super) fn plugin(app: &mut App) {
+    app.add_systems(EguiPrimaryContextPass, show);
+}
+
+fn show(mut contexts: EguiContexts, painted: Res<Painted>) -> Result {
+    let Some(legend) = painted.legend() else { return Ok(()) };
+    egui::Area::new(egui::Id::new("legend"))
+        .anchor(egui::Align2::LEFT_BOTTOM, [12.0, -12.0 - STRIP_HEIGHT - NOTICE])
+        .interactable(false)
+        .show(contexts.ctx_mut()?, |ui| {
+            egui::Frame::popup(ui.style()).show(ui, |ui| {
+                ui.spacing_mut().item_spacing.y = 3.0;
+                ui.set_max_width(BAR.x + 24.0);
+                ui.strong(legend.title);
+                match &legend.key {
+                    Key::Scale(scale) => bar(ui, scale),
+                    Key::Chips(chips) => chips.iter().for_each(|shown| chip(ui, shown)),
+                }
+                for note in &legend.notes {
+                    ui.label(egui::RichText::new(note).size(TEXT + 1.0).color(egui::Color32::from_gray(165)));
+                }
+            });
+        });
+    Ok(())
+}
+
+fn chip(ui: &mut egui::Ui, chip: &Chip) {
+    ui.horizontal(|ui| {
+        let (rect, _) = ui.allocate_exact_size(egui::Vec2::splat(11.0), egui::Sense::hover());
+        ui.painter().rect_filled(rect, 2.0, color32(chip.color));
+        ui.label(&chip.text);
+    });
+}
+
+/// The colors from left to right, with marks under them.
+fn bar(ui: &mut egui::Ui, scale: &Scale) {
+    const STRIPES: usize = 64;
+    /// Room for what is written at the ends.
+    const SIDE: f32 = 14.0;
+    let size = egui::vec2(BAR.x + SIDE, BAR.y + TEXT + 9.0);
+    let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
+    let bar = egui::Rect::from_min_size(rect.min + egui::vec2(SIDE / 2.0, 0.0), BAR - egui::vec2(SIDE, 0.0));
+    let x = |share: f32| bar.left() + share * bar.width();
+    for stripe in 0..STRIPES {
+        let [from, to] = [stripe, stripe + 1].map(|edge| edge as f32 / STRIPES as f32);
+        let part = egui::Rect::from_x_y_ranges(x(from)..=x(to), bar.y_range());
+        ui.painter().rect_filled(part, 0.0, color32(shade((stripe as f32 + 0.5) / STRIPES as f32)));
+    }
+    let tint = ui.visuals().text_color();
+    for (share, text) in scale.marks() {
+        let length = if text.is_some() { 4.0 } else { 2.0 };
+        ui.painter().vline(x(share), bar.bottom()..=bar.bottom() + length, egui::Stroke::new(1.0, tint));
+        if let Some(text) = text {
+            // At the ends as far as the edge.
+            let (align, shift) = match share {
+                0.0 => (egui::Align2::LEFT_TOP, -SIDE / 2.0),
+                share if share > 0.999 => (egui::Align2::RIGHT_TOP, SIDE / 2.0),
+                _ => (egui::Align2::CENTER_TOP, 0.0),
+            };
+            let below = egui::pos2(x(share) + shift, bar.bottom() + 5.0);
+            ui.painter().text(below, align, text, egui::FontId::proportional(TEXT), tint);
+        }
+    }
+}

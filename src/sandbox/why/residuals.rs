@@ -1,0 +1,169 @@
+//! How the solves of the last step came to their ends, as a plot.
+
+use bevy_egui::egui;
+use egui_plot::{GridInput, GridMark, HoverPosition, Line, Plot, PlotPoints, Points};
+
+use crate::physics::{SolveTrace, SolverSettings, StepStats};
+use crate::sandbox::panel::{Quantity, palette, power};
+
+/// Under it, m/s, all is rounding: what is less, or zero, is drawn there.
+const FLOOR: f64 = 1e-16;
+/// Up to so many numbers each has a dot.
+const DOTS: usize = 80;
+
+/// The plot, with a caption.
+pub(super) fn show(ui: &mut egui::Ui, settings: &SolverSettings, stats: &StepStats, trace: Option<&SolveTrace>) {
+    let solves = trace.filter(|trace| trace.step == stats.steps && trace.step > 0);
+    let solves = solves.map(|trace| &trace.residuals.solves[..]);
+    let lines = lines(solves.unwrap_or_default());
+    let last = lines.last().and_then(|line| line.last()).map(|[_, exponent]| 10_f64.powf(*exponent));
+    ui.horizontal(|ui| {
+        ui.label("residual, m/s").on_hover_text(about(settings));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if let Some(last) = last {
+                let text = format!("at the end {}", Quantity::text(last, "m/s"));
+                ui.label(egui::RichText::new(text).size(11.0));
+            }
+        });
+    });
+    if lines.is_empty() {
+        let why = match solves {
+            None => "not measured in this step",
+            Some(_) => "nothing was swept in this step: solved directly, or nothing to solve",
+        };
+        ui.weak(why);
+        return;
+    }
+    draw(ui, &lines);
+}
+
+/// What is measured.
+fn about(settings: &SolverSettings) -> &'static str {
+    match (settings.method.keeps_contacts(), settings.method.is_force_level()) {
+        (true, _) => {
+            "of each sweep of the last step, over all substeps: the largest change that it made to the velocity of a point \
+             of a body, |Δv| + R |Δω|; a line is the sweeps of one solve (of a soft step's substep two: with springs, then \
+             without). Islands that are solved directly have none"
+        }
+        (_, true) => {
+            "of each sweep of the last step, over all substeps: the largest change that it made to the velocity of a point \
+             of a body, |Δv| + R |Δω|; a line is the sweeps of one solve. Where they fall slowly, more sweeps would help \
+             little"
+        }
+        _ => {
+            "of each iteration of the last step: how far contacts, and joints beside them, are from their laws (the natural \
+             map); a line is one solve: for positions, then for velocities, then for impacts. Joints without contacts are \
+             not in it"
+        }
+    }
+}
+
+/// Sweeps that are counted on from solve to solve, and the logarithm of their residual; of each solve a line.
+fn lines(solves: &[Vec<f64>]) -> Vec<Vec<[f64; 2]>> {
+    let mut sweep = 0.0;
+    let mut next = |residual: &f64| {
+        sweep += 1.0;
+        let sized = if residual.is_finite() { residual.max(FLOOR) } else { f64::NAN };
+        [sweep, sized.log10()]
+    };
+    let lines = solves.iter().filter(|solve| !solve.is_empty());
+    let lines: Vec<Vec<_>> = lines.map(|solve| solve.iter().map(&mut next).collect()).collect();
+    let drawn = |line: Vec<[f64; 2]>| line.into_iter().filter(|[_, size]| size.is_finite()).collect::<Vec<_>>();
+    lines.into_iter().map(drawn).filter(|line| !line.is_empty()).collect()
+}
+
+fn draw(ui: &mut egui::Ui, lines: &[Vec<[f64; 2]>]) {
+    let count: usize = lines.iter().map(Vec::len).sum();
+    let last = lines.last().and_then(|line| line.last()).map_or(1.0, |[sweep, _]| *sweep);
+    let sizes = lines.iter().flatten().map(|[_, size]| *size);
+    let (low, high) =
+        sizes.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), size| (low.min(size), high.max(size)));
+    let plot = Plot::new("residual")
+        .height(84.0)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_drag(false)
+        .allow_boxed_zoom(false)
+        .allow_axis_zoom_drag(false)
+        .allow_double_click_reset(false)
+        .y_axis_min_width(36.0)
+        .y_grid_spacer(decades)
+        .x_grid_spacer(whole_marks)
+        .y_axis_formatter(|mark, _| power(mark.value))
+        .x_axis_formatter(|mark, _| format!("{:.0}", mark.value))
+        .label_formatter(|position| match position {
+            HoverPosition::NearDataPoint { position, .. } => {
+                Some(format!("{}\nsweep {:.0}", Quantity::text(10_f64.powf(position.y), "m/s"), position.x))
+            }
+            HoverPosition::Elsewhere { .. } => None,
+        });
+    let [r, g, b] = palette::SKY;
+    let color = egui::Color32::from_rgb(r, g, b);
+    // egui counts the widgets inside a plot anew at each pass; its id keeps the next ones' stable.
+    ui.push_id("residual", |ui| {
+        plot.show(ui, |plot| {
+            for line in lines {
+                plot.line(Line::new("residual", PlotPoints::from(line.clone())).color(color).width(1.5));
+                if count <= DOTS {
+                    plot.points(Points::new("residual", PlotPoints::from(line.clone())).color(color).radius(2.2));
+                }
+            }
+            plot.set_plot_bounds_x(0.5..=last + 0.5);
+            // Whole powers of ten, one at least above the other.
+            let low = (low - 0.1).floor();
+            plot.set_plot_bounds_y(low..=(high + 0.1).ceil().max(low + 1.0));
+        });
+    });
+}
+
+/// Up to four lines at whole powers of ten.
+fn decades(input: GridInput) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    if !(high - low).is_finite() {
+        return Vec::new();
+    }
+    let step_size = ((high - low) / 3.0).ceil().max(1.0);
+    let (first, last) = ((low / step_size).ceil() as i64, (high / step_size).floor() as i64);
+    (first..=last).map(|mark| GridMark { value: mark as f64 * step_size, step_size }).collect()
+}
+
+/// At most ten lines at whole numbers.
+fn whole_marks(input: GridInput) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    if !(high - low).is_finite() {
+        return Vec::new();
+    }
+    let step_size = crate::lab::round_step((high - low) / 8.0).max(1.0);
+    let (first, last) = ((low / step_size).ceil() as i64, (high / step_size).floor() as i64);
+    (first..=last).map(|mark| GridMark { value: mark as f64 * step_size, step_size }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sweeps_are_counted_on_and_what_is_no_number_is_left_out() {
+        let drawn = lines(&[vec![1.0, 0.1], vec![], vec![0.0, f64::NAN, 10.0]]);
+        assert_eq!(drawn, [vec![[1.0, 0.0], [2.0, -1.0]], vec![[3.0, -16.0], [5.0, 1.0]]]);
+        assert!(lines(&[vec![f64::INFINITY]]).is_empty());
+    }
+
+    #[test]
+    fn any_range_has_two_powers_of_ten_or_more_but_few() {
+        for (low, high) in [(-1.0, 0.0), (-3.0, 1.0), (-16.0, 2.0)] {
+            let marks = decades(GridInput { bounds: (low, high), base_step_size: 0.0 });
+            assert!((2..=4).contains(&marks.len()), "{low} to {high}: {marks:?}");
+        }
+        assert!(decades(GridInput { bounds: (0.0, f64::NAN), base_step_size: 0.0 }).is_empty());
+    }
+
+    #[test]
+    fn marks_are_whole_numbers_and_few() {
+        for high in [1.5, 8.5, 40.5, 3000.5] {
+            let marks = whole_marks(GridInput { bounds: (0.5, high), base_step_size: 0.0 });
+            assert!((1..=10).contains(&marks.len()), "{high}: {marks:?}");
+            assert!(marks.iter().all(|mark| mark.value.fract() == 0.0));
+        }
+    }
+}
