@@ -6,26 +6,15 @@
 //! Whole steps run, with a clock read between the sets of the schedule: a phase alone would find
 //! its data in other caches than it does in a step. A reading takes some 30 ns.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use bevy::prelude::*;
 use criterion::{Criterion, criterion_group, criterion_main};
-use plumb::prelude::PhysicsSystems::{BroadPhase, Diagnose, Events, Islands, NarrowPhase, Prepare, Solve, WriteBack};
+use plumb::physics::PhaseTimes;
 use plumb::prelude::*;
-
-/// The phases, in the order of [`PhysicsSystems`].
-const PHASES: [&str; 7] = ["gather", "broad phase", "narrow phase", "islands", "solve", "write-back", "events"];
 
 /// Steps in which a heap falls, hits and settles: 5 s.
 const HEAP_STEPS: u64 = 300;
-
-/// When each phase of the last step began, and the last one ended.
-#[derive(Resource)]
-struct Marks([Instant; PHASES.len() + 1]);
-
-fn mark<const INDEX: usize>(mut marks: ResMut<Marks>) {
-    marks.0[INDEX] = Instant::now();
-}
 
 /// A scene with a clock in its schedule.
 fn timed(scene: &str, parameters: &[(&str, f64)], threads: u32) -> App {
@@ -34,20 +23,7 @@ fn timed(scene: &str, parameters: &[(&str, f64)], threads: u32) -> App {
     let mut settings = SolverSettings { threads, ..SolverSettings::game() };
     settings.impulse.sleep_speed = None;
     app.insert_resource(settings);
-    app.insert_resource(Marks([Instant::now(); PHASES.len() + 1]));
-    app.add_systems(
-        PhysicsSchedule,
-        (
-            mark::<0>.before(Prepare),
-            mark::<1>.after(Prepare).before(BroadPhase),
-            mark::<2>.after(BroadPhase).before(NarrowPhase),
-            mark::<3>.after(NarrowPhase).before(Islands),
-            mark::<4>.after(Islands).before(Solve),
-            mark::<5>.after(Solve).before(WriteBack),
-            mark::<6>.after(WriteBack).before(Events),
-            mark::<7>.after(Events).before(Diagnose),
-        ),
-    );
+    app.init_resource::<PhaseTimes>();
     plumb::scene::load(scene, &parameters).expect("a built-in scene").spawn(app.world_mut());
     app
 }
@@ -65,8 +41,7 @@ fn settled(scene: &str, parameters: &[(&str, f64)], threads: u32) -> App {
 fn spent(world: &mut World, phase: usize, steps: u64) -> Duration {
     let one_step = |_| {
         step(world);
-        let marks = &world.resource::<Marks>().0;
-        marks[phase + 1] - marks[phase]
+        Duration::from_secs_f64(world.resource::<PhaseTimes>().seconds[phase])
     };
     (0..steps).map(one_step).sum()
 }
@@ -76,7 +51,7 @@ fn phases_of_heaps(criterion: &mut Criterion) {
         for threads in [1, 2] {
             let mut group = criterion.benchmark_group(format!("heap of 1000 {what}, threads {threads}"));
             group.sample_size(10).measurement_time(Duration::from_secs(2)).warm_up_time(Duration::from_millis(300));
-            for (phase, name) in PHASES.into_iter().enumerate() {
+            for (phase, name) in PhaseTimes::NAMES.into_iter().enumerate() {
                 group.bench_function(name, |bencher| {
                     bencher.iter_custom(|runs| {
                         let run = |_| {
@@ -99,7 +74,7 @@ fn phases(criterion: &mut Criterion) {
             let mut app = settled(scene, &parameters, threads);
             let mut group = criterion.benchmark_group(format!("{scene} {}, threads {threads}", parameters[0].1));
             group.sample_size(10).measurement_time(Duration::from_secs(2)).warm_up_time(Duration::from_millis(300));
-            for (phase, name) in PHASES.into_iter().enumerate() {
+            for (phase, name) in PhaseTimes::NAMES.into_iter().enumerate() {
                 group.bench_function(name, |bencher| {
                     bencher.iter_custom(|steps| spent(app.world_mut(), phase, steps));
                 });

@@ -9,7 +9,7 @@ use egui_plot::{HoverPosition, Line, Plot, PlotPoints};
 
 use super::CurrentScene;
 use super::any_joint::{IsJoint, WholeJoint, noun};
-use super::axes::{color32, fifth_seconds, mark_text, round_marks};
+use super::axes::{color32, fifth_seconds, mark_text, round_marks, still};
 use super::ghost::{self, Apart, GhostReading, GhostReadings, MOST_GHOSTS};
 use super::joint_readings::ReadJoints;
 use super::panel::{Quantity, name_of, palette};
@@ -373,15 +373,9 @@ impl Chart<'_> {
             });
         });
         let end = newest.map_or(WINDOW, |sample| sample.time.max(WINDOW));
-        let plot = Plot::new(title)
+        let plot = still(Plot::new(title))
             .height(if labels_time { 76.0 } else { 60.0 })
             .show_axes([labels_time, true])
-            .allow_zoom(false)
-            .allow_scroll(false)
-            .allow_drag(false)
-            .allow_boxed_zoom(false)
-            .allow_axis_zoom_drag(false)
-            .allow_double_click_reset(false)
             .include_y(0.0)
             .include_y(if largest > 0.0 { 0.0 } else { 1.0 })
             .set_margin_fraction(egui::vec2(0.0, 0.08))

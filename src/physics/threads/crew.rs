@@ -21,13 +21,13 @@ use std::time::{Duration, Instant};
 
 use bevy::tasks::TaskPool;
 
+use super::spin::wait_a_little;
+
 /// How long a helper looks out for work: longer than the phases of a step that one thread does alone, and a small part of
 /// a frame.
 const PATIENCE: Duration = Duration::from_micros(300);
 /// Looks between two readings of the clock.
 const LOOKS: u32 = 64;
-/// Looks after which a helper lets others have its core in between.
-const EAGER_LOOKS: u32 = 2000;
 
 /// One who is inside.
 const INSIDE: u64 = 1;
@@ -142,15 +142,6 @@ impl Crew {
             }
         }
         self.helpers.fetch_sub(1, Ordering::Relaxed);
-    }
-}
-
-fn wait_a_little(looks: &mut u32) {
-    *looks = looks.wrapping_add(1);
-    if *looks < EAGER_LOOKS {
-        std::hint::spin_loop();
-    } else {
-        std::thread::yield_now();
     }
 }
 

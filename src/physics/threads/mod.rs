@@ -4,6 +4,7 @@ mod blocks;
 mod claims;
 mod crew;
 mod shared;
+mod spin;
 mod stages;
 mod workers;
 

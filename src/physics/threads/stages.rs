@@ -13,12 +13,9 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use bevy::tasks::ComputeTaskPool;
 
+use super::spin::wait_a_little;
 use super::workers::on_workers;
 use crate::physics::Refill;
-
-/// Spins before a worker lets others have its core: the operating system may have more threads
-/// than cores.
-const SPINS: u32 = 2000;
 
 /// A counter that shares its cache line with no other.
 #[derive(Debug, Default)]
@@ -99,17 +96,12 @@ impl Stages {
             }
             // Whoever sees the stage done sees what was written in it.
             done.fetch_add(mine, Ordering::Release);
-            let mut spins = 0;
+            let mut looks = 0;
             while done.load(Ordering::Acquire) < chunks {
                 if self.is_broken.load(Ordering::Relaxed) {
                     return;
                 }
-                spins += 1;
-                if spins < SPINS {
-                    std::hint::spin_loop();
-                } else {
-                    std::thread::yield_now();
-                }
+                wait_a_little(&mut looks);
             }
         }
     }

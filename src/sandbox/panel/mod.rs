@@ -5,7 +5,6 @@
 //! and nothing else. What a section asks of the sandbox it writes as a
 //! [`SandboxAction`](super::SandboxAction); physics resources it edits in place.
 
-mod axes;
 mod build;
 mod buttons;
 mod chart;
@@ -25,7 +24,6 @@ mod toast;
 pub(super) mod vary;
 mod world;
 
-pub(super) use axes::power;
 pub use chart::measure_chart;
 pub(super) use entry::Entered;
 pub use measuring::ChartSource;

@@ -1,10 +1,8 @@
 //! What probes read, as a file.
 
-use std::fmt::Write;
-
 use bevy::prelude::*;
 
-use super::tracks::Tracks;
+use super::tracks::{Track, Tracks};
 use crate::lab::write_whole;
 use crate::sandbox::screenshot::next_free_path;
 use crate::sandbox::state::report;
@@ -32,37 +30,37 @@ fn text(tracks: &Tracks) -> Option<String> {
     if plotted.is_empty() || tracks.rows.is_empty() {
         return None;
     }
-    let mut text = String::from("t");
-    for at in &plotted {
-        let track = &tracks.tracks[*at];
-        let unit = if track.unit.is_empty() { String::new() } else { format!(" [{}]", track.unit) };
-        text += ",";
-        text += &quoted(&format!("{}{unit}", track.name));
-    }
-    for row in &tracks.rows {
-        write!(text, "\n{:?}", row.time).expect("a string takes all");
-        for at in &plotted {
-            text += ",";
-            if row.values[*at].is_finite() {
-                write!(text, "{:?}", row.values[*at]).expect("a string takes all");
-            }
-        }
-    }
-    Some(text + "\n")
+    let heading = |track: &Track| match track.unit {
+        "" => track.name.clone(),
+        unit => format!("{} [{unit}]", track.name),
+    };
+    let headings = plotted.iter().map(|at| heading(&tracks.tracks[*at]));
+    let number = |value: f64| if value.is_finite() { format!("{value:?}") } else { String::new() };
+    let rows = tracks.rows.iter().map(|row| {
+        let values = plotted.iter().map(|at| number(row.values[*at]));
+        std::iter::once(format!("{:?}", row.time)).chain(values).collect()
+    });
+    let first = std::iter::once("t".to_owned()).chain(headings).collect();
+    Some(written(std::iter::once(first).chain(rows)))
 }
 
-/// As a cell.
-fn quoted(name: &str) -> String {
-    if name.contains(['"', ',', '\n', '\r']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
+/// As a file.
+fn written(records: impl Iterator<Item = Vec<String>>) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for record in records {
+        writer.write_record(record).expect("a list takes all");
+    }
+    String::from_utf8(writer.into_inner().expect("a list takes all")).expect("made of text")
 }
 
 #[cfg(test)]
 mod tests {
-    use super::quoted;
+    use super::written;
 
     #[test]
     fn names_are_quoted_where_they_must_be() {
-        assert_eq!(quoted("ball y [m]"), "ball y [m]");
-        assert_eq!(quoted("a, \"b\""), "\"a, \"\"b\"\"\"");
+        let cell = |name: &str| written(std::iter::once(vec![name.to_owned()]));
+        assert_eq!(cell("ball y [m]"), "ball y [m]\n");
+        assert_eq!(cell("a, \"b\""), "\"a, \"\"b\"\"\"\n");
     }
 }

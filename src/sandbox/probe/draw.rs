@@ -10,6 +10,7 @@ use super::reader::{Reader, WatchedPoint};
 use super::tape_start::TapeStart;
 use super::tracks::{TRAIL, Track, Tracks};
 use crate::physics::{RenderOrigin, RigidBody};
+use crate::sandbox::axes::color32;
 use crate::sandbox::panel::Quantity;
 use crate::scene::{Probe, ProbeSubject};
 
@@ -116,10 +117,9 @@ pub fn draw_lengths(
         let [Some(from), Some(to)] = [&ends[0], &ends[1]].map(|end| drawn.place(end)) else { continue };
         let Ok(middle) = camera.0.world_to_viewport(camera.1, from.midpoint(to)) else { continue };
         let at = (egui::pos2(middle.x, middle.y) / context.zoom_factor()) + egui::vec2(8.0, -8.0);
-        let [r, g, b] = track.color;
         let text = Quantity::text(reader.value(&track.probe), "m");
         let font = egui::FontId::proportional(14.0);
-        let galley = painter.layout_no_wrap(text, font, egui::Color32::from_rgb(r, g, b));
+        let galley = painter.layout_no_wrap(text, font, color32(track.color));
         let place = egui::Align2::LEFT_BOTTOM.anchor_size(at, galley.size());
         painter.rect_filled(place.expand(3.0), 3.0, egui::Color32::from_black_alpha(150));
         painter.galley(place.min, galley, egui::Color32::WHITE);

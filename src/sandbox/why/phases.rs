@@ -7,7 +7,7 @@ use bevy_egui::egui;
 use egui_plot::{Bar, BarChart, Plot};
 
 use crate::physics::{PhaseTimes, PhysicsSchedule, PhysicsSystems};
-use crate::sandbox::axes::{mark_text, round_marks};
+use crate::sandbox::axes::{color32, mark_text, round_marks, still};
 use crate::sandbox::panel::{Quantity, palette};
 
 /// Steps on view.
@@ -76,8 +76,7 @@ pub(super) fn show(ui: &mut egui::Ui, history: &PhaseHistory) {
     draw(ui, history, scale.factor);
     egui::Grid::new("phases").num_columns(4).spacing([8.0, 2.0]).show(ui, |ui| {
         for (phase, name) in PhaseTimes::NAMES.into_iter().enumerate() {
-            let [r, g, b] = COLORS[phase];
-            let name = egui::RichText::new(name).size(11.0).color(egui::Color32::from_rgb(r, g, b));
+            let name = egui::RichText::new(name).size(11.0).color(color32(COLORS[phase]));
             ui.label(name);
             let text = newest.map_or_else(|| "–".into(), |newest| scale.number(newest[phase]));
             ui.monospace(egui::RichText::new(format!("{text:>7}")).size(11.0));
@@ -92,23 +91,16 @@ pub(super) fn show(ui: &mut egui::Ui, history: &PhaseHistory) {
 fn draw(ui: &mut egui::Ui, history: &PhaseHistory, factor: f64) {
     let first = STEPS - history.0.len();
     let chart = |phase: usize| {
-        let [r, g, b] = COLORS[phase];
-        let color = egui::Color32::from_rgb(r, g, b);
+        let color = color32(COLORS[phase]);
         let bars = history.0.iter().enumerate().map(|(step, seconds)| {
             let height = if seconds[phase].is_finite() { seconds[phase] * factor } else { 0.0 };
             Bar::new((first + step) as f64, height).width(1.0).stroke(egui::Stroke::NONE).fill(color)
         });
         BarChart::new(PhaseTimes::NAMES[phase], bars.collect()).color(color)
     };
-    let plot = Plot::new("phases")
+    let plot = still(Plot::new("phases"))
         .height(76.0)
         .show_axes([false, true])
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_drag(false)
-        .allow_boxed_zoom(false)
-        .allow_axis_zoom_drag(false)
-        .allow_double_click_reset(false)
         .show_x(false)
         .show_y(false)
         .include_y(0.0)

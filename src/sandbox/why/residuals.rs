@@ -3,8 +3,10 @@
 use bevy_egui::egui;
 use egui_plot::{GridInput, GridMark, HoverPosition, Line, Plot, PlotPoints, Points};
 
+use crate::lab::round_step;
 use crate::physics::{SolveTrace, SolverSettings, StepStats};
-use crate::sandbox::panel::{Quantity, palette, power};
+use crate::sandbox::axes::{color32, every, power, still};
+use crate::sandbox::panel::{Quantity, palette};
 
 /// Under it, m/s, all is rounding: what is less, or zero, is drawn there.
 const FLOOR: f64 = 1e-16;
@@ -78,14 +80,8 @@ fn draw(ui: &mut egui::Ui, lines: &[Vec<[f64; 2]>]) {
     let sizes = lines.iter().flatten().map(|[_, size]| *size);
     let (low, high) =
         sizes.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), size| (low.min(size), high.max(size)));
-    let plot = Plot::new("residual")
+    let plot = still(Plot::new("residual"))
         .height(84.0)
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_drag(false)
-        .allow_boxed_zoom(false)
-        .allow_axis_zoom_drag(false)
-        .allow_double_click_reset(false)
         .y_axis_min_width(36.0)
         .y_grid_spacer(decades)
         .x_grid_spacer(whole_marks)
@@ -97,8 +93,7 @@ fn draw(ui: &mut egui::Ui, lines: &[Vec<[f64; 2]>]) {
             }
             HoverPosition::Elsewhere { .. } => None,
         });
-    let [r, g, b] = palette::SKY;
-    let color = egui::Color32::from_rgb(r, g, b);
+    let color = color32(palette::SKY);
     // egui counts the widgets inside a plot anew at each pass; its id keeps the next ones' stable.
     ui.push_id("residual", |ui| {
         plot.show(ui, |plot| {
@@ -122,9 +117,7 @@ fn decades(input: GridInput) -> Vec<GridMark> {
     if !(high - low).is_finite() {
         return Vec::new();
     }
-    let step_size = ((high - low) / 3.0).ceil().max(1.0);
-    let (first, last) = ((low / step_size).ceil() as i64, (high / step_size).floor() as i64);
-    (first..=last).map(|mark| GridMark { value: mark as f64 * step_size, step_size }).collect()
+    every(((high - low) / 3.0).ceil().max(1.0), input.bounds)
 }
 
 /// At most ten lines at whole numbers.
@@ -133,9 +126,7 @@ fn whole_marks(input: GridInput) -> Vec<GridMark> {
     if !(high - low).is_finite() {
         return Vec::new();
     }
-    let step_size = crate::lab::round_step((high - low) / 8.0).max(1.0);
-    let (first, last) = ((low / step_size).ceil() as i64, (high / step_size).floor() as i64);
-    (first..=last).map(|mark| GridMark { value: mark as f64 * step_size, step_size }).collect()
+    every(round_step((high - low) / 8.0).max(1.0), input.bounds)
 }
 
 #[cfg(test)]

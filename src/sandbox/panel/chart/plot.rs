@@ -7,7 +7,7 @@ use crate::lab::chart::{SERIES, front};
 use crate::lab::sweep::Record;
 use crate::lab::verdict::Verdict;
 use crate::physics::{SolverSettings, StepStats};
-use crate::sandbox::panel::axes::{mark_now, power, powers};
+use crate::sandbox::axes::{mark_now, power, powers, still};
 use crate::sandbox::panel::palette;
 
 /// A pointer this near to a point, in egui's points, means it.
@@ -107,14 +107,8 @@ pub(super) fn draw(
     let own = ["threads", "impulse.sleep_speed"];
     let alike = |dot: &&Dot| dot.settings.differences(settings).all(|setting| own.contains(&setting.path));
     let present = dots.iter().find(alike);
-    let plot = Plot::new("chart")
+    let plot = still(Plot::new("chart"))
         .height(190.0)
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_drag(false)
-        .allow_boxed_zoom(false)
-        .allow_axis_zoom_drag(false)
-        .allow_double_click_reset(false)
         .set_margin_fraction(egui::vec2(0.08, 0.1))
         .y_axis_min_width(36.0)
         .x_grid_spacer(powers)

@@ -6,8 +6,7 @@ use egui_plot::{GridMark, Line, MarkerShape, Plot, PlotPoint, PlotResponse, Plot
 use crate::lab::sweep::Record;
 use crate::lab::vary::{Assignment, Curves, Measure, Variation};
 use crate::lab::verdict::Verdict;
-use crate::sandbox::axes::{mark_text, round_marks};
-use crate::sandbox::panel::axes::{mark_now, power, powers};
+use crate::sandbox::axes::{color32, mark_now, mark_text, power, powers, round_marks, still};
 use crate::sandbox::panel::palette;
 
 /// Decades below the least positive value at which a logarithmic axis has a zero.
@@ -90,14 +89,8 @@ impl<'a> Shown<'a> {
         let marks = values.marks(ui.available_width());
         let is_logarithmic = self.is_logarithmic;
         ui.label(egui::RichText::new(&self.label).size(11.0));
-        let plot = Plot::new("sweep")
+        let plot = still(Plot::new("sweep"))
             .height(170.0)
-            .allow_zoom(false)
-            .allow_scroll(false)
-            .allow_drag(false)
-            .allow_boxed_zoom(false)
-            .allow_axis_zoom_drag(false)
-            .allow_double_click_reset(false)
             .set_margin_fraction(egui::vec2(0.08, 0.12))
             .y_axis_min_width(36.0)
             // Points that are still to come have their room.
@@ -110,8 +103,7 @@ impl<'a> Shown<'a> {
             // What a point is and what a click takes are found in one way, in `follow_pointer`.
             .show_x(false)
             .show_y(false);
-        let [r, g, b] = palette::SKY;
-        let [holds, fails] = [egui::Color32::from_rgb(r, g, b), ui.visuals().error_fg_color];
+        let [holds, fails] = [color32(palette::SKY), ui.visuals().error_fg_color];
         let shown = ui.push_id("sweep", |ui| {
             plot.show(ui, |plot| {
                 let known = self.dots.iter().filter(|dot| dot.quantity.is_some());
