@@ -4,7 +4,7 @@
 //! A row has λ = λ̂ − ρ (row + b), where it is rigid; λ = −W (row + b), where it is a spring; or the impulse that its
 //! bound leaves, where that is less.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{BOUND_ROUNDING, JOINT_PENALTY, LIKELY_BOUND};
 use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, bits, body_vector, curving_share, halves};
@@ -61,33 +61,46 @@ pub(super) struct AnyJoint {
     /// The arms are those of the joint's frames.
     pub sides: [Side; 2],
     pub prescribed: Twist<f64>,
-    /// S_A and S_B.
+    /// S_Aᵀ and S_Bᵀ: a column for each row.
     maps: [BodyBlock; 2],
     laws: [Law; ROWS],
+    /// How often its rows were made.
+    revision: u32,
     /// How many rows the first half has, and the second.
     counts: [usize; 2],
 }
 
 impl AnyJoint {
-    /// From the rows at present, for `h`, s; `ahead` is how far into it rows are to turn with their bodies, s, `least` the
-    /// approach from which limits bounce, m/s.
-    pub fn new(
+    /// Takes over the rows at present, for `h`, s; `ahead` is how far into it rows are to turn with their bodies, s, `least`
+    /// the approach from which limits bounce, m/s. Where it `resumes`, which rows are active stays as iterations left it.
+    pub fn renew(
+        &mut self,
         joint: &Joint,
         rows: &[JointRow<f64>],
         bodies: [&Body; 2],
         ends: &[Option<u32>; 2],
         [h, ahead, least]: [f64; 3],
-    ) -> Self {
+        resumes: bool,
+    ) {
         let frames = &joint.definition.frames;
         let sides = [0, 1].map(|side| Side { body: ends[side], arm: bodies[side].rotation * frames[side].anchor });
         let ahead = ahead * curving_share(bodies, h);
         let first = joint.definition.halves()[0].min(rows.len());
-        let mut all = Self { sides, counts: [first, rows.len() - first], ..Self::default() };
+        let counts = [first, rows.len() - first];
+        if counts != self.counts {
+            (self.maps, self.laws) = Default::default();
+        }
+        self.sides = sides;
+        self.counts = counts;
+        self.prescribed = Twist::zero();
+        self.revision = self.revision.wrapping_add(1);
+        let inverse_inertias = bodies
+            .map(|body| world_inverse_inertia(&body.inverse_inertia_body, &body.rotation, &body.rotation_freedom));
         for (index, row) in rows.iter().enumerate() {
-            let place = all.place(index);
+            let place = self.place(index);
             for (side, sign) in [(0, -1.0), (1, 1.0)] {
                 let Twist { linear, angular } = row.jacobian.of(side);
-                all.maps[side].row_mut(place).copy_from(&(body_vector(&linear, &angular) * sign).transpose());
+                self.maps[side].column_mut(place).copy_from(&(body_vector(&linear, &angular) * sign));
             }
             let held = (0..2).filter(|&side| sides[side].body.is_none() && bodies[side].kind != RigidBody::Static);
             let given = held.map(|side| {
@@ -103,18 +116,21 @@ impl AnyJoint {
                 given += (ahead * row.velocity_term).min(most).max(-most);
             }
             if place < 3 {
-                all.prescribed.linear[place] = given
+                self.prescribed.linear[place] = given
             } else {
-                all.prescribed.angular[place - 3] = given
+                self.prescribed.angular[place - 3] = given
             }
             let mobility: f64 = (0..2)
                 .filter(|&side| sides[side].body.is_some())
-                .map(|side| mobility(&row.jacobian.of(side), bodies[side]))
+                .map(|side| mobility(&row.jacobian.of(side), bodies[side], &inverse_inertias[side]))
                 .sum();
             let mass = if mobility > 0.0 { 1.0 / mobility } else { 0.0 };
-            all.laws[place] = law(row, mass, joint.multipliers[index], h, least);
+            let law = law(row, mass, joint.multipliers[index], h, least);
+            let before = std::mem::replace(&mut self.laws[place], law);
+            if resumes && law.bound != Bound::None {
+                (self.laws[place].is_active, self.laws[place].impulse) = (before.is_active, before.impulse);
+            }
         }
-        all
     }
 
     /// The coordinate of a row.
@@ -125,15 +141,6 @@ impl AnyJoint {
     /// How many rows it has.
     pub fn rows(&self) -> usize {
         self.counts[0] + self.counts[1]
-    }
-
-    /// Takes over from the iterations before which rows are active.
-    pub fn resume(&mut self, before: &Self) {
-        for (law, before) in self.laws.iter_mut().zip(&before.laws) {
-            if law.bound != Bound::None {
-                (law.is_active, law.impulse) = (before.is_active, before.impulse);
-            }
-        }
     }
 
     /// λ̂ as a force at the frames' origins, on B.
@@ -199,8 +206,7 @@ impl AnyJoint {
 }
 
 /// Speed along a row for an impulse along it, of one body.
-fn mobility(row: &Twist<f64>, body: &Body) -> f64 {
-    let inverse_inertia = world_inverse_inertia(&body.inverse_inertia_body, &body.rotation, &body.rotation_freedom);
+fn mobility(row: &Twist<f64>, body: &Body, inverse_inertia: &Matrix3<f64>) -> f64 {
     let (linear, angular) = (body.inverse_mass.component_mul(&row.linear), inverse_inertia * row.angular);
     row.dot(&Twist { linear, angular })
 }
@@ -256,12 +262,12 @@ impl Rows for AnyJoint {
     }
 
     fn motion_of(&self, side: usize, velocity: &BodyVector) -> Twist<f64> {
-        let (linear, angular) = halves(&(self.maps[side] * velocity));
+        let (linear, angular) = halves(&self.maps[side].tr_mul(velocity));
         Twist { linear, angular }
     }
 
     fn wrench_on(&self, side: usize, impulse: &Wrench<f64>) -> BodyVector {
-        self.maps[side].tr_mul(&body_vector(&impulse.linear, &impulse.angular))
+        self.maps[side] * body_vector(&impulse.linear, &impulse.angular)
     }
 
     fn prescribed(&self) -> &Twist<f64> {
@@ -275,20 +281,25 @@ impl Rows for AnyJoint {
             friction: 0.0,
             arms: self.sides.map(|side| side.arm),
             normal: none,
-            levers: std::array::from_fn::<_, POINTS, _>(|row| self.maps[1].fixed_view::<1, 3>(row, 3).transpose()),
+            levers: std::array::from_fn::<_, POINTS, _>(|row| self.maps[1].fixed_view::<3, 1>(3, row).into()),
             active: bits(self.laws.iter().map(|law| law.is_active)),
             across: [0.0; 2],
-            is_soft: true,
+            is_soft: false,
+            revision: self.revision,
         }
     }
 
-    fn blocks(&self) -> RowBlocks {
-        let stiffness = BodyVector::from_fn(|row, _| {
-            let law = &self.laws[row];
-            if law.is_active { law.stiffness } else { 0.0 }
-        });
+    fn blocks(&self, blocks: &mut RowBlocks) {
         let [a, b] = &self.maps;
-        RowBlocks::new(&self.sides, [a, b], |x, y| x.tr_mul(&BodyBlock::from_diagonal(&stiffness)) * y)
+        blocks.set(&self.sides, [a, b], |x, y| {
+            let mut block = BodyBlock::zeros();
+            for (row, law) in self.laws.iter().enumerate() {
+                if law.is_active && law.stiffness != 0.0 {
+                    block += x.column(row) * (y.column(row) * law.stiffness).transpose();
+                }
+            }
+            block
+        });
     }
 
     fn impulse_at_rest(&self) -> Wrench<f64> {

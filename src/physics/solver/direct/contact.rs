@@ -329,12 +329,13 @@ impl Rows for DirectContact {
             active: bits(self.points.iter().map(|point| point.is_active).chain(sticks)),
             across: if self.is_sliding { self.across } else { [0.0; 2] },
             is_soft: false,
+            revision: 0,
         }
     }
 
-    fn blocks(&self) -> RowBlocks {
+    fn blocks(&self, blocks: &mut RowBlocks) {
         let stiffness = self.stiffness();
-        RowBlocks::at_arms(&self.sides, |x, y| stiffness.between(x, y))
+        blocks.set_at_arms(&self.sides, |x, y| stiffness.between(x, y));
     }
 
     fn impulse_at_rest(&self) -> Wrench<f64> {

@@ -31,11 +31,12 @@ use nalgebra::{Matrix3, Vector3};
 use super::articulated::{ArticulatedTree, Piece, TreeJoint};
 use super::constants::{
     DUAL_ACCEPTED, DUAL_ACTIVE_SETS, DUAL_ERRORS, DUAL_ITERATIONS, DUAL_LAG, DUAL_LEFT, DUAL_LOOSE, DUAL_PIECES,
-    DUAL_SHIFTS, DUAL_SOFTER, DUAL_START_ERROR, DUAL_STIFF, PROJECTION_ERROR, PROJECTIONS, RIMS,
+    DUAL_PRODUCTS, DUAL_SHIFTS, DUAL_SOFTER, DUAL_START_ERROR, DUAL_STIFF, RIMS,
 };
-use super::world::{World, world_inertia};
+use super::posture::Posture;
+use super::world::{World, state_of, world_inertia};
+use crate::physics::body::Body;
 use crate::physics::body::free_rotation::turn_freely;
-use crate::physics::body::{Body, world_inverse_inertia};
 use crate::physics::constraint::row::{RowPair, Twist, Wrench, bounded};
 use crate::physics::joint::{BodyState, Bound, Joint, JointRow};
 use crate::physics::solver::exact::{Couplings, MemberState, links_at};
@@ -118,8 +119,8 @@ pub(super) struct DualSystem {
     mobilities: Vec<Mobility>,
     /// How far gaps would have each member move.
     moves: Vec<Twist<f64>>,
-    /// How far the last projection moved each member.
-    pub shifts: Vec<Twist<f64>>,
+    /// By which its joints are put together in the poses, once that was needed.
+    posture: Option<Posture>,
     /// Geometric stiffness of each member.
     stiffnesses: Vec<Matrix3<f64>>,
     rows: Vec<JointRow<f64>>,
@@ -221,7 +222,7 @@ impl DualSystem {
                     (done, pieces) = (2 * done, 2 * pieces);
                     continue;
                 }
-                self.take_piece_by_velocities(world, members, &terms, kick);
+                self.take_piece_by_velocities(world, [members, partners], &terms, kick);
             }
             done += 1;
             if done < pieces {
@@ -252,7 +253,13 @@ impl DualSystem {
 
     /// The same where no impulses along the rows as they start lead to joints that hold, as the piece turns them too far:
     /// velocities that keep to the rows, with which energy does not grow, and poses that are put together after them.
-    fn take_piece_by_velocities(&mut self, world: &impl World, members: &[u32], terms: &DualTerms, kick: f64) {
+    fn take_piece_by_velocities(
+        &mut self,
+        world: &impl World,
+        [members, partners]: [&[u32]; 2],
+        terms: &DualTerms,
+        kick: f64,
+    ) {
         self.set_off(world, members, terms, kick);
         for row in &mut self.rows {
             // Gaps alone may be closed; what is apart is put together in the poses.
@@ -271,10 +278,15 @@ impl DualSystem {
         }
         self.note(terms.h, kick);
         self.drift(world, members, terms.h);
-        self.starts.clone_from(&self.ends);
-        self.shifts.clear();
-        self.put_together(world, members, terms.time + terms.h, terms.correction_speed * terms.h);
-        self.ends.clone_from(&self.starts);
+        let most = terms.correction_speed * terms.h;
+        if self.posture.is_none() {
+            let joints: Vec<u32> = self.links.iter().map(|link| link.joint).collect();
+            self.posture = Posture::new(world, [members, partners, &joints], DUAL_PRODUCTS);
+        }
+        if let Some(posture) = &mut self.posture {
+            posture.project(world, members, self.ends.iter().cloned(), terms.time + terms.h, most);
+            self.ends[..members.len()].clone_from_slice(posture.projected());
+        }
     }
 
     /// The rows at the start, what they are to do, and the velocities without them.
@@ -421,7 +433,7 @@ impl DualSystem {
     fn close_gaps(&mut self, world: &impl World, members: &[u32], softer: f64, most: f64) {
         self.assemble(softer);
         self.factor.solve(&self.couplings.elimination, &mut self.residual[..]);
-        let Self { links, responses, residual, moves, shifts, starts, .. } = self;
+        let Self { links, responses, residual, moves, starts, .. } = self;
         moves.clear();
         moves.resize(members.len(), Twist::zero());
         for link in &*links {
@@ -445,75 +457,7 @@ impl DualSystem {
             let moved = Twist::zero().plus(moved, share);
             starts[place].position += moved.linear;
             starts[place].turn(&moved.angular);
-            if let Some(shift) = shifts.get_mut(place) {
-                *shift = shift.plus(&moved, 1.0);
-            }
         }
-    }
-
-    /// Moves the members from these states at that time, s, to where their joints hold, the nearest by masses, and
-    /// not further than so many metres at once; velocities stay. They are then in [`Self::projected`], and
-    /// how far each went in [`Self::shifts`].
-    pub fn project(
-        &mut self,
-        world: &impl World,
-        states: impl Iterator<Item = MemberState>,
-        [members, partners]: [&[u32]; 2],
-        time: f64,
-        most: f64,
-    ) {
-        self.starts.clear();
-        self.starts.extend(states);
-        self.starts.extend(partners.iter().map(|&body| state_of(world.body(body))));
-        self.shifts.clear();
-        self.shifts.resize(members.len(), Twist::zero());
-        self.put_together(world, members, time, most);
-    }
-
-    /// The same from the starts, which it moves.
-    fn put_together(&mut self, world: &impl World, members: &[u32], time: f64, most: f64) {
-        for _ in 0..PROJECTIONS {
-            self.place_rows(world, time, false);
-            self.aim_at_places(world, members);
-            let worst = self.find_gaps();
-            if worst <= PROJECTION_ERROR || !worst.is_finite() {
-                return;
-            }
-            self.close_gaps(world, members, 0.0, most);
-        }
-    }
-
-    /// Has all that is rigid aim at its place: what a largest force keeps from it has a right to its error.
-    fn aim_at_places(&mut self, world: &impl World, members: &[u32]) {
-        let Self { links, rows, mobilities, responses, diagonal, aims, starts, .. } = self;
-        let is_placed = |row: &JointRow<f64>| {
-            let is_open = row.bound != Bound::None && row.bound.open(row.error) == row.error;
-            row.spring.is_none() && !row.is_rate && !row.bound.is_boxed() && !is_open
-        };
-        aims.clear();
-        aims.extend(rows.iter().map(|row| if is_placed(row) { Aim::Place } else { Aim::Fixed(0.0) }));
-        mobilities.clear();
-        mobilities.extend(members.iter().zip(&*starts).map(|(&member, state)| {
-            let Body { inverse_inertia_body, rotation_freedom, mass, .. } = world.body(member);
-            let inverse_inertia = world_inverse_inertia(inverse_inertia_body, &state.rotation, rotation_freedom);
-            Mobility { inverse_mass: 1.0 / mass, inverse_inertia }
-        }));
-        mobilities.resize(starts.len(), Mobility::NONE);
-        responses.clear();
-        diagonal.clear();
-        for link in &*links {
-            let [a, b] = link.ends.map(|end| &mobilities[end as usize]);
-            for row in &rows[link.first..link.first + link.count] {
-                let response = RowPair::new(a.of(&row.jacobian.of_a()), b.of(&row.jacobian.of_b()));
-                diagonal.push(row.jacobian.diagonal(&response));
-                responses.push(response);
-            }
-        }
-    }
-
-    /// A member's state after [`Self::project`].
-    pub fn projected(&self, local: usize) -> &MemberState {
-        &self.starts[local]
     }
 
     /// Factors A of the rows that are in it, with at least that share of each row's mobility added to it.
@@ -821,12 +765,6 @@ pub(super) fn move_to(state: &MemberState, body: &mut Body, h: f64) {
     body.linear = linear / (1.0 + body.drag.0 * h);
     body.angular = angular / (1.0 + body.drag.1 * h);
     body.has_stepped = true;
-}
-
-fn state_of(body: &Body) -> MemberState {
-    let BodyState { linear, angular, .. } = BodyState::of(body);
-    let (position, rotation) = (body.position, body.rotation);
-    MemberState { position, rotation, linear: linear.into(), angular: angular.into() }
 }
 
 /// What a row is to do, whatever its bound; `old` is J of the velocities before.

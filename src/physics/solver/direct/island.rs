@@ -13,6 +13,7 @@ use super::contact::DirectContact;
 use super::dual::DualSystem;
 use super::joint::{DirectJoint, SoftLaw};
 use super::loads::{Kept, Loads};
+use super::posture::Posture;
 use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, body_vector, halves};
 use super::snapshot::Snapshot;
 use super::world::World;
@@ -106,8 +107,8 @@ pub(crate) struct DirectIsland {
     pub(super) inertias: Vec<(f64, Matrix3<f64>)>,
     /// The impulses of its joints as unknowns, where it has no contacts and some joint holds more than a point.
     pub(super) dual: Option<Box<DualSystem>>,
-    /// The same beside contacts, by which its joints are put together in the poses once all was solved for.
-    pub(super) posture: Option<Box<DualSystem>>,
+    /// Where it has contacts besides: its joints, which are put together in the poses once all was solved for.
+    pub(super) posture: Option<Box<Posture>>,
     /// Whether a spring pulls at some point, as the hand of a user does.
     pub(super) is_pulled: bool,
     /// Whether joints were put together so in the substep at hand.
@@ -132,8 +133,10 @@ impl DirectIsland {
             self.analysis = self.analyse(world);
             let is_wanted = self.points < self.joints.len();
             let parts = [&self.members[..], &self.partners, &self.joints];
-            let system = is_wanted.then(|| DualSystem::new(world, time, parts, DUAL_PRODUCTS)).flatten().map(Box::new);
-            (self.dual, self.posture) = if self.contacts.is_empty() { (system, None) } else { (None, system) };
+            let is_alone = self.contacts.is_empty();
+            let dual = (is_wanted && is_alone).then(|| DualSystem::new(world, time, parts, DUAL_PRODUCTS)).flatten();
+            let posture = (is_wanted && !is_alone).then(|| Posture::new(world, parts, DUAL_PRODUCTS)).flatten();
+            (self.dual, self.posture) = (dual.map(Box::new), posture.map(Box::new));
         }
         self.analysis == Analysis::Done
     }
@@ -264,24 +267,17 @@ impl DirectIsland {
         }
     }
 
-    /// Makes the rows of all other joints at that time, s, for `h`, s, and hands each on with those before; `ahead` is how
-    /// far into it they are to turn with their bodies, s, the third span the approach from which limits bounce, m/s.
-    pub(super) fn make_any_rows(
-        &mut self,
-        world: &impl World,
-        time: f64,
-        spans: [f64; 3],
-        mut resume: impl FnMut(&mut AnyJoint, &AnyJoint),
-    ) {
+    /// Makes the rows of all other joints at that time, s, for `h`, s; `ahead` is how far into it they are to turn with
+    /// their bodies, s, the third span the approach from which limits bounce, m/s. Where they `resume`, those are active
+    /// that were.
+    pub(super) fn make_any_rows(&mut self, world: &impl World, time: f64, spans: [f64; 3], resume: bool) {
         let joints = self.joints[self.points..].iter().zip(&self.ends[self.contacts.len() + self.points..]);
         for (rows, (&joint, ends)) in self.any_rows.iter_mut().zip(joints) {
             let joint = world.joint(joint);
             let bodies = [world.body(joint.a), world.body(joint.b)];
             self.scratch.clear();
             joint.definition.rows_at(&bodies.map(BodyState::of), time, &mut self.scratch);
-            let now = AnyJoint::new(joint, &self.scratch, bodies, ends, spans);
-            let before = std::mem::replace(rows, now);
-            resume(rows, &before);
+            rows.renew(joint, &self.scratch, bodies, ends, spans, resume);
         }
     }
 
@@ -421,7 +417,7 @@ impl DirectIsland {
         }
         for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
             let key = rows.key();
-            blocks[factored.len()].update(&key, || rows.blocks());
+            blocks[factored.len()].update(&key, |blocks| rows.blocks(blocks));
             factored.push(key);
         });
         for (held, [a, b]) in blocks.iter().zip(&*ends) {

@@ -97,16 +97,17 @@ impl Rows for DirectJoint {
             active: bits([self.softness.is_none_or(|soft| !soft.is_saturated)]),
             across: [0.0; 2],
             is_soft: self.softness.is_some(),
+            revision: 0,
         }
     }
 
-    fn blocks(&self) -> RowBlocks {
+    fn blocks(&self, blocks: &mut RowBlocks) {
         match &self.softness {
-            None => RowBlocks::at_arms(&self.sides, |x, y| isotropic(self.penalty, x, y)),
-            Some(soft) if soft.is_saturated => RowBlocks::default(),
+            None => blocks.set_at_arms(&self.sides, |x, y| isotropic(self.penalty, x, y)),
+            Some(soft) if soft.is_saturated => *blocks = RowBlocks::default(),
             Some(soft) => {
                 let stiffness = Stiffness { uu: soft.stiffness, uw: Matrix3::zeros(), ww: Matrix3::zeros() };
-                RowBlocks::at_arms(&self.sides, |x, y| stiffness.between(x, y))
+                blocks.set_at_arms(&self.sides, |x, y| stiffness.between(x, y));
             }
         }
     }

@@ -33,6 +33,7 @@ mod joint;
 mod loaded;
 mod loads;
 mod motion;
+mod posture;
 mod rest;
 mod rows;
 mod snapshot;

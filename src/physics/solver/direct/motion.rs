@@ -9,7 +9,7 @@
 //! second order; what is left of gaps is corrected by the same factor in the positions alone. Where joints hold more than
 //! points, or have limits, their gaps are closed by Newton's method on the poses, the nearest way by masses, when the
 //! step is over, and after each substep where something turns far or a spring pulls
-//! ([`DualSystem::project`](super::dual::DualSystem::project)). Contacts keep the geometry of the start of the step, as in
+//! ([`posture`](super::posture)). Contacts keep the geometry of the start of the step, as in
 //! sweeps, unless a body turns far ([`Substeps`]) and none of the two is round: where a wheel touches does not turn with
 //! it. Where active-set iterations do not end they are left as they stand: a row too many or too few for a substep is
 //! corrected in the next. With limits, they go on for longer while the bodies have more energy than there can be, and
@@ -25,7 +25,7 @@ use super::constants::{
 use super::dual::{DualTerms, move_to};
 use super::island::{DirectIsland, momentum_of, relative_motion};
 use super::rows::{Correction, body_vector, curving_share, halves};
-use super::world::{World, moves_freely, world_inertia};
+use super::world::{World, moves_freely, state_of, world_inertia};
 use crate::physics::Geometry;
 use crate::physics::body::free_rotation::turn_freely;
 use crate::physics::body::{Body, RigidBody};
@@ -166,11 +166,7 @@ impl DirectIsland {
                 rows.prescribed.linear += turning_acceleration(world, joint, rows.sides.map(|side| side.arm)) * ahead;
             }
         });
-        self.make_any_rows(world, time, [h, 0.5 * h, terms.restitution_speed], |rows, before| {
-            if !is_first {
-                rows.resume(before);
-            }
-        });
+        self.make_any_rows(world, time, [h, 0.5 * h, terms.restitution_speed], !is_first);
         self.take_momenta(world, h);
         self.factored.clear();
         let least = if self.has_converged { MOTION_ITERATIONS } else { SHORT_ITERATIONS };
@@ -215,7 +211,8 @@ impl DirectIsland {
     fn put_together(&mut self, world: &impl World, time: f64, correction_speed: f64, h: f64) {
         let Some(mut posture) = self.posture.take() else { return };
         let states = self.members.iter().enumerate().map(|(local, &member)| self.end_of(local, world.body(member), h));
-        posture.project(world, states, [&self.members, &self.partners], time + h, correction_speed * h);
+        let partners = self.partners.iter().map(|&body| state_of(world.body(body)));
+        posture.project(world, &self.members, states.chain(partners), time + h, correction_speed * h);
         for (local, shift) in posture.shifts.iter().enumerate() {
             let place = self.place(local);
             self.correction[place] += body_vector(&shift.linear, &shift.angular) / h;
@@ -272,7 +269,7 @@ impl DirectIsland {
         }
         match &self.posture {
             Some(posture) if self.is_put_together && !self.factored.is_empty() => {
-                move_to(posture.projected(local), body, h)
+                move_to(&posture.projected()[local], body, h)
             }
             _ => move_to(&self.end_of(local, body, h), body, h),
         }

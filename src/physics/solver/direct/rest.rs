@@ -164,7 +164,7 @@ impl DirectIsland {
         );
         self.make_joint_rows(world, step, |_, _, _| {});
         // Nothing that changes with time rests.
-        self.make_any_rows(world, 0.0, [step, 0.0, f64::INFINITY], |_, _| {});
+        self.make_any_rows(world, 0.0, [step, 0.0, f64::INFINITY], false);
     }
 
     /// The state of a member at the end of the step, written to it.

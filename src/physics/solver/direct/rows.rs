@@ -36,7 +36,7 @@ pub(super) trait Rows {
     fn key(&self) -> RowKey;
 
     /// What the active rows add to the matrix.
-    fn blocks(&self) -> RowBlocks;
+    fn blocks(&self, blocks: &mut RowBlocks);
 
     /// Impulse on B of the active rows where nothing moves but what is prescribed.
     fn impulse_at_rest(&self) -> Wrench<f64>;
@@ -170,23 +170,24 @@ pub(super) struct RowBlocks {
 }
 
 impl RowBlocks {
-    /// From S_XᵀKS_Y of two sides that stand where those do.
-    pub fn new<S>(sides: &[Side; 2], [a, b]: [&S; 2], between: impl Fn(&S, &S) -> BodyBlock) -> Self {
+    /// Sets them from S_XᵀKS_Y of two sides that stand where those do.
+    pub fn set<S>(&mut self, sides: &[Side; 2], [a, b]: [&S; 2], between: impl Fn(&S, &S) -> BodyBlock) {
         let [moves_a, moves_b] = [0, 1].map(|side| sides[side].body.is_some());
         let block = |is_there: bool, x, y| if is_there { between(x, y) } else { BodyBlock::zeros() };
-        let across = -block(moves_a && moves_b, a, b);
-        Self { own: [block(moves_a, a, a), block(moves_b, b, b)], across, key: None }
+        self.own = [block(moves_a, a, a), block(moves_b, b, b)];
+        self.across = -block(moves_a && moves_b, a, b);
     }
 
     /// From S_XᵀKS_Y of two arms.
-    pub fn at_arms(sides: &[Side; 2], between: impl Fn(&Vector3<f64>, &Vector3<f64>) -> BodyBlock) -> Self {
-        Self::new(sides, sides.each_ref().map(|side| &side.arm), between)
+    pub fn set_at_arms(&mut self, sides: &[Side; 2], between: impl Fn(&Vector3<f64>, &Vector3<f64>) -> BodyBlock) {
+        self.set(sides, sides.each_ref().map(|side| &side.arm), between);
     }
 
     /// Makes them anew where rows of that key would make others.
-    pub fn update(&mut self, key: &RowKey, blocks: impl FnOnce() -> Self) {
+    pub fn update(&mut self, key: &RowKey, make: impl FnOnce(&mut Self)) {
         if key.is_soft || self.key != Some(*key) {
-            *self = Self { key: Some(*key), ..blocks() };
+            make(self);
+            self.key = Some(*key);
         }
     }
 }
@@ -205,6 +206,8 @@ pub(super) struct RowKey {
     pub across: [f64; 2],
     /// Then it is not all that the stiffness is made of.
     pub is_soft: bool,
+    /// How often the rows were made, where that is not all either; a factor may serve for another.
+    pub revision: u32,
 }
 
 /// A bit for each that is so.

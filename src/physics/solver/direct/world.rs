@@ -4,7 +4,8 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use crate::physics::body::Body;
 use crate::physics::collision::{ContactState, Slot};
-use crate::physics::joint::Joint;
+use crate::physics::joint::{BodyState, Joint};
+use crate::physics::solver::exact::MemberState;
 
 /// The world as an island reads it.
 pub(crate) trait World {
@@ -12,6 +13,13 @@ pub(crate) trait World {
     fn slot(&self, index: u32) -> &Slot;
     fn state(&self, slot: u32) -> &ContactState;
     fn joint(&self, index: u32) -> &Joint;
+}
+
+/// Where a body is and how it moves.
+pub(super) fn state_of(body: &Body) -> MemberState {
+    let BodyState { linear, angular, .. } = BodyState::of(body);
+    let (position, rotation) = (body.position, body.rotation);
+    MemberState { position, rotation, linear: linear.into(), angular: angular.into() }
 }
 
 /// Whether nothing of it is locked.
