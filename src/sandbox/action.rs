@@ -38,6 +38,12 @@ pub enum SandboxAction {
         /// As [`StepStats::steps`](crate::physics::StepStats::steps) counts them.
         step: u64,
     },
+    /// Pauses and shows where bodies were after that many steps, for as long as it comes in each frame; then goes there. At
+    /// once where that takes no time.
+    LookAt {
+        /// As [`StepStats::steps`](crate::physics::StepStats::steps) counts them.
+        step: u64,
+    },
     /// Pauses and goes back as far as is kept.
     GoToStart,
     /// Pauses and goes on to the last moment that there was.

@@ -29,6 +29,9 @@ pub(super) fn carry_out_actions(
     let messages = world.resource::<Messages<SandboxAction>>();
     let actions: Vec<_> = cursor.read(messages).cloned().collect();
     for action in actions {
+        if !matches!(action, SandboxAction::LookAt { .. }) {
+            timeline::arrive(world);
+        }
         carry_out(world, action);
     }
 }
@@ -52,6 +55,7 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         }
         SandboxAction::StepBack => timeline::step_back(world),
         SandboxAction::GoTo { step } => timeline::go(world, step),
+        SandboxAction::LookAt { step } => timeline::look_at(world, step),
         SandboxAction::GoToStart => timeline::go_to_end(world, 0),
         SandboxAction::GoToNow => timeline::go_to_end(world, 1),
         SandboxAction::TogglePlayBackwards => timeline::toggle_backwards(world),

@@ -15,6 +15,7 @@ use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
 use super::any_joint::{AnyJoint, IsJoint};
 use super::held::{Drag, DragPart, Held};
 use super::probe::TapeStart;
+use super::timeline::ShownStep;
 use super::{Picked, Playback, Selection};
 use crate::physics::{
     BallJoint, BrokenJoint, Collider, Damping, History, Mass, Position, Quarantined, RenderOrigin, RigidBody, Rotation,
@@ -73,13 +74,17 @@ fn pick(
     bodies: Query<(&RigidBody, &Collider, &Transform, Option<&Damping>, Has<Quarantined>)>,
     cameras: Query<&GlobalTransform, With<Camera>>,
     origin: Res<RenderOrigin>,
-    (keys, tape): (Res<ButtonInput<KeyCode>>, Res<TapeStart>),
+    (keys, tape, shown): (Res<ButtonInput<KeyCode>>, Res<TapeStart>, Res<ShownStep>),
     joined: Joined,
     (parts, playback, stats, history): (Query<&DragPart>, Res<Playback>, Res<StepStats>, Option<Res<History>>),
 ) {
     // The event bubbles up to the window: it is ours at what was hit, and there only.
     let is_first = press.entity == press.original_event_target();
     if !is_first || press.button != PointerButton::Primary || drag.is_active() || tape.is_waiting() {
+        return;
+    }
+    // What is drawn there is elsewhere in the world.
+    if shown.step.is_some() {
         return;
     }
     let position = press.pointer_location.position;

@@ -65,6 +65,6 @@ pub use playback::StepBudget;
 pub use plugin::SandboxPlugin;
 pub use probe::{Row, Track, Tracks};
 pub use state::{CurrentScene, Notice, Picked, Playback, Selection};
-pub use timeline::Timeline;
+pub use timeline::{ShownStep, Timeline};
 pub use why::ColorBy;
 pub use window::{Launch, LaunchError, launch};

@@ -5,8 +5,10 @@ use std::path::Path;
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use plumb::lab::recording::Replay;
-use plumb::physics::{BallJoint, History, JointCoordinate, Position, RigidBody, StepStats};
-use plumb::sandbox::{GhostChoice, GhostReadings, Ghosts, Notice, Playback, SandboxAction, Selection, Timeline};
+use plumb::physics::{BallJoint, History, JointCoordinate, Position, RenderOrigin, RigidBody, StepStats};
+use plumb::sandbox::{
+    GhostChoice, GhostReadings, Ghosts, Notice, Playback, SandboxAction, Selection, ShownStep, Timeline,
+};
 
 use crate::stage::{SIZE, Stage};
 
@@ -425,4 +427,89 @@ fn a_scene_that_came_back_is_recorded_as_it_came_back() {
     assert!(recording.steps() > 10, "{}", recording.steps());
     let replay = recording.replay(Path::new("back.plumb"), |_| ()).unwrap();
     assert_eq!(replay, Replay { steps: recording.steps(), differs: None });
+}
+
+/// So many bodies that the way to a moment takes long, all in free flight.
+fn swarm() -> String {
+    let body = |index: u32| {
+        let [x, y] = [index % 50, index / 50].map(|place| 2 * place);
+        format!(
+            "(name: \"{index}\", shape: Sphere(radius: 0.5), position: ({x}, {y}, 0), angular_velocity: (0, 1, 0)),"
+        )
+    };
+    let bodies: String = (0..3000).map(body).collect();
+    format!("(bodies: [{bodies}], view: (eye: (50, 60, 200), target: (50, 60, 0)))")
+}
+
+fn drawn(stage: &mut Stage, name: &str) -> Vec3 {
+    let body = stage.body(name);
+    let world = stage.world();
+    world.get::<GlobalTransform>(body).unwrap().translation() + world.resource::<RenderOrigin>().0.as_vec3()
+}
+
+fn place_at(seen: &[(u64, DVec3)], step: u64) -> DVec3 {
+    seen.iter().find(|(then, _)| *then == step).unwrap().1
+}
+
+#[test]
+fn a_moment_far_away_is_drawn_before_the_world_is_there() {
+    let mut stage = Stage::open(&swarm());
+    let first = step(&mut stage);
+    let seen = play_to(&mut stage, "77", first + 50);
+    // As far as can be from a keyframe.
+    let history = stage.world().resource::<History>();
+    let far = (first + 2..first + 49).max_by_key(|step| history.way_to(*step)).unwrap();
+    assert!(history.way_to(far) >= 10, "the way is {} steps", history.way_to(far));
+    let near = history.keyframes().find(|step| *step > first).unwrap();
+    // Drawn is where the last step began.
+    let [before, there] = [far - 1, far].map(|step| place_at(&seen, step).as_vec3());
+    let now = seen.last().unwrap().1.as_vec3();
+    assert!(there.distance(now) > 0.1 && there.distance(before) > 0.01);
+    for _ in 0..3 {
+        stage.world().write_message(SandboxAction::LookAt { step: far });
+        stage.frames(1);
+        assert_eq!(stage.world().resource::<ShownStep>().step, Some(far));
+        assert_eq!(step(&mut stage), first + 50, "the world stays where it is");
+        assert!(drawn(&mut stage, "77").distance(before) < 1e-4, "{} instead of {before}", drawn(&mut stage, "77"));
+    }
+    // Nobody holds the head any more.
+    stage.frames(2);
+    assert_eq!((step(&mut stage), stage.position("77").as_vec3()), (far, there));
+    assert_eq!(stage.world().resource::<ShownStep>().step, None);
+    assert!(drawn(&mut stage, "77").distance(before) < 1e-4);
+    // A short way is gone at once.
+    stage.world().write_message(SandboxAction::LookAt { step: near });
+    stage.frames(1);
+    assert_eq!(step(&mut stage), near);
+    // What else is done is done there.
+    stage.world().write_message(SandboxAction::LookAt { step: far });
+    stage.frames(1);
+    assert_eq!(step(&mut stage), near);
+    stage.act(SandboxAction::StepBack);
+    assert_eq!(step(&mut stage), far - 1);
+}
+
+#[test]
+fn many_bodies_run_backwards_by_their_poses() {
+    let mut stage = Stage::open(&swarm());
+    let first = step(&mut stage);
+    let seen = play_to(&mut stage, "77", first + 50);
+    stage.tap(KeyCode::KeyU);
+    let mut looked_at = Vec::new();
+    for _ in 0..20 {
+        stage.frames(1);
+        if let Some(at) = stage.world().resource::<ShownStep>().step {
+            let before = place_at(&seen, at - 1).as_vec3();
+            assert!(drawn(&mut stage, "77").distance(before) < 1e-4, "step {at}");
+            looked_at.push(at);
+        }
+    }
+    assert!(looked_at.len() >= 5 && looked_at.is_sorted_by(|before, after| after <= before), "{looked_at:?}");
+    let last = *looked_at.last().unwrap();
+    stage.tap(KeyCode::KeyU);
+    stage.frames(2);
+    assert!(!stage.world().resource::<Timeline>().backwards);
+    let now = step(&mut stage);
+    assert!(now <= last && now + 10 > last, "{now} after {last}");
+    assert_eq!(stage.position("77"), place_at(&seen, now));
 }

@@ -139,6 +139,12 @@ impl History {
         self.frames.iter().map(|frame| frame.step)
     }
 
+    /// How many steps have to be made to go to that one.
+    pub fn way_to(&self, step: u64) -> u64 {
+        let place = self.frames.partition_point(|frame| frame.step <= step);
+        self.frames[..place].last().map_or(0, |frame| step - frame.step)
+    }
+
     /// About what it takes, bytes.
     pub fn bytes(&self) -> usize {
         let frames: usize = self.frames.iter().map(Keyframe::bytes).sum();

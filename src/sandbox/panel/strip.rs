@@ -7,7 +7,7 @@ use super::buttons::tooltip;
 use super::theme::{Quantity, palette};
 use crate::physics::{History, SolverSettings, StepStats};
 use crate::sandbox::state::Covered;
-use crate::sandbox::timeline::{LIMIT, head_and_reach};
+use crate::sandbox::timeline::{LIMIT, PoseTrack, ShownStep, head_and_reach};
 use crate::sandbox::{CurrentScene, GhostReadings, Playback, SandboxAction, Timeline};
 
 /// What the strip takes of the window's height, points, its margins too.
@@ -25,6 +25,7 @@ pub(super) fn show(
     stats: Res<StepStats>,
     settings: Res<SolverSettings>,
     timeline: Res<Timeline>,
+    (track, shown): (Res<PoseTrack>, Res<ShownStep>),
     ghosts: Res<GhostReadings>,
     playback: Res<Playback>,
     covered: Res<Covered>,
@@ -34,6 +35,7 @@ pub(super) fn show(
     let context = contexts.ctx_mut()?;
     let width = context.content_rect().width() - covered.0 / context.zoom_factor() - 2.0 * MARGIN;
     let (head, reach) = head_and_reach(&stats, Some(&history));
+    let head = shown.step.unwrap_or(head);
     egui::Area::new(egui::Id::new("strip")).anchor(egui::Align2::LEFT_BOTTOM, [MARGIN, -MARGIN]).constrain(false).show(
         context,
         |ui| {
@@ -46,12 +48,14 @@ pub(super) fn show(
                     let text =
                         egui::WidgetText::from(&said).into_galley(ui, None, f32::INFINITY, egui::TextStyle::Body);
                     let room = ui.available_width() - text.size().x - ui.spacing().item_spacing.x;
-                    let bar = Bar { head, reach, history: &history, timeline: &timeline, ghosts: &ghosts };
+                    let is_shown_alone = shown.step.is_some();
+                    let bar =
+                        Bar { head, is_shown_alone, reach, history: &history, timeline: &timeline, ghosts: &ghosts };
                     if let Some(step) = bar.show(ui, room.max(40.0)) {
-                        actions.write(SandboxAction::GoTo { step });
+                        actions.write(SandboxAction::LookAt { step });
                     }
                     ui.label(said).on_hover_ui(|ui| {
-                        let takes = Quantity::text(history.bytes() as f64, "B");
+                        let takes = Quantity::text((history.bytes() + track.bytes()) as f64, "B");
                         ui.label(format!("{takes} of {} MiB; what is older thins out and goes", LIMIT >> 20));
                     });
                 });
@@ -88,6 +92,8 @@ fn said(head: u64, [_, last]: [u64; 2], settings: &SolverSettings) -> String {
 
 struct Bar<'a> {
     head: u64,
+    /// Whether the world is elsewhere.
+    is_shown_alone: bool,
     reach: [u64; 2],
     history: &'a History,
     timeline: &'a Timeline,
@@ -145,6 +151,7 @@ impl Bar<'_> {
         let mark = self.timeline.marks.iter().copied().chain(parted).find(|mark| (x(*mark) - at).abs() <= SNAP);
         let share = ((at - rect.left()) / rect.width()).clamp(0.0, 1.0);
         let step = mark.unwrap_or(first + (f64::from(share) * (last - first) as f64).round() as u64);
-        (step != self.head).then_some(step)
+        // What is looked at is held on to.
+        (step != self.head || self.is_shown_alone).then_some(step)
     }
 }

@@ -1,22 +1,21 @@
-//! Time that runs both ways: back to any moment that is kept, on from there, backwards, round and round.
+//! Where the world is in its time, and where it goes.
 //!
 //! The world's [`History`] begins with each scene and each reset. A moment is a step; what was done after it belongs to
 //! it. In the past the scene plays as it played, what hands did included, until somebody does something else: that ends
 //! what was to come.
 
-use bevy::app::{RunFixedMainLoop, RunFixedMainLoopSystems};
-use bevy::picking::mesh_picking::ray_cast::RayCastBackfaces;
 use bevy::prelude::*;
 
-use super::build::{Pin, follow_time};
-use super::held::{Drag, DragPart};
-use super::state::report;
-use super::{Notice, Playback, drag, ghost};
-use crate::physics::{History, Keep, RenderOrigin, SolverSettings, StepStats, begin_anew, go_to};
-use crate::scene::keep_scene;
+use super::poses;
+use super::shown::ShownStep;
+use crate::physics::{History, RenderOrigin, SolverSettings, StepStats, begin_anew, go_to};
+use crate::sandbox::build::follow_time;
+use crate::sandbox::held::Drag;
+use crate::sandbox::state::report;
+use crate::sandbox::{Notice, Playback, drag, ghost};
 
-/// What the history of a scene may take, bytes.
-pub(super) const LIMIT: usize = 512 << 20;
+/// What is kept of a scene may take, bytes: its history, and the track of its poses.
+pub const LIMIT: usize = 512 << 20;
 
 /// Marked moments, and how the head moves.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
@@ -28,67 +27,55 @@ pub struct Timeline {
     /// Whether time runs backwards.
     pub backwards: bool,
     /// What of a step is due backwards.
-    due: f64,
-}
-
-pub(super) fn plugin(app: &mut App) {
-    keep_scene(app);
-    app.keep_look::<Mesh3d>()
-        .keep_look::<MeshMaterial3d<StandardMaterial>>()
-        .keep_look::<RayCastBackfaces>()
-        .keep_look::<Pin>()
-        .keep_look::<DragPart>();
-    app.init_resource::<Timeline>()
-        .add_systems(RunFixedMainLoop, run_backwards.in_set(RunFixedMainLoopSystems::BeforeFixedMainLoop))
-        .add_systems(FixedPreUpdate, let_go_of_what_nobody_holds)
-        .add_systems(FixedLast, go_round);
+    pub(super) due: f64,
 }
 
 /// A scene begins. To be called once it is spawned.
-pub(super) fn begin(world: &mut World) {
+pub fn begin(world: &mut World) {
     begin_anew(world);
-    History::begin(world, LIMIT);
+    History::begin(world, LIMIT - poses::LIMIT);
+    poses::begin(world);
     world.insert_resource(Timeline::default());
 }
 
 /// The scene ends. To be called before it is despawned.
-pub(super) fn end(world: &mut World) {
+pub fn end(world: &mut World) {
     drag::release(world);
     History::end(world);
 }
 
 /// The step at which the world is, and the first and the last that it can go to.
-pub(super) fn head_and_reach(stats: &StepStats, history: Option<&History>) -> (u64, [u64; 2]) {
+pub fn head_and_reach(stats: &StepStats, history: Option<&History>) -> (u64, [u64; 2]) {
     (stats.steps, history.map_or([stats.steps; 2], History::reach))
 }
 
 /// Time stands still.
-pub(super) fn stop(world: &mut World) {
+pub fn stop(world: &mut World) {
     world.resource_mut::<Playback>().paused = true;
     world.resource_mut::<Timeline>().backwards = false;
 }
 
 /// Pauses at that step, or at the nearest that is kept.
-pub(super) fn go(world: &mut World, step: u64) {
+pub fn go(world: &mut World, step: u64) {
     stop(world);
     world.resource_mut::<Timeline>().looped = None;
     move_head(world, step);
 }
 
 /// Pauses one step back.
-pub(super) fn step_back(world: &mut World) {
+pub fn step_back(world: &mut World) {
     let step = world.resource::<StepStats>().steps;
     go(world, step.saturating_sub(1));
 }
 
 /// Pauses at the first moment that is kept (0) or the last (1).
-pub(super) fn go_to_end(world: &mut World, end: usize) {
+pub fn go_to_end(world: &mut World, end: usize) {
     let Some(history) = world.get_resource::<History>() else { return };
     let step = history.reach()[end];
     go(world, step);
 }
 
-pub(super) fn toggle_backwards(world: &mut World) {
+pub fn toggle_backwards(world: &mut World) {
     let mut timeline = world.resource_mut::<Timeline>();
     timeline.backwards = !timeline.backwards;
     (timeline.due, timeline.looped) = (0.0, None);
@@ -97,7 +84,7 @@ pub(super) fn toggle_backwards(world: &mut World) {
     }
 }
 
-pub(super) fn toggle_mark(world: &mut World) {
+pub fn toggle_mark(world: &mut World) {
     let step = world.resource::<StepStats>().steps;
     let mut timeline = world.resource_mut::<Timeline>();
     match timeline.marks.binary_search(&step) {
@@ -108,7 +95,7 @@ pub(super) fn toggle_mark(world: &mut World) {
 
 /// Plays over and over from the last mark before the present moment, or the first moment, to the next mark after it, or
 /// the last moment.
-pub(super) fn toggle_loop(world: &mut World) {
+pub fn toggle_loop(world: &mut World) {
     let (head, reach) = head_and_reach(world.resource::<StepStats>(), world.get_resource::<History>());
     let mut timeline = world.resource_mut::<Timeline>();
     if timeline.looped.take().is_some() {
@@ -129,7 +116,7 @@ pub(super) fn toggle_loop(world: &mut World) {
 }
 
 /// On to the last moment, without a word: what leaves a scene leaves all of it.
-pub(super) fn go_on(world: &mut World) {
+pub fn go_on(world: &mut World) {
     if let Some(history) = world.get_resource::<History>() {
         let last = history.reach()[1];
         move_head(world, last);
@@ -137,7 +124,8 @@ pub(super) fn go_on(world: &mut World) {
 }
 
 /// Goes to that step, or to the nearest that is kept. Says why not where it cannot be.
-fn move_head(world: &mut World, step: u64) {
+pub fn move_head(world: &mut World, step: u64) {
+    world.insert_resource(ShownStep::default());
     drag::release(world);
     History::take_in(world);
     let (head, [first, last]) = head_and_reach(world.resource::<StepStats>(), world.get_resource::<History>());
@@ -165,28 +153,8 @@ fn move_head(world: &mut World, step: u64) {
     }
 }
 
-/// As many steps back as the clock asks for.
-fn run_backwards(world: &mut World) {
-    if !world.resource::<Timeline>().backwards {
-        return;
-    }
-    let passed = world.resource::<Time<Real>>().delta_secs_f64().min(0.1);
-    let (speed, hz) = (world.resource::<Playback>().speed(), world.resource::<SolverSettings>().hz);
-    let mut timeline = world.resource_mut::<Timeline>();
-    timeline.due += passed * speed * hz;
-    let steps = timeline.due as u64;
-    timeline.due -= steps as f64;
-    let (head, [first, _]) = head_and_reach(world.resource::<StepStats>(), world.get_resource::<History>());
-    if steps > 0 {
-        move_head(world, head.saturating_sub(steps).max(first));
-    }
-    if head <= first {
-        world.resource_mut::<Timeline>().backwards = false;
-    }
-}
-
 /// From the end of what is played over and over to its beginning.
-fn go_round(world: &mut World) {
+pub fn go_round(world: &mut World) {
     let Some([from, to]) = world.resource::<Timeline>().looped else { return };
     let (head, [first, last]) = head_and_reach(world.resource::<StepStats>(), world.get_resource::<History>());
     if first > from || last < to {
@@ -198,7 +166,7 @@ fn go_round(world: &mut World) {
 }
 
 /// What a hand held in what was to come, and holds no longer since something else happened.
-fn let_go_of_what_nobody_holds(world: &mut World) {
+pub fn let_go_of_what_nobody_holds(world: &mut World) {
     if world.resource::<Drag>().is_active() {
         return;
     }
