@@ -53,11 +53,12 @@ pub fn monkey(run: &MonkeyRun) -> Result<Outcome, SandboxCommandError> {
     let kinds: Vec<String> = deeds.iter().map(|(kind, count)| format!("{kind} {count}")).collect();
     let mut said = format!("{steps} steps, {count} deeds, {checks} checks, up to {most_bodies} bodies\n");
     said += &format!("{}\n", kinds.join(", "));
-    let Some(Failure { place: (bout, step), problem, deeds, recording }) = failure else {
+    let Some(Failure { place: (bout, step), seed, problem, deeds, recording }) = failure else {
         print(&(said + "nothing broke\n"))?;
         return Ok(Outcome::Done);
     };
-    said += &format!("seed {}, bout {bout}, step {step}: {problem}\nbefore it:\n", run.seed);
+    let again = if bout > 1 { format!(" (the first with --seed {seed})") } else { String::new() };
+    said += &format!("seed {}, bout {bout}{again}, step {step}: {problem}\nbefore it:\n", run.seed);
     deeds.iter().for_each(|deed| said += &format!("  {deed}\n"));
     let place = run.out.display();
     match recording {

@@ -12,7 +12,7 @@
 //! - **Contacts that last**: [`SPECULATIVE_MARGIN`] of the smaller radius, and what both can close in the step, with what
 //!   springs at their points may add. The
 //!   manifold is used until the pair has moved against each other. Where something may stop one of two unequal ones
-//!   within the step, what the other moves ([`gap_if_stopped`]).
+//!   within the step, or throw back one that bounces, what they move ([`gap_if_stopped`]).
 //! - **`exact`**: the same margin of each radius, and what each can move in the step, forces included. What is in reach
 //!   goes by another step than what is not, and that must be known before.
 
@@ -42,16 +42,21 @@ pub(super) fn contact_gap(a: &Body, b: &Body, settings: &SolverSettings) -> f64 
     ((a.linear - b.linear).dot(&normal).max(0.0) + b.angular.norm() * b.radius) * h
 }
 
-/// The gap within which two bodies that move along with each other, one much heavier than the other, may meet in a step in
-/// which something stops one of them, m, where contacts last; none where that is no more than [`contact_gap`].
+/// The gap within which two bodies that move along with each other may meet in a step in which something stops one of them,
+/// which is much heavier or lighter than the other, or throws back one that bounces, m, where contacts last; none where that
+/// is no more than [`contact_gap`].
 pub(super) fn gap_if_stopped(a: &Body, b: &Body, settings: &SolverSettings) -> Option<f64> {
-    if a.mass.max(b.mass) < UNEQUAL_MASSES * a.mass.min(b.mass) || !a.is_dynamic() || !b.is_dynamic() {
+    let is_unequal = a.mass.max(b.mass) >= UNEQUAL_MASSES * a.mass.min(b.mass);
+    let bounces = may_bounce(a, b);
+    if !(is_unequal || bounces) || !a.is_dynamic() || !b.is_dynamic() {
         return None;
     }
-    let fastest = a.linear.norm_squared().max(b.linear.norm_squared());
+    let speeds = [a, b].map(|body| body.linear.norm());
+    // What is thrown back comes as fast as it went.
+    let fastest = if bounces { speeds[0] + speeds[1] } else { speeds[0].max(speeds[1]) };
     let margin = SPECULATIVE_MARGIN * a.radius.min(b.radius);
-    let gap = margin + (fastest.sqrt() + turning_speed(a) + turning_speed(b)) * settings.step();
-    (fastest > (a.linear - b.linear).norm_squared()).then_some(gap)
+    let gap = margin + (fastest + turning_speed(a) + turning_speed(b)) * settings.step();
+    (fastest * fastest > (a.linear - b.linear).norm_squared()).then_some(gap)
 }
 
 /// A body's own part of the gap of force-level and exact methods, m: those of two bodies together are no less than the

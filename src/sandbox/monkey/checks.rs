@@ -27,8 +27,8 @@ const MOST_GAP: f64 = 0.1;
 
 pub(super) type Check = Result<(), String>;
 
-/// All numbers are finite, and nothing had to be set aside.
-pub(super) fn is_finite(hands: &mut Hands) -> Check {
+/// All numbers are finite, and nothing had to be set aside but those bodies, to which what `may_be` is added.
+pub(super) fn is_finite(hands: &mut Hands, aside: &mut HashSet<Entity>, may_be: bool) -> Check {
     let world = hands.world();
     let mut bodies = world.query::<(&Position, &Rotation, &Velocity)>();
     let is_finite = |(at, turned, v): (&Position, &Rotation, &Velocity)| {
@@ -37,11 +37,15 @@ pub(super) fn is_finite(hands: &mut Hands) -> Check {
     if !bodies.iter(world).all(is_finite) {
         return Err("a pose or a velocity is not finite".into());
     }
-    let mut aside = world.query::<(NameOrEntity, &Quarantined)>();
-    match aside.iter(world).next() {
-        Some((name, quarantined)) => Err(format!("{name} was set aside: {}", quarantined.reason)),
-        None => Ok(()),
+    let mut quarantined = world.query::<(NameOrEntity, &Quarantined)>();
+    for (name, quarantined) in quarantined.iter(world) {
+        if may_be {
+            aside.insert(name.entity);
+        } else if !aside.contains(&name.entity) {
+            return Err(format!("{name} was set aside: {}", quarantined.reason));
+        }
     }
+    Ok(())
 }
 
 /// Back to an earlier moment and on again step by step: the world is the same to the last bit, and nothing is kept of what

@@ -1,8 +1,9 @@
 //! A monkey's play from its first bout to its last.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use bevy::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -43,6 +44,8 @@ pub struct Played {
 pub struct Failure {
     /// The bout, from 1, and the step in it.
     pub place: (u64, u64),
+    /// With which that bout is the first.
+    pub seed: u64,
     /// In words.
     pub problem: String,
     /// The last things that were done.
@@ -61,12 +64,16 @@ pub fn play(run: &MonkeyRun, mut watch: impl FnMut(u64)) -> Result<Played, Strin
         random: Pcg64Mcg::seed_from_u64(run.seed),
         own: run.settings,
         entities: None,
+        aside: HashSet::new(),
         played: Played::default(),
         told: Vec::new(),
     };
     let mut bout = 0;
     while bouts.played.steps < run.steps {
         bout += 1;
+        // A bout of its own seed: it can be played again alone.
+        let seed = run.seed.wrapping_add(bout - 1);
+        bouts.random = Pcg64Mcg::seed_from_u64(seed);
         bouts.begin(run)?;
         let before = bouts.played.steps;
         let wanted = (run.steps - before).min(BOUT);
@@ -89,7 +96,7 @@ pub fn play(run: &MonkeyRun, mut watch: impl FnMut(u64)) -> Result<Played, Strin
         let recording = catch_unwind(AssertUnwindSafe(|| record(&mut bouts.hands)));
         let recording = recording.unwrap_or_else(|_| Err("it cannot be recorded after a panic".into()));
         let deeds = bouts.told.split_off(bouts.told.len().saturating_sub(TOLD));
-        bouts.played.failure = Some(Failure { place, problem, deeds, recording });
+        bouts.played.failure = Some(Failure { place, seed, problem, deeds, recording });
         break;
     }
     Ok(bouts.played)
@@ -102,6 +109,8 @@ struct Bouts {
     own: SolverSettings,
     /// How many entities there are at the start of a bout.
     entities: Option<usize>,
+    /// Bodies that were set aside and might be.
+    aside: HashSet<Entity>,
     played: Played,
     /// What was done in this bout, and when.
     told: Vec<String>,
@@ -110,8 +119,9 @@ struct Bouts {
 impl Bouts {
     /// The scene anew.
     fn begin(&mut self, run: &MonkeyRun) -> Result<(), String> {
-        let Self { hands, own, told, .. } = self;
+        let Self { hands, own, told, aside, .. } = self;
         told.clear();
+        aside.clear();
         hands.world().insert_resource(*own);
         let (scene, parameters) = (run.scene.clone(), run.parameters.clone());
         hands.act(SandboxAction::LoadScene { scene, parameters });
@@ -127,7 +137,7 @@ impl Bouts {
 
     /// Some deeds, and a check.
     fn round(&mut self) -> Check {
-        let Self { hands, random, own, entities, played, told } = self;
+        let Self { hands, random, own, entities, aside, played, told } = self;
         // Before the first deed of a bout.
         if told.is_empty() {
             let now = count_entities(hands);
@@ -137,12 +147,15 @@ impl Bouts {
                 ));
             }
         }
+        // By forces from sweeps what is tangled may fly apart, as their maps show.
+        let mut may_fly = false;
         for _ in 0..DEEDS {
             let before = step(hands);
             let done = do_something(hands, random, own);
             let kind = done.split(' ').next().unwrap_or_default().to_owned();
             *played.deeds.entry(kind).or_default() += 1;
             told.push(format!("{before}: {done}"));
+            may_fly |= hands.app.world().resource::<SolverSettings>().method.is_force_level();
             hands.frames(random.random_range(1..12));
             played.steps += step(hands).abs_diff(before).max(1);
         }
@@ -150,7 +163,7 @@ impl Bouts {
         played.checks += 1;
         let world = hands.world();
         played.most_bodies = played.most_bodies.max(world.query::<&RigidBody>().iter(world).count());
-        is_finite(hands)?;
+        is_finite(hands, aside, may_fly)?;
         goes_back_and_on(hands, random)?;
         if played.checks.is_multiple_of(CHECKS) {
             saves_and_loads(hands, own)?;

@@ -3,8 +3,10 @@
 //! Contacts are found once a step. Bodies that move along with each other do not approach, so that across a gap they have
 //! none; but if the first of them is stopped within the step, the next runs into it by a step's way. What is much heavier
 //! than what it runs into pushes that into whatever stopped it, and a column of light and heavy in turns that lands would
-//! be pushed into itself at each of its gaps. So from the bodies that touch something on, unequal ones that may come up to
-//! them with what they move in the step get their contacts, too, and those behind them in turn.
+//! be pushed into itself at each of its gaps. What bounces is thrown back at what comes behind it, and overlaps that by
+//! both their ways before anybody looks: a block of balls that lands lost a fifth of its energy in the rows that then pushed
+//! it apart. So from the bodies that touch something on, unequal ones and those that bounce, that may come up to them with
+//! what they move in the step, get their contacts, too, and those behind them in turn.
 
 use super::graph::{ContactGraph, Finder};
 use super::pose::Pose;
