@@ -143,6 +143,17 @@ impl AnyJoint {
         self.counts[0] + self.counts[1]
     }
 
+    /// How far what is rigid of its points is apart, m.
+    pub fn gap(&self) -> f64 {
+        let errors = self.laws[..self.counts[0]].iter().filter(|law| !law.is_spring && !law.bound.is_boxed());
+        errors.map(|law| law.error * law.error).sum::<f64>().sqrt()
+    }
+
+    /// Starts from no impulse.
+    pub fn forget(&mut self) {
+        self.laws.iter_mut().for_each(|law| law.expected = 0.0);
+    }
+
     /// λ̂ as a force at the frames' origins, on B.
     pub fn expected_force(&self) -> Vector3<f64> {
         self.wrench_on(1, &self.impulses(|law, _| law.expected, &Twist::zero())).fixed_rows::<3>(0).into()

@@ -88,6 +88,10 @@ pub(super) const BOUNCE_PENALTY: f64 = 100.0;
 /// has lost the square of that in digits (`joint_grid 30`, `limbs`: how far joints part).
 pub(super) const JOINT_PENALTY: f64 = 1e5;
 
+/// Gap of a joint over the rim of the smaller of its bodies from which on it starts from no impulse (`plumb monkey`: what is
+/// tied so that it cannot hold).
+pub(super) const TORN: f64 = 0.5;
+
 /// Active-set iterations at rest, and in a substep in motion. What is left wrong is corrected in the next.
 pub(super) const REST_ITERATIONS: usize = 12;
 pub(super) const MOTION_ITERATIONS: usize = 6;

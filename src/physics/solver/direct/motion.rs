@@ -18,9 +18,10 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::any_joint::AnyJoint;
 use super::constants::{
     DEPTH_CORRECTION, GAP_CORRECTION, LONG_ITERATIONS, MOTION_CONTACT_PENALTY, MOTION_ITERATIONS, MOTION_PRODUCTS,
-    MOTION_TURN, POSTURE_TURN, SHORT_ITERATIONS,
+    MOTION_TURN, POSTURE_TURN, RIMS, SHORT_ITERATIONS, TORN,
 };
 use super::dual::{DualTerms, move_to};
 use super::island::{DirectIsland, momentum_of, relative_motion};
@@ -167,6 +168,10 @@ impl DirectIsland {
             }
         });
         self.make_any_rows(world, time, [h, 0.5 * h, terms.restitution_speed], !is_first);
+        if self.is_torn(world) {
+            self.joint_rows.iter_mut().for_each(|rows| rows.expected = Vector3::zeros());
+            self.any_rows.iter_mut().for_each(AnyJoint::forget);
+        }
         self.take_momenta(world, h);
         self.factored.clear();
         let least = if self.has_converged { MOTION_ITERATIONS } else { SHORT_ITERATIONS };
@@ -188,6 +193,19 @@ impl DirectIsland {
         if self.is_put_together {
             self.put_together(world, time, terms.correction_speed, h);
         }
+    }
+
+    /// Whether some joint is so far apart that it cannot hold. What those carry that hands tied so that they cannot grows with
+    /// each substep, until a turn of it throws all about.
+    fn is_torn(&self, world: &impl World) -> bool {
+        let points =
+            self.joint_rows.iter().map(|rows| if rows.softness.is_some() { 0.0 } else { rows.separation.norm() });
+        let gaps = points.chain(self.any_rows.iter().map(AnyJoint::gap));
+        self.joints.iter().zip(gaps).any(|(&joint, gap)| {
+            let joint = world.joint(joint);
+            let rim = [joint.a, joint.b].map(|body| world.body(body).radius.clamp(RIMS[0], RIMS[1]));
+            gap > TORN * rim[0].min(rim[1])
+        })
     }
 
     /// Greatest speed of a point of what moves it by contacts or joints that do not give, m/s.
