@@ -27,6 +27,22 @@ pub(super) fn write_interpolated(
     write(fixed.map_or(1.0, |fixed| fixed.overstep_fraction_f64()), origin, bodies);
 }
 
+/// Writes transforms at once: something was done since the fixed loop, and the next picture is to show it.
+///
+/// # Errors
+/// The world has no [`PhysicsPlugin`](super::PhysicsPlugin).
+pub fn write_now(world: &mut World) -> Result {
+    Ok(world.run_system_cached(write_interpolated)?)
+}
+
+/// Has transforms be those of the last poses until the next step, and not between two: for a world that [`go_to`](super::go_to)
+/// has brought to where it is.
+pub fn stand_still(world: &mut World) {
+    for mut history in world.query::<&mut PoseHistory>().iter_mut(world) {
+        history.bypass_change_detection().previous = None;
+    }
+}
+
 /// Writes transforms of the last poses; runs after the step.
 pub(super) fn write_latest(origin: Res<RenderOrigin>, bodies: Query<Written, With<RigidBody>>) {
     write(1.0, origin, bodies);

@@ -15,7 +15,7 @@ use super::{
     CurrentScene, Notice, Playback, SandboxAction, Selection, build, files, panel, probe, recordings, screenshot,
 };
 use crate::lab::recording::is_recording;
-use crate::physics::{Collider, ContactForces, Position, RigidBody, Velocity};
+use crate::physics::{Collider, ContactForces, Position, RigidBody, Velocity, write_now};
 use crate::scene::{self, BodyColor, Probes, SceneEntity, SceneSpec, SpawnedScene, ViewSpec};
 
 pub(super) fn plugin(app: &mut App) {
@@ -28,11 +28,16 @@ pub(super) fn carry_out_actions(
 ) {
     let messages = world.resource::<Messages<SandboxAction>>();
     let actions: Vec<_> = cursor.read(messages).cloned().collect();
+    let is_any = !actions.is_empty();
     for action in actions {
         if !matches!(action, SandboxAction::LookAt { .. }) {
             timeline::arrive(world);
         }
         carry_out(world, action);
+    }
+    // Bodies may be new or elsewhere now, and transforms were written before.
+    if is_any && let Err(reason) = write_now(world) {
+        *world.resource_mut::<Notice>() = Notice::Error(reason.to_string());
     }
 }
 

@@ -16,6 +16,8 @@ const MARGIN: f32 = 8.0;
 const BAR: f32 = 18.0;
 /// Marks that are nearer than this to the pointer, points, draw the head to them.
 const SNAP: f32 = 5.0;
+/// What is said at the end of the strip at most.
+const LONGEST: &str = "8888.88 s ago";
 
 /// Draws it beside the panel, which is drawn before.
 pub(super) fn show(
@@ -45,9 +47,10 @@ pub(super) fn show(
                 ui.horizontal_centered(|ui| {
                     buttons(ui, &timeline, &playback, &mut actions);
                     let said = said(head, reach, &settings);
-                    let text =
-                        egui::WidgetText::from(&said).into_galley(ui, None, f32::INFINITY, egui::TextStyle::Body);
-                    let room = ui.available_width() - text.size().x - ui.spacing().item_spacing.x;
+                    // The bar is as long whatever is said: the head stays under the pointer.
+                    let longest =
+                        egui::WidgetText::from(LONGEST).into_galley(ui, None, f32::INFINITY, egui::TextStyle::Body);
+                    let room = ui.available_width() - longest.size().x - ui.spacing().item_spacing.x;
                     let is_shown_alone = shown.step.is_some();
                     let bar =
                         Bar { head, is_shown_alone, reach, history: &history, timeline: &timeline, ghosts: &ghosts };

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 
 use super::poses;
 use super::shown::ShownStep;
-use crate::physics::{History, RenderOrigin, SolverSettings, StepStats, begin_anew, go_to};
+use crate::physics::{History, RenderOrigin, SolverSettings, StepStats, begin_anew, go_to, stand_still};
 use crate::sandbox::build::follow_time;
 use crate::sandbox::held::Drag;
 use crate::sandbox::state::report;
@@ -145,6 +145,7 @@ pub fn move_head(world: &mut World, step: u64) {
         fixed.discard_overstep(over);
     }
     follow_time(world);
+    stand_still(world);
     // What sleeps is drawn from where the picture's origin is now.
     world.resource_mut::<RenderOrigin>().set_changed();
     // Where no step was made on the way, nobody has told the ghost.

@@ -27,7 +27,7 @@ fn turn_to(world: &mut World, step: u64) {
     let step = step.clamp(first, last);
     let awake = u64::from(stats.bodies.saturating_sub(stats.sleeping));
     let is_near = history.way_to(step) * awake <= SHORT_WAY;
-    if is_near || step == 0 || !world.resource::<PoseTrack>().has(step) {
+    if is_near || !world.resource::<PoseTrack>().has(step) {
         return move_head(world, step);
     }
     world.insert_resource(ShownStep { step: Some(step), is_held: true });
@@ -38,7 +38,7 @@ pub fn run_backwards(world: &mut World) {
     if !world.resource::<Timeline>().backwards {
         return;
     }
-    let passed = world.resource::<Time<Real>>().delta_secs_f64().min(0.1);
+    let passed = world.resource::<Time<Real>>().delta_secs_f64().min(0.5);
     let (speed, hz) = (world.resource::<Playback>().speed(), world.resource::<SolverSettings>().hz);
     let mut timeline = world.resource_mut::<Timeline>();
     timeline.due += passed * speed * hz;
@@ -79,9 +79,7 @@ pub fn draw(
     mut was_drawn: Local<bool>,
     mut bodies: Query<(Entity, &Transform, &mut GlobalTransform), With<RigidBody>>,
 ) {
-    // As the world will be drawn there: without a part of the next step, between two, it is where the last began.
-    let step = shown.step.map(|step| if track.has(step - 1) { step - 1 } else { step });
-    let poses = step.map(|step| track.at(step, origin.0));
+    let poses = shown.step.map(|step| track.at(step, origin.0));
     if poses.is_none() && !std::mem::take(&mut *was_drawn) {
         return;
     }
