@@ -71,10 +71,8 @@ pub fn play(run: &MonkeyRun, mut watch: impl FnMut(u64)) -> Result<Played, Strin
     let mut bout = 0;
     while bouts.played.steps < run.steps {
         bout += 1;
-        // A bout of its own seed: it can be played again alone.
         let seed = run.seed.wrapping_add(bout - 1);
-        bouts.random = Pcg64Mcg::seed_from_u64(seed);
-        bouts.begin(run)?;
+        bouts.begin(run, seed)?;
         let before = bouts.played.steps;
         let wanted = (run.steps - before).min(BOUT);
         let outcome = catch_unwind(AssertUnwindSafe(|| {
@@ -117,9 +115,10 @@ struct Bouts {
 }
 
 impl Bouts {
-    /// The scene anew.
-    fn begin(&mut self, run: &MonkeyRun) -> Result<(), String> {
-        let Self { hands, own, told, aside, .. } = self;
+    /// The scene anew, with a seed of its own: a bout can be played again alone.
+    fn begin(&mut self, run: &MonkeyRun, seed: u64) -> Result<(), String> {
+        let Self { hands, random, own, told, aside, .. } = self;
+        *random = Pcg64Mcg::seed_from_u64(seed);
         told.clear();
         aside.clear();
         hands.world().insert_resource(*own);

@@ -50,7 +50,7 @@ pub fn run_backwards(world: &mut World) {
     let (head, [first, _]) = head_and_reach(world.resource::<StepStats>(), world.get_resource::<History>());
     let from = shown.unwrap_or(head);
     if steps > 0 {
-        turn_to(world, from.saturating_sub(steps).max(first));
+        turn_to(world, from.saturating_sub(steps));
     }
     if from <= first {
         world.resource_mut::<Timeline>().backwards = false;

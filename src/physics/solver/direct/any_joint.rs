@@ -143,7 +143,7 @@ impl AnyJoint {
         self.counts[0] + self.counts[1]
     }
 
-    /// How far what is rigid of its points is apart, m.
+    /// How far what is rigid of its first half is apart: of points, m; of a joint that holds turns alone, rad.
     pub fn gap(&self) -> f64 {
         let errors = self.laws[..self.counts[0]].iter().filter(|law| !law.is_spring && !law.bound.is_boxed());
         errors.map(|law| law.error * law.error).sum::<f64>().sqrt()

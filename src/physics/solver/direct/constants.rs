@@ -186,7 +186,8 @@ pub(super) const DUAL_START_ERROR: f64 = 2e-6;
 /// Error, m or rad, from which on a motion with a largest force lags behind.
 pub(super) const DUAL_LAG: f64 = 1e-6;
 
-/// Products of blocks in a factorisation of the rows of joints without contacts. Noticed by the clock alone.
+/// Products of blocks in a factorisation of the rows of joints without contacts, and of the bodies of joints that are put
+/// together in the poses. Noticed by the clock alone.
 pub(super) const DUAL_PRODUCTS: usize = 20_000;
 
 /// Speed of a body up to which joints without contacts are solved as at rest, m/s: their motion is told to second order,

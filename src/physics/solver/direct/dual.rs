@@ -31,10 +31,10 @@ use nalgebra::{Matrix3, Vector3};
 use super::articulated::{ArticulatedTree, Piece, TreeJoint};
 use super::constants::{
     DUAL_ACCEPTED, DUAL_ACTIVE_SETS, DUAL_ERRORS, DUAL_ITERATIONS, DUAL_LAG, DUAL_LEFT, DUAL_LOOSE, DUAL_PIECES,
-    DUAL_PRODUCTS, DUAL_SHIFTS, DUAL_SOFTER, DUAL_START_ERROR, DUAL_STIFF, RIMS,
+    DUAL_PRODUCTS, DUAL_SHIFTS, DUAL_SOFTER, DUAL_START_ERROR, DUAL_STIFF,
 };
 use super::posture::Posture;
-use super::world::{World, state_of, world_inertia};
+use super::world::{World, place_among, share_within, state_of, world_inertia};
 use crate::physics::body::Body;
 use crate::physics::body::free_rotation::turn_freely;
 use crate::physics::constraint::row::{RowPair, Twist, Wrench, bounded};
@@ -150,10 +150,7 @@ impl DualSystem {
     /// Of the joints of an island, by their global indices, between its members and partners; none where that takes more
     /// than so many products of blocks.
     pub fn new(world: &impl World, time: f64, [members, partners, joints]: [&[u32]; 3], most: usize) -> Option<Self> {
-        let place = |body: u32| match members.binary_search(&body) {
-            Ok(place) => place as u32,
-            Err(_) => (members.len() + partners.binary_search(&body).unwrap_or(0)) as u32,
-        };
+        let place = |body: u32| place_among([members, partners], body);
         let mut scratch = Vec::new();
         let mut count = |joint: &Joint| {
             let bodies = [joint.a, joint.b].map(|body| BodyState::of(world.body(body)));
@@ -445,11 +442,7 @@ impl DualSystem {
                 }
             }
         }
-        let reach = |(&member, moved): (&u32, &Twist<f64>)| {
-            moved.linear.norm() + moved.angular.norm() * world.body(member).radius.clamp(RIMS[0], RIMS[1])
-        };
-        let furthest = members.iter().zip(&*moves).map(reach).fold(0.0, f64::max);
-        let share = if furthest > most { most / furthest } else { 1.0 };
+        let share = share_within(most, members.iter().map(|&member| world.body(member)).zip(moves.iter().copied()));
         if !share.is_finite() {
             return;
         }

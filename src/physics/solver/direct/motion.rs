@@ -21,12 +21,12 @@ use nalgebra::{Matrix3, Vector3};
 use super::any_joint::AnyJoint;
 use super::constants::{
     DEPTH_CORRECTION, GAP_CORRECTION, LONG_ITERATIONS, MOTION_CONTACT_PENALTY, MOTION_ITERATIONS, MOTION_PRODUCTS,
-    MOTION_TURN, POSTURE_TURN, RIMS, SHORT_ITERATIONS, TORN,
+    MOTION_TURN, POSTURE_TURN, SHORT_ITERATIONS, TORN,
 };
 use super::dual::{DualTerms, move_to};
 use super::island::{DirectIsland, momentum_of, relative_motion};
 use super::rows::{Correction, body_vector, curving_share, halves};
-use super::world::{World, moves_freely, state_of, world_inertia};
+use super::world::{World, moves_freely, rim, state_of, world_inertia};
 use crate::physics::Geometry;
 use crate::physics::body::free_rotation::turn_freely;
 use crate::physics::body::{Body, RigidBody};
@@ -203,8 +203,8 @@ impl DirectIsland {
         let gaps = points.chain(self.any_rows.iter().map(AnyJoint::gap));
         self.joints.iter().zip(gaps).any(|(&joint, gap)| {
             let joint = world.joint(joint);
-            let rim = [joint.a, joint.b].map(|body| world.body(body).radius.clamp(RIMS[0], RIMS[1]));
-            gap > TORN * rim[0].min(rim[1])
+            let rims = [joint.a, joint.b].map(|body| rim(world.body(body)));
+            gap > TORN * rims[0].min(rims[1])
         })
     }
 

@@ -9,9 +9,9 @@
 
 use nalgebra::Matrix3;
 
-use super::constants::{JOINT_PENALTY, PROJECTION_ERROR, PROJECTIONS, RIMS};
+use super::constants::{JOINT_PENALTY, PROJECTION_ERROR, PROJECTIONS};
 use super::rows::{body_vector, halves};
-use super::world::{World, inertia_at};
+use super::world::{World, inertia_at, place_among, share_within};
 use crate::physics::body::{Body, world_inverse_inertia};
 use crate::physics::constraint::row::Twist;
 use crate::physics::joint::{BodyState, Bound, JointRow};
@@ -61,10 +61,7 @@ impl Posture {
     /// Of the joints of an island, by their global indices, between its members and partners; none where that takes more
     /// than so many products of blocks.
     pub fn new(world: &impl World, [members, partners, joints]: [&[u32]; 3], most: usize) -> Option<Self> {
-        let place = |body: u32| match members.binary_search(&body) {
-            Ok(place) => place as u32,
-            Err(_) => (members.len() + partners.binary_search(&body).unwrap_or(0)) as u32,
-        };
+        let place = |body: u32| place_among([members, partners], body);
         let mut node_of = vec![None; members.len()];
         let mut nodes = Vec::new();
         let mut node = |end: u32| {
@@ -139,11 +136,7 @@ impl Posture {
             let (linear, angular) = halves(&moves[elimination.place(place) as usize]);
             (node.local as usize, Twist { linear, angular })
         });
-        let reach = |(local, moved): (usize, Twist<f64>)| {
-            moved.linear.norm() + moved.angular.norm() * world.body(members[local]).radius.clamp(RIMS[0], RIMS[1])
-        };
-        let furthest = moves.clone().map(reach).fold(0.0, f64::max);
-        let share = if furthest > most { most / furthest } else { 1.0 };
+        let share = share_within(most, moves.clone().map(|(local, moved)| (world.body(members[local]), moved)));
         if !share.is_finite() {
             return false;
         }

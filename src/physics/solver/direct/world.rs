@@ -2,8 +2,10 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
+use super::constants::RIMS;
 use crate::physics::body::Body;
 use crate::physics::collision::{ContactState, Slot};
+use crate::physics::constraint::row::Twist;
 use crate::physics::joint::{BodyState, Joint};
 use crate::physics::solver::exact::MemberState;
 
@@ -20,6 +22,26 @@ pub(super) fn state_of(body: &Body) -> MemberState {
     let BodyState { linear, angular, .. } = BodyState::of(body);
     let (position, rotation) = (body.position, body.rotation);
     MemberState { position, rotation, linear: linear.into(), angular: angular.into() }
+}
+
+/// How far from its centre a body's points count as, m.
+pub(super) fn rim(body: &Body) -> f64 {
+    body.radius.clamp(RIMS[0], RIMS[1])
+}
+
+/// The place of a body among the members, or behind them among the partners.
+pub(super) fn place_among([members, partners]: [&[u32]; 2], body: u32) -> u32 {
+    match members.binary_search(&body) {
+        Ok(place) => place as u32,
+        Err(_) => (members.len() + partners.binary_search(&body).unwrap_or(0)) as u32,
+    }
+}
+
+/// The share of moves of bodies by which no point of one goes further than `most`, m; not finite where they are not.
+pub(super) fn share_within<'b>(most: f64, moves: impl Iterator<Item = (&'b Body, Twist<f64>)>) -> f64 {
+    let reach = |(body, moved): (&Body, Twist<f64>)| moved.linear.norm() + moved.angular.norm() * rim(body);
+    let furthest = moves.map(reach).fold(0.0, f64::max);
+    if furthest > most { most / furthest } else { 1.0 }
 }
 
 /// Whether nothing of it is locked.
