@@ -48,11 +48,14 @@ pub fn monkey(run: &MonkeyRun) -> Result<Outcome, SandboxCommandError> {
     let mut progress = Progress::new(run.steps);
     let played = play(run, |steps| progress.show(steps)).map_err(SandboxCommandError::Play)?;
     drop(progress);
-    let Played { steps, deeds, checks, most_bodies, failure } = played;
+    let Played { steps, deeds, checks, thrown, most_bodies, failure } = played;
     let count: u64 = deeds.values().sum();
     let kinds: Vec<String> = deeds.iter().map(|(kind, count)| format!("{kind} {count}")).collect();
     let mut said = format!("{steps} steps, {count} deeds, {checks} checks, up to {most_bodies} bodies\n");
     said += &format!("{}\n", kinds.join(", "));
+    if thrown > 0 {
+        said += &format!("set aside after sweeps by forces had thrown them: {thrown}\n");
+    }
     let Some(Failure { place: (bout, step), seed, problem, deeds, recording }) = failure else {
         print(&(said + "nothing broke\n"))?;
         return Ok(Outcome::Done);

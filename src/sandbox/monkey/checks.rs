@@ -48,6 +48,13 @@ pub(super) fn is_finite(hands: &mut Hands, aside: &mut HashSet<Entity>, may_be: 
     Ok(())
 }
 
+/// The greatest speed of a body, m/s or rad/s.
+pub(super) fn fastest(hands: &mut Hands) -> f64 {
+    let world = hands.world();
+    let mut bodies = world.query::<&Velocity>();
+    bodies.iter(world).map(|v| v.linear.length().max(v.angular.length())).fold(0.0, f64::max)
+}
+
 /// Back to an earlier moment and on again step by step: the world is the same to the last bit, and nothing is kept of what
 /// is gone.
 pub(super) fn goes_back_and_on(hands: &mut Hands, random: &mut Pcg64Mcg) -> Check {

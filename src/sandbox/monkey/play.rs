@@ -8,7 +8,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::checks::{
-    Check, count_entities, goes_back_and_on, is_a_recording, is_finite, joints_hold, record, saves_and_loads, step,
+    Check, count_entities, fastest, goes_back_and_on, is_a_recording, is_finite, joints_hold, record, saves_and_loads,
+    step,
 };
 use super::deeds::{SIZE, do_something, pause};
 use crate::lab::command::MonkeyRun;
@@ -21,6 +22,8 @@ const BOUT: u64 = 3600;
 /// Deeds from check to check, and checks from one that takes long to the next.
 const DEEDS: usize = 5;
 const CHECKS: u64 = 6;
+/// Speed from which on a body has been thrown, m/s or rad/s: hands lend no tenth of it.
+const THROWN: f64 = 1e3;
 /// Deeds that are told of a failure.
 const TOLD: usize = 12;
 
@@ -33,6 +36,8 @@ pub struct Played {
     pub deeds: BTreeMap<String, u64>,
     /// How often all was checked.
     pub checks: u64,
+    /// How many bodies were set aside that sweeps by forces had thrown.
+    pub thrown: usize,
     /// Most bodies that there were at a check.
     pub most_bodies: usize,
     /// What went wrong, and ended it.
@@ -65,6 +70,8 @@ pub fn play(run: &MonkeyRun, mut watch: impl FnMut(u64)) -> Result<Played, Strin
         own: run.settings,
         entities: None,
         aside: HashSet::new(),
+        rounds: 0,
+        flies: false,
         played: Played::default(),
         told: Vec::new(),
     };
@@ -109,6 +116,10 @@ struct Bouts {
     entities: Option<usize>,
     /// Bodies that were set aside and might be.
     aside: HashSet<Entity>,
+    /// Rounds of this bout.
+    rounds: u64,
+    /// Whether something flies that sweeps by forces have thrown: whoever takes it over is not to blame.
+    flies: bool,
     played: Played,
     /// What was done in this bout, and when.
     told: Vec<String>,
@@ -117,10 +128,11 @@ struct Bouts {
 impl Bouts {
     /// The scene anew, with a seed of its own: a bout can be played again alone.
     fn begin(&mut self, run: &MonkeyRun, seed: u64) -> Result<(), String> {
-        let Self { hands, random, own, told, aside, .. } = self;
+        let Self { hands, random, own, told, aside, rounds, flies, .. } = self;
         *random = Pcg64Mcg::seed_from_u64(seed);
         told.clear();
         aside.clear();
+        (*rounds, *flies) = (0, false);
         hands.world().insert_resource(*own);
         let (scene, parameters) = (run.scene.clone(), run.parameters.clone());
         hands.act(SandboxAction::LoadScene { scene, parameters });
@@ -136,7 +148,7 @@ impl Bouts {
 
     /// Some deeds, and a check.
     fn round(&mut self) -> Check {
-        let Self { hands, random, own, entities, aside, played, told } = self;
+        let Self { hands, random, own, entities, aside, rounds, flies, played, told } = self;
         // Before the first deed of a bout.
         if told.is_empty() {
             let now = count_entities(hands);
@@ -147,7 +159,7 @@ impl Bouts {
             }
         }
         // By forces from sweeps what is tangled may fly apart, as their maps show.
-        let mut may_fly = false;
+        let mut may_fly = *flies;
         for _ in 0..DEEDS {
             let before = step(hands);
             let done = do_something(hands, random, own);
@@ -160,11 +172,15 @@ impl Bouts {
         }
         hands.release();
         played.checks += 1;
+        *rounds += 1;
         let world = hands.world();
         played.most_bodies = played.most_bodies.max(world.query::<&RigidBody>().iter(world).count());
+        let before = aside.len();
         is_finite(hands, aside, may_fly)?;
+        played.thrown += aside.len() - before;
+        *flies = may_fly && fastest(hands) > THROWN;
         goes_back_and_on(hands, random)?;
-        if played.checks.is_multiple_of(CHECKS) {
+        if rounds.is_multiple_of(CHECKS) {
             saves_and_loads(hands, own)?;
             let before = step(hands);
             joints_hold(hands, own)?;

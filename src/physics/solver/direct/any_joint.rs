@@ -143,10 +143,12 @@ impl AnyJoint {
         self.counts[0] + self.counts[1]
     }
 
-    /// How far what is rigid of its first half is apart: of points, m; of a joint that holds turns alone, rad.
+    /// How far the points that it holds rigidly are apart, m.
     pub fn gap(&self) -> f64 {
-        let errors = self.laws[..self.counts[0]].iter().filter(|law| !law.is_spring && !law.bound.is_boxed());
-        errors.map(|law| law.error * law.error).sum::<f64>().sqrt()
+        let shifts = |place: usize| self.maps.iter().any(|map| map.fixed_view::<3, 1>(0, place) != Vector3::zeros());
+        let laws = self.laws[..self.counts[0]].iter().enumerate();
+        let errors = laws.filter(|(place, law)| !law.is_spring && !law.bound.is_boxed() && shifts(*place));
+        errors.map(|(_, law)| law.error * law.error).sum::<f64>().sqrt()
     }
 
     /// Starts from no impulse.

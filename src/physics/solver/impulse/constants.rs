@@ -87,6 +87,10 @@ pub(super) const TREE_CLOSED: f64 = 1e-13;
 /// Turn of a body in a step from which on a tree takes all substeps, rad: a chain's energy pays for more (`chain 100`).
 pub(super) const TREE_TURN: f64 = 0.05;
 
+/// Turn of an arm in a substep, rad, up to which its joint is aimed along its arc and what the projection moved counts as
+/// velocity (`an_arm_that_turns_too_far_to_be_followed_gives_no_energy`).
+pub(super) const TREE_FOLLOWED: f64 = 1.0;
+
 /// Turn of the last projection, rad, times ω²h², up to which the factor of the pose before serves with one step of
 /// refinement: what is left then is its square of the impulses (`chain 1000`).
 pub(super) const TREE_FACTOR_LAG: f64 = 1e-3;

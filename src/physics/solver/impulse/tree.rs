@@ -3,7 +3,7 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::constants::{TREE_CLOSED, TREE_FACTOR_LAG, TREE_START_ITERATIONS, TREE_TURN};
+use super::constants::{TREE_CLOSED, TREE_FACTOR_LAG, TREE_FOLLOWED, TREE_START_ITERATIONS, TREE_TURN};
 use crate::physics::body::free_rotation::turn_freely;
 use crate::physics::body::{Body, rotation_by, world_inverse_inertia};
 use crate::physics::constraint::row::Twist;
@@ -235,6 +235,15 @@ impl TreeStep {
         if self.is_refined {
             self.tree.solve_velocities(&mut self.twists, &self.targets);
         }
+        // Where arms turn too far to be followed, only what can give no energy is left: velocities that joints take from.
+        let is_followed = self.tree.fastest_arm(&self.twists) * h <= TREE_FOLLOWED;
+        if !is_followed {
+            for (twist, body) in self.twists.iter_mut().zip(&self.bodies) {
+                *twist = Twist { linear: body.linear, angular: body.angular };
+            }
+            self.tree.clear_impulses();
+            self.tree.solve_velocities(&mut self.twists, &[]);
+        }
         for (body, twist) in self.bodies.iter_mut().zip(&self.twists) {
             if body.moves {
                 (body.linear, body.angular) = (twist.linear, twist.angular);
@@ -249,6 +258,9 @@ impl TreeStep {
         let mut turn: f64 = 0.0;
         self.take_pose_changes(|body, change| {
             turn = turn.max(change.rotation.imag().amax());
+            if !is_followed {
+                return;
+            }
             body.linear += change.linear / h;
             // The turn is that of a drift's error; its angle and twice its sine differ by a third power.
             body.angular += change.rotation.imag() * (2.0 / h);

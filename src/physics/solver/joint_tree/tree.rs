@@ -176,6 +176,17 @@ impl JointTree {
         }
     }
 
+    /// How fast the direction of an arm changes at most, rad/s, at those velocities (local order).
+    pub fn fastest_arm(&self, twists: &[Twist<f64>]) -> f64 {
+        let turning = |body: u32, arm: &Vector3<f64>| {
+            let size = arm.norm_squared();
+            if size > 0.0 { twists[body as usize].angular.cross(arm).norm_squared() / size } else { 0.0 }
+        };
+        let ends =
+            |joint: &TreeJoint| turning(joint.child, &joint.arm_child).max(turning(joint.parent, &joint.arm_parent));
+        self.joints.iter().map(ends).fold(0.0, f64::max).sqrt()
+    }
+
     /// Changes velocities (local order) so that every joint's relative velocity J V is its
     /// target; `targets` in m/s, b relative to a, empty for all zero. Needs [`Self::factor`].
     pub fn solve_velocities(&mut self, twists: &mut [Twist<f64>], targets: &[Vector3<f64>]) {
