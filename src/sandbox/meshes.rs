@@ -4,12 +4,14 @@ use std::collections::HashMap;
 use std::f32::consts::FRAC_PI_2;
 
 use bevy::asset::RenderAssetUsages;
+use bevy::ecs::entity::EntityHashMap;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::picking::mesh_picking::ray_cast::RayCastBackfaces;
 use bevy::prelude::*;
 use bevy::render::render_resource::Face;
 
 use super::action::CarryOut;
+use super::state::CurrentScene;
 use crate::physics::{Collider, ConvexHull, RigidBody, Shape};
 use crate::scene::{BodyColor, MeshSpec, PictureMesh};
 
@@ -33,11 +35,13 @@ pub(super) fn plugin(app: &mut App) {
 pub(super) struct SharedAssets {
     meshes: HashMap<Vec<u64>, Handle<Mesh>>,
     materials: HashMap<([u32; 4], bool), Handle<StandardMaterial>>,
-    dressed: usize,
+    /// Which shade each body without a color of its own has: one that is deleted and comes back has it again.
+    shades: EntityHashMap<usize>,
 }
 
 pub(super) fn dress_bodies(
     mut commands: Commands,
+    scene: Option<Res<CurrentScene>>,
     bodies: Query<
         (Entity, &RigidBody, &Collider, Option<&PictureMesh>, Option<&BodyColor>),
         Or<(Changed<Collider>, Changed<PictureMesh>, Changed<BodyColor>)>,
@@ -46,10 +50,13 @@ pub(super) fn dress_bodies(
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
+    if scene.is_some_and(|scene| scene.is_changed()) {
+        shared.shades.clear();
+    }
     for (entity, kind, collider, picture, color) in &bodies {
         let color = match color {
             Some(BodyColor([red, green, blue])) => Color::srgb(*red, *green, *blue),
-            None => shared.choose_color(*kind, collider.shape()),
+            None => shared.choose_color(entity, *kind, collider.shape()),
         };
         let key = picture_key(collider.shape(), picture);
         let mesh = match shared.meshes.get(&key) {
@@ -85,7 +92,7 @@ pub(super) fn dress_bodies(
 }
 
 impl SharedAssets {
-    fn choose_color(&mut self, kind: RigidBody, shape: &Shape) -> Color {
+    fn choose_color(&mut self, body: Entity, kind: RigidBody, shape: &Shape) -> Color {
         let row = match shape {
             Shape::Sphere { .. } => 0,
             Shape::Cuboid { .. } | Shape::HalfSpace => 1,
@@ -96,8 +103,8 @@ impl SharedAssets {
             RigidBody::Static => STATIC_COLOR,
             RigidBody::Kinematic => KINEMATIC_COLOR,
             RigidBody::Dynamic => {
-                self.dressed += 1;
-                let [red, green, blue] = PALETTE[row][self.dressed % 4];
+                let next = self.shades.len() % 4;
+                let [red, green, blue] = PALETTE[row][*self.shades.entry(body).or_insert(next)];
                 Color::srgb(red, green, blue)
             }
         }

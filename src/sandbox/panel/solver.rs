@@ -164,7 +164,7 @@ fn presets(ui: &mut egui::Ui, settings: &mut SolverSettings) {
     let base = nearest_preset(settings);
     let (name, preset) = SolverSettings::PRESETS[base];
     let modified = preset().differences(settings).next().is_some();
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.label("preset");
         for (index, (name, preset)) in SolverSettings::PRESETS.into_iter().enumerate() {
             if ui.selectable_label(index == base && !modified, name).clicked() {

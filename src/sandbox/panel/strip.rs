@@ -142,10 +142,15 @@ impl Bar<'_> {
         }
         painter.vline(x(self.head), rect.expand(2.0).y_range(), (2.0, egui::Color32::WHITE));
         let pointer = response.interact_pointer_pos();
-        let response = response.on_hover_text(
+        // What is drawn is looked at, and not to be covered.
+        let response = if response.dragged() {
+            response
+        } else {
+            response.on_hover_text(
             "what happened: drag the head to go there; orange: what was done; yellow: marks; with a point on top: where a \
              ghost of that color parted. What you do in the past ends what came after it",
-        );
+        )
+        };
         if !(response.dragged() || response.clicked()) {
             return None;
         }

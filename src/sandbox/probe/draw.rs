@@ -118,10 +118,11 @@ pub fn draw_lengths(
         let Ok(middle) = camera.0.world_to_viewport(camera.1, from.midpoint(to)) else { continue };
         let at = (egui::pos2(middle.x, middle.y) / context.zoom_factor()) + egui::vec2(8.0, -8.0);
         let text = Quantity::text(reader.value(&track.probe), "m");
-        let font = egui::FontId::proportional(14.0);
-        let galley = painter.layout_no_wrap(text, font, color32(track.color));
+        let galley = painter.layout_no_wrap(text, egui::FontId::proportional(16.0), egui::Color32::WHITE);
         let place = egui::Align2::LEFT_BOTTOM.anchor_size(at, galley.size());
-        painter.rect_filled(place.expand(3.0), 3.0, egui::Color32::from_black_alpha(150));
+        let frame = egui::Stroke::new(2.0, color32(track.color));
+        let fill = egui::Color32::from_black_alpha(215);
+        painter.rect(place.expand2(egui::vec2(7.0, 4.0)), 4.0, fill, frame, egui::StrokeKind::Inside);
         painter.galley(place.min, galley, egui::Color32::WHITE);
     }
     Ok(())

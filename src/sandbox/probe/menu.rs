@@ -131,20 +131,22 @@ pub fn show(
     let area = egui::Area::new(egui::Id::new("probe menu")).order(egui::Order::Foreground).fixed_pos(at);
     let shown = area.constrain(true).show(context, |ui| {
         egui::Frame::menu(ui.style()).show(ui, |ui| {
-            if let Some(joint) = open.joint.filter(|joint| !reader.name_of_joint(*joint).is_empty()) {
+            let joint = open.joint.filter(|joint| !reader.name_of_joint(*joint).is_empty());
+            // First what one sees: a joint may be inside of it, or behind it.
+            if let Some(point) = open.point {
+                measures = show_point(ui, &reader, &mut probes, point);
+                if point.body.is_none() || joint.is_some() {
+                    ui.separator();
+                }
+            }
+            if let Some(joint) = joint {
                 ui.strong(reader.name_of_joint(joint));
                 rows::joint(ui, &mut probes, &reader, joint);
-                ui.separator();
-            }
-            match open.point {
-                Some(point) => {
-                    measures = show_point(ui, &reader, &mut probes, point);
-                    if point.body.is_none() {
-                        ui.separator();
-                    }
+                match open.point {
+                    None => return,
+                    Some(point) if point.body.is_none() => _ = ui.separator(),
+                    Some(_) => {}
                 }
-                None if open.joint.is_none() => {}
-                None => return,
             }
             if open.point.is_none_or(|point| point.body.is_none()) {
                 ui.strong("the scene");

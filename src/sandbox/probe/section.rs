@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_egui::egui;
-use egui_plot::{HoverPosition, Line, Plot, PlotPoints};
+use egui_plot::{HoverPosition, Line, Plot, PlotPoints, VLine};
 
 use super::reader::Reader;
 use super::tracks::{Track, Tracks};
@@ -13,6 +13,8 @@ use crate::scene::Probes;
 
 /// Simulation time on view unless the user chooses another, s.
 const WINDOW: f64 = 10.0;
+/// Of the line at the pointer's time: no line of the grid is as bright.
+const CURSOR: egui::Color32 = egui::Color32::from_gray(235);
 
 /// What of the plots the user chose.
 #[derive(Default)]
@@ -170,6 +172,10 @@ fn draw(ui: &mut egui::Ui, tracks: &Tracks, unit: &str, labels_time: bool, view:
                     let points: PlotPoints = piece.iter().map(point).filter(|[_, value]| value.is_finite()).collect();
                     plot.line(Line::new(&track.name, points).color(color32(track.color)).width(1.5));
                 }
+            }
+            if let Some(time) = view.cursor {
+                let line = VLine::new("", time).color(CURSOR).width(1.5).allow_hover(false);
+                plot.vline(line);
             }
             plot.set_plot_bounds_x(from..=to);
             plot.pointer_coordinate().filter(|_| plot.response().hovered()).map(|pointer| pointer.x)
