@@ -14,7 +14,7 @@ use super::ghost::{self, Apart, GhostReading, GhostReadings, MOST_GHOSTS};
 use super::joint_readings::ReadJoints;
 use super::panel::{Quantity, name_of, palette};
 use super::probe::offer;
-use crate::physics::{Diagnostics, JointAxis, PhysicsSchedule, PhysicsSystems, Position, Rotation, StepStats};
+use crate::physics::{self, Diagnostics, JointAxis, PhysicsSchedule, PhysicsSystems, Position, Rotation, StepStats};
 use crate::scene::{Probe, ProbePlot, ProbeSubject, Probes};
 
 /// Simulation time on view, s.
@@ -29,7 +29,7 @@ pub struct Watched(pub bool);
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Watched>()
         .init_resource::<History>()
-        .add_systems(PreUpdate, (begin_with_scene, switch_diagnostics, forget_other_joint))
+        .add_systems(PreUpdate, (begin_with_scene, switch_diagnostics, forget_other_joint, forget_other_future))
         .add_systems(PhysicsSchedule, record.after(PhysicsSystems::Diagnose).after(ghost::follow));
 }
 
@@ -94,6 +94,8 @@ impl Sample {
 #[derive(Resource, Default)]
 pub(super) struct History {
     samples: VecDeque<Sample>,
+    /// Those after the moment that the scene has gone back to, the next last.
+    ahead: Vec<Sample>,
     /// Potential energy of the first sample since the scene was loaded: where its plot has 0.
     potential_at_start: Option<f64>,
     /// When the scene started, s, by the world's clock, which runs on when a scene is replaced.
@@ -108,10 +110,14 @@ impl History {
             self.begin(0.0);
         }
         let sample = Sample { time: sample.time - self.start, ..sample };
-        // The scene went back: what came later is not there.
-        while self.samples.back().is_some_and(|last| sample.time < last.time) {
-            self.samples.pop_back();
+        // The scene went back: what came later is not there until it comes to it again.
+        while let Some(later) = self.samples.pop_back_if(|last| sample.time < last.time) {
+            self.ahead.push(later);
         }
+        while let Some(earlier) = self.ahead.pop_if(|next| next.time < sample.time) {
+            self.samples.push_back(earlier);
+        }
+        let _ = self.ahead.pop_if(|next| next.time == sample.time);
         self.potential_at_start.get_or_insert(sample.potential);
         // Short of the spacing by a rounding error is not short of it.
         let spacing = WINDOW / CAPACITY as f64 * (1.0 - 1e-6);
@@ -193,7 +199,17 @@ fn record(
 fn forget_other_joint(read: Res<ReadJoints>, mut last: Local<Option<Entity>>, mut history: ResMut<History>) {
     if read.plotted != *last {
         *last = read.plotted;
-        history.samples.iter_mut().for_each(|sample| sample.joint = JointSample::NONE);
+        let History { samples, ahead, .. } = &mut *history;
+        samples.iter_mut().chain(ahead).for_each(|sample| sample.joint = JointSample::NONE);
+    }
+}
+
+/// What is to come has become something else.
+fn forget_other_future(past: Option<Res<physics::History>>, mut seen: Local<u64>, mut history: ResMut<History>) {
+    let turns = past.map_or(0, |past| past.turns());
+    if turns != *seen {
+        *seen = turns;
+        history.ahead.clear();
     }
 }
 
@@ -450,12 +466,15 @@ mod tests {
     }
 
     #[test]
-    fn going_back_in_time_forgets_what_came_later() {
+    fn going_back_in_time_sets_aside_what_came_later() {
         let mut history = History::default();
         history.push(Sample { potential: 7.0, ..at(1.0) });
         history.push(Sample { potential: 6.0, ..at(2.0) });
         history.push(Sample { potential: 2.0, ..at(1.5) });
-        assert_eq!(history.samples.iter().map(|sample| sample.time).collect::<Vec<_>>(), [1.0, 1.5]);
+        let times = |history: &History| history.samples.iter().map(|sample| sample.time).collect::<Vec<_>>();
+        assert_eq!(times(&history), [1.0, 1.5]);
+        history.push(at(2.5));
+        assert_eq!(times(&history), [1.0, 1.5, 2.0, 2.5]);
         assert_eq!(history.potential_at_start, Some(7.0));
     }
 

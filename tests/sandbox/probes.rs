@@ -263,6 +263,12 @@ fn samples_go_with_the_moment_and_begin_anew_with_the_scene() {
     let rows = tracks(&mut stage).rows;
     assert!(rows.iter().zip(rows.iter().skip(1)).all(|(one, next)| one.time < next.time), "nothing of later is left");
     assert_eq!(said(&mut stage, "ball y"), format!("{height:.1} m"));
+    stage.act(SandboxAction::GoToNow);
+    stage.frames(2);
+    let rows = tracks(&mut stage).rows;
+    // On its ways it reads what was before it was asked for, too.
+    assert_eq!((steps_made(&mut stage), rows.len() as u64), (now, now), "what was read is known yet");
+    assert!(rows.iter().skip(1).all(|row| !row.breaks));
     stage.act(SandboxAction::Reset);
     stage.frames(2);
     assert!(tracks(&mut stage).rows.is_empty());

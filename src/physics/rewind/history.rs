@@ -35,6 +35,8 @@ pub struct History {
     pub(super) last: u64,
     /// How often something else was done in the past, so that what was to come was forgotten.
     pub(super) cuts: u64,
+    /// How often what is to come has become something else.
+    pub(super) turns: u64,
     /// What was to come before each, the last last.
     pub(super) branches: Vec<Branch>,
     /// What it may take, bytes.
@@ -78,6 +80,7 @@ impl History {
             acts: BTreeMap::new(),
             last: step,
             cuts: 0,
+            turns: 0,
             branches: Vec::new(),
             limit,
             since: world.change_tick(),
@@ -119,6 +122,11 @@ impl History {
     /// How often something else was done in the past, so that what was to come was forgotten.
     pub fn cuts(&self) -> u64 {
         self.cuts
+    }
+
+    /// How often what is to come has become something else: by cuts, and by taking them back.
+    pub fn turns(&self) -> u64 {
+        self.turns
     }
 
     /// Takes in what was done since the last step, as the next step would: it may end what was to come.
@@ -248,6 +256,7 @@ impl History {
         }
         if self.is_past(step) {
             self.cuts += 1;
+            self.turns += 1;
             self.branches.push(Branch {
                 cut: self.cuts,
                 at: step,

@@ -60,6 +60,7 @@ impl History {
         self.frames.extend(frames);
         self.acts.extend(acts);
         self.last = last;
+        self.turns += 1;
         self.branches.push(instead);
         self.branches.extend(began_in_it);
         self.go(world, at)

@@ -6,7 +6,7 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 
 use super::reader::{Reader, Watched};
-use crate::physics::StepStats;
+use crate::physics::{History, StepStats};
 use crate::sandbox::CurrentScene;
 use crate::sandbox::panel::palette;
 use crate::scene::{Probe, ProbePlot, Probes};
@@ -38,6 +38,10 @@ pub struct Tracks {
     pub tracks: Vec<Track>,
     /// One a sample, the oldest first.
     pub rows: VecDeque<Row>,
+    /// Those of steps that the scene has gone back from, the next last: they are known when it comes to them again.
+    ahead: Vec<Row>,
+    /// Of the history when these were of what is to come.
+    turns: u64,
     /// When the scene started, s, by the world's clock.
     start: f64,
 }
@@ -100,7 +104,7 @@ impl Tracks {
         }
         let place = |probe: &Watched| self.tracks.iter().position(|track| track.probe == *probe);
         let places: Vec<_> = probes.iter().map(place).collect();
-        for row in &mut self.rows {
+        for row in self.rows.iter_mut().chain(&mut self.ahead) {
             row.values = places.iter().map(|place| place.map_or(f64::NAN, |place| row.values[place])).collect();
         }
         let old = std::mem::take(&mut self.tracks);
@@ -115,10 +119,13 @@ impl Tracks {
         }
     }
 
-    /// Forgets what came after a step: the scene went back.
-    fn cut_after(&mut self, step: u64) {
-        while self.rows.back().is_some_and(|row| row.step > step) {
-            self.rows.pop_back();
+    /// The scene went to a step, back or on.
+    fn go(&mut self, step: u64) {
+        while let Some(row) = self.rows.pop_back_if(|row| row.step > step) {
+            self.ahead.push(row);
+        }
+        while let Some(row) = self.ahead.pop_if(|row| row.step <= step) {
+            self.rows.push_back(row);
         }
         for track in &mut self.tracks {
             while track.trail.back().is_some_and(|(at, ..)| *at > step) {
@@ -129,8 +136,9 @@ impl Tracks {
 
     /// Takes in what was read after a step. The time is the world's.
     fn push(&mut self, step: u64, time: f64, values: Vec<f64>) {
-        self.cut_after(step.saturating_sub(1));
+        self.go(step.saturating_sub(1));
         let time = time - self.start;
+        while self.ahead.pop_if(|row| row.began <= time).is_some() {}
         // Short of the spacing by a rounding error is not short of it.
         let spacing = WINDOW / CAPACITY as f64 * (1.0 - 1e-6);
         let breaks = self.rows.back().is_none_or(|last| last.step + 1 != step);
@@ -218,14 +226,20 @@ pub fn keep_up(
     scene: Option<Res<CurrentScene>>,
     stats: Res<StepStats>,
     probes: Res<Probes>,
+    history: Option<Res<History>>,
     reader: Reader,
     mut tracks: ResMut<Tracks>,
 ) {
+    let turns = history.map_or(0, |history| history.turns());
+    if turns != tracks.turns {
+        tracks.turns = turns;
+        tracks.ahead.clear();
+    }
     if scene.is_some_and(|scene| scene.is_changed()) {
         tracks.begin(stats.time);
     }
     tracks.keep(&probes.0);
-    tracks.cut_after(stats.steps);
+    tracks.go(stats.steps);
     for track in &mut tracks.tracks {
         track.is_gone = !reader.is_there(&track.probe);
         if !track.is_gone {
@@ -276,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn going_back_forgets_and_going_on_leaves_a_gap() {
+    fn going_back_sets_aside_and_going_on_leaves_a_gap() {
         let mut tracks = with(&[ProbePlot::Energy]);
         let push = |tracks: &mut Tracks, step: u64| tracks.push(step, step as f64, vec![1.0]);
         (1..=5).for_each(|step| push(&mut tracks, step));
@@ -284,11 +298,20 @@ mod tests {
         assert_eq!(tracks.rows.iter().map(|row| row.step).collect::<Vec<_>>(), [1, 2, 3]);
         push(&mut tracks, 4);
         assert_eq!(tracks.pieces(0, [0.0, 9.0]).len(), 1);
+        // The scene has been at 5.
         push(&mut tracks, 7);
+        assert_eq!(tracks.rows.len(), 6);
         assert_eq!(tracks.pieces(0, [0.0, 9.0]).len(), 2);
-        tracks.cut_after(2);
+        tracks.go(2);
         assert_eq!(tracks.rows.len(), 2);
         assert_eq!(tracks.nearest(1.4).unwrap().time, 1.0);
+        tracks.go(6);
+        assert_eq!(tracks.rows.iter().map(|row| row.step).collect::<Vec<_>>(), [1, 2, 3, 4, 5]);
+        // What is read anew takes the place of what was known.
+        tracks.go(1);
+        (2..=7).for_each(|step| push(&mut tracks, step));
+        assert_eq!(tracks.rows.iter().map(|row| row.step).collect::<Vec<_>>(), [1, 2, 3, 4, 5, 6, 7]);
+        assert!(tracks.ahead.is_empty());
     }
 
     #[test]
