@@ -512,21 +512,24 @@ fn many_bodies_run_backwards_by_their_poses() {
     pause(&mut stage);
     let seen = step_by_step(&mut stage, "77", 50);
     stage.tap(KeyCode::KeyU);
-    let mut looked_at = Vec::new();
+    // By how far keyframes are away, and that by the clock, the world goes along or is looked at.
+    let (mut moments, mut looked) = (Vec::new(), 0);
     for _ in 0..20 {
         stage.frames(1);
-        if let Some(at) = stage.world().resource::<ShownStep>().step {
+        let shown = stage.world().resource::<ShownStep>().step;
+        if let Some(at) = shown {
             let there = place_at(&seen, at).as_vec3();
             assert!(drawn(&mut stage, "77").distance(there) < 1e-4, "step {at}");
-            looked_at.push(at);
+            looked += 1;
         }
+        moments.push(shown.unwrap_or_else(|| step(&mut stage)));
     }
-    assert!(looked_at.len() >= 5 && looked_at.is_sorted_by(|before, after| after <= before), "{looked_at:?}");
-    let last = *looked_at.last().unwrap();
+    assert!(looked > 0 && moments.is_sorted_by(|before, after| after <= before), "{looked} of {moments:?}");
+    let last = *moments.last().unwrap();
     stage.tap(KeyCode::KeyU);
     stage.frames(2);
     assert!(!stage.world().resource::<Timeline>().backwards);
     let now = step(&mut stage);
-    assert!(now <= last && now + 10 > last, "{now} after {last}");
+    assert!(now <= last && now + 4 > last, "{now} after {last}");
     assert_eq!(stage.position("77"), place_at(&seen, now));
 }
