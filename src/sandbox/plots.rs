@@ -14,7 +14,8 @@ use super::ghost::{self, Apart, GhostReading, GhostReadings, MOST_GHOSTS};
 use super::joint_readings::ReadJoints;
 use super::panel::{Quantity, name_of, palette};
 use super::probe::offer;
-use crate::physics::{self, Diagnostics, JointAxis, PhysicsSchedule, PhysicsSystems, Position, Rotation, StepStats};
+use super::timeline::{change_places, is_another_future};
+use crate::physics::{Diagnostics, JointAxis, PhysicsSchedule, PhysicsSystems, Position, Rotation, StepStats};
 use crate::scene::{Probe, ProbePlot, ProbeSubject, Probes};
 
 /// Simulation time on view, s.
@@ -29,7 +30,10 @@ pub struct Watched(pub bool);
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Watched>()
         .init_resource::<History>()
-        .add_systems(PreUpdate, (begin_with_scene, switch_diagnostics, forget_other_joint, forget_other_future))
+        .add_systems(
+            PreUpdate,
+            (begin_with_scene, switch_diagnostics, forget_other_joint, forget_ahead.run_if(is_another_future)),
+        )
         .add_systems(PhysicsSchedule, record.after(PhysicsSystems::Diagnose).after(ghost::follow));
 }
 
@@ -111,13 +115,9 @@ impl History {
         }
         let sample = Sample { time: sample.time - self.start, ..sample };
         // The scene went back: what came later is not there until it comes to it again.
-        while let Some(later) = self.samples.pop_back_if(|last| sample.time < last.time) {
-            self.ahead.push(later);
-        }
-        while let Some(earlier) = self.ahead.pop_if(|next| next.time < sample.time) {
-            self.samples.push_back(earlier);
-        }
-        let _ = self.ahead.pop_if(|next| next.time == sample.time);
+        change_places(&mut self.samples, &mut self.ahead, |known| known.time < sample.time);
+        // What is read anew takes the place of what was known.
+        self.ahead.pop_if(|known| known.time == sample.time);
         self.potential_at_start.get_or_insert(sample.potential);
         // Short of the spacing by a rounding error is not short of it.
         let spacing = WINDOW / CAPACITY as f64 * (1.0 - 1e-6);
@@ -204,13 +204,9 @@ fn forget_other_joint(read: Res<ReadJoints>, mut last: Local<Option<Entity>>, mu
     }
 }
 
-/// What is to come has become something else.
-fn forget_other_future(past: Option<Res<physics::History>>, mut seen: Local<u64>, mut history: ResMut<History>) {
-    let turns = past.map_or(0, |past| past.turns());
-    if turns != *seen {
-        *seen = turns;
-        history.ahead.clear();
-    }
+/// Forgets what was set aside.
+fn forget_ahead(mut history: ResMut<History>) {
+    history.ahead.clear();
 }
 
 /// At a new scene or a reset.
@@ -518,5 +514,29 @@ mod tests {
         frame(&mut app);
         assert!(!app.world().contains_resource::<Diagnostics>());
         assert!(app.world().resource::<History>().samples.is_empty());
+    }
+
+    #[test]
+    fn what_was_set_aside_is_forgotten_when_something_else_is_to_come() {
+        use crate::physics::{self, Gravity, go_to, step};
+
+        let mut app = physics::headless_app();
+        app.init_resource::<GhostReadings>().init_resource::<ReadJoints>();
+        plugin(&mut app);
+        app.world_mut().resource_mut::<Watched>().0 = true;
+        physics::History::begin(app.world_mut(), 1 << 20);
+        let ahead = |app: &App| app.world().resource::<History>().ahead.len();
+        let frame = |app: &mut App| {
+            app.world_mut().run_schedule(PreUpdate);
+            step(app.world_mut());
+        };
+        (0..10).for_each(|_| frame(&mut app));
+        go_to(app.world_mut(), 5).unwrap();
+        frame(&mut app);
+        assert_eq!(ahead(&app), 4, "of steps that are to come");
+        app.world_mut().resource_mut::<Gravity>().0.x = 1.0;
+        frame(&mut app);
+        app.world_mut().run_schedule(PreUpdate);
+        assert_eq!(ahead(&app), 0);
     }
 }

@@ -205,8 +205,9 @@ fn what_is_done_in_the_past_ends_what_was_to_come() {
     let last_of_others = others.keys().last().copied().unwrap();
     go_to(&mut world, last_of_others).unwrap();
     let cut = world.resource::<History>().cuts();
-    assert_eq!(cut, 1);
+    assert_eq!((cut, world.resource::<History>().turns()), (1, 1));
     uncut(&mut world, cut).unwrap();
+    assert_eq!(world.resource::<History>().turns(), 2);
     assert_eq!((world.resource::<StepStats>().steps, world.resource::<History>().reach()), (31, [0, 60]));
     check_all(&mut world, &hashes, [31, 20, 58], "what was to come");
     assert_eq!(uncut(&mut world, cut), Err(GoError::NoHistory));
@@ -220,6 +221,7 @@ fn what_is_done_in_the_past_ends_what_was_to_come() {
     step(&mut world);
     assert_eq!(state_hash(&world), others[&36]);
     assert_eq!(world.resource::<History>().reach(), [0, 41]);
+    assert_eq!(world.resource::<History>().turns(), 3);
     let before: BTreeMap<_, _> = hashes.range(..=31).map(|(step, hash)| (*step, *hash)).collect();
     go_to(&mut world, 0).unwrap();
     for (made, hash) in before {

@@ -1,5 +1,7 @@
 //! Taking back what was built, cut or deleted, the last first, and having it come again.
 
+use std::collections::VecDeque;
+
 use bevy::prelude::*;
 
 use super::joint_change::JointChange;
@@ -11,6 +13,7 @@ use crate::physics::{
 };
 use crate::sandbox::held::Drag;
 use crate::sandbox::state::report;
+use crate::sandbox::timeline::change_places;
 use crate::sandbox::{Selection, drag};
 use crate::scene::{BodySpec, JointParts, SceneEntity};
 
@@ -21,9 +24,9 @@ const DEPTH: usize = 64;
 /// was built before it.
 #[derive(Resource, Default)]
 pub struct UndoStack {
-    deeds: Vec<Done>,
+    deeds: VecDeque<Done>,
     /// What redo would have come again, the next last.
-    undone: Vec<Undone>,
+    undone: VecDeque<Undone>,
     ahead: Ahead,
     /// How often what was to come had been cut off when that was looked at.
     cuts: u64,
@@ -97,17 +100,17 @@ impl UndoStack {
 
     /// What the next undo would take back.
     pub fn next(&self) -> Option<&str> {
-        self.deeds.last().map(|done| done.what.as_str())
+        self.deeds.back().map(|done| done.what.as_str())
     }
 
     /// What the next redo would have come again.
     pub fn next_again(&self) -> Option<&str> {
-        self.undone.last().map(|undone| undone.done.what.as_str())
+        self.undone.back().map(|undone| undone.done.what.as_str())
     }
 
     /// Whether a change of that joint would be one more like the last deed.
     pub fn goes_on(&self, joint: Entity, change: &JointChange) -> bool {
-        match self.deeds.last().map(|done| &done.deed) {
+        match self.deeds.back().map(|done| &done.deed) {
             Some(Deed::Changed { joint: last, back }) => *last == joint && back.is_alike(change),
             _ => false,
         }
@@ -119,7 +122,7 @@ impl UndoStack {
         if cuts > self.cuts {
             let what = "what was done in the past".to_owned();
             let deed = Deed::Cut(cuts, std::mem::take(&mut self.ahead));
-            self.deeds.push(Done { what, deed, step });
+            self.deeds.push_back(Done { what, deed, step });
             self.undone.clear();
         }
         self.cuts = cuts;
@@ -134,16 +137,6 @@ impl UndoStack {
             true => Ahead::default(),
             false => std::mem::take(&mut self.ahead),
         }
-    }
-}
-
-/// Moves what is past to the one list and what is not to the other.
-fn change_places<T>(past: &mut Vec<T>, ahead: &mut Vec<T>, is_past: impl Fn(&T) -> bool) {
-    while past.last().is_some_and(|last| !is_past(last)) {
-        ahead.extend(past.pop());
-    }
-    while ahead.last().is_some_and(&is_past) {
-        past.extend(ahead.pop());
     }
 }
 
@@ -166,9 +159,9 @@ pub fn remember(world: &mut World, what: String, deed: Deed) {
     let mut stack = world.resource_mut::<UndoStack>();
     stack.undone.clear();
     if stack.deeds.len() == DEPTH {
-        stack.deeds.remove(0);
+        stack.deeds.pop_front();
     }
-    stack.deeds.push(Done { what, deed, step });
+    stack.deeds.push_back(Done { what, deed, step });
 }
 
 /// Deletes the picked body and its joints.
@@ -214,7 +207,7 @@ pub fn keep_what_was_built(world: &mut World) -> Option<String> {
 pub fn undo(world: &mut World) -> Option<KeptScene> {
     let before = Mark::of(world);
     follow_time(world);
-    let Some(done) = world.resource_mut::<UndoStack>().deeds.pop() else {
+    let Some(done) = world.resource_mut::<UndoStack>().deeds.pop_back() else {
         report(world, Err("nothing to undo".to_owned()));
         return None;
     };
@@ -228,7 +221,7 @@ pub fn undo(world: &mut World) -> Option<KeptScene> {
     let outcome = match again {
         Ok(again) => {
             let (step, marks) = (world.resource::<StepStats>().steps, [before, Mark::of(world)]);
-            world.resource_mut::<UndoStack>().undone.push(Undone { done, again, step, marks, ahead });
+            world.resource_mut::<UndoStack>().undone.push_back(Undone { done, again, step, marks, ahead });
             Ok(format!("undid {what}"))
         }
         Err(reason) => Err(format!("cannot undo {what}: {reason}")),
@@ -243,7 +236,7 @@ pub fn undo(world: &mut World) -> Option<KeptScene> {
 pub fn redo(world: &mut World) -> Option<KeptScene> {
     let now = Mark::of(world);
     follow_time(world);
-    let Some(undone) = world.resource_mut::<UndoStack>().undone.pop() else {
+    let Some(undone) = world.resource_mut::<UndoStack>().undone.pop_back() else {
         report(world, Err("nothing to redo".to_owned()));
         return None;
     };
@@ -268,7 +261,7 @@ pub fn redo(world: &mut World) -> Option<KeptScene> {
     note_cut(world);
     let outcome = match came {
         Ok(deed) => {
-            world.resource_mut::<UndoStack>().deeds.push(Done { what: what.clone(), deed, step });
+            world.resource_mut::<UndoStack>().deeds.push_back(Done { what: what.clone(), deed, step });
             follow_time(world);
             Ok(format!("redid {what}"))
         }

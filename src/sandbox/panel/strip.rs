@@ -18,6 +18,8 @@ const BAR: f32 = 18.0;
 const SNAP: f32 = 5.0;
 /// What is said at the end of the strip at most.
 const LONGEST: &str = "8888.88 s ago";
+const ABOUT: &str = "what happened: drag the head to go there; orange: what was done; yellow: marks; with a point on top: where a ghost of \
+     that color parted. What you do in the past ends what came after it";
 
 /// Draws it beside the panel, which is drawn before.
 pub(super) fn show(
@@ -143,14 +145,7 @@ impl Bar<'_> {
         painter.vline(x(self.head), rect.expand(2.0).y_range(), (2.0, egui::Color32::WHITE));
         let pointer = response.interact_pointer_pos();
         // What is drawn is looked at, and not to be covered.
-        let response = if response.dragged() {
-            response
-        } else {
-            response.on_hover_text(
-            "what happened: drag the head to go there; orange: what was done; yellow: marks; with a point on top: where a \
-             ghost of that color parted. What you do in the past ends what came after it",
-        )
-        };
+        let response = if response.dragged() { response } else { response.on_hover_text(ABOUT) };
         if !(response.dragged() || response.clicked()) {
             return None;
         }

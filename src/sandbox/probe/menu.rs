@@ -132,23 +132,22 @@ pub fn show(
     let shown = area.constrain(true).show(context, |ui| {
         egui::Frame::menu(ui.style()).show(ui, |ui| {
             let joint = open.joint.filter(|joint| !reader.name_of_joint(*joint).is_empty());
+            let of_scene = open.point.map_or(joint.is_none(), |point| point.body.is_none());
             // First what one sees: a joint may be inside of it, or behind it.
             if let Some(point) = open.point {
                 measures = show_point(ui, &reader, &mut probes, point);
-                if point.body.is_none() || joint.is_some() {
+                if of_scene || joint.is_some() {
                     ui.separator();
                 }
             }
             if let Some(joint) = joint {
                 ui.strong(reader.name_of_joint(joint));
                 rows::joint(ui, &mut probes, &reader, joint);
-                match open.point {
-                    None => return,
-                    Some(point) if point.body.is_none() => _ = ui.separator(),
-                    Some(_) => {}
+                if of_scene {
+                    ui.separator();
                 }
             }
-            if open.point.is_none_or(|point| point.body.is_none()) {
+            if of_scene {
                 ui.strong("the scene");
                 rows::scene(ui, &mut probes);
             }

@@ -26,6 +26,7 @@ use bevy::prelude::*;
 use bevy_egui::EguiPrimaryContextPass;
 
 use super::action::CarryOut;
+use super::timeline::is_another_future;
 use crate::physics::{PhysicsSchedule, PhysicsSystems};
 use crate::scene::Probes;
 
@@ -43,7 +44,12 @@ pub(super) fn plugin(app: &mut App) {
             PhysicsSchedule,
             tracks::sample.after(PhysicsSystems::Diagnose).run_if(|probes: Res<Probes>| !probes.0.is_empty()),
         )
-        .add_systems(Update, (menu::finish_tape, tracks::keep_up).chain().after(CarryOut))
+        .add_systems(
+            Update,
+            (menu::finish_tape, tracks::forget_ahead.run_if(is_another_future), tracks::keep_up)
+                .chain()
+                .after(CarryOut),
+        )
         .add_systems(EguiPrimaryContextPass, (menu::show, draw::draw_lengths))
         .add_systems(PostUpdate, draw::draw.before(TransformSystems::Propagate));
 }

@@ -6,9 +6,10 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 
 use super::reader::{Reader, Watched};
-use crate::physics::{History, StepStats};
+use crate::physics::StepStats;
 use crate::sandbox::CurrentScene;
 use crate::sandbox::panel::palette;
+use crate::sandbox::timeline::change_places;
 use crate::scene::{Probe, ProbePlot, Probes};
 
 /// Simulation time that is kept, s.
@@ -40,8 +41,6 @@ pub struct Tracks {
     pub rows: VecDeque<Row>,
     /// Those of steps that the scene has gone back from, the next last: they are known when it comes to them again.
     ahead: Vec<Row>,
-    /// Of the history when these were of what is to come.
-    turns: u64,
     /// When the scene started, s, by the world's clock.
     start: f64,
 }
@@ -121,12 +120,7 @@ impl Tracks {
 
     /// The scene went to a step, back or on.
     fn go(&mut self, step: u64) {
-        while let Some(row) = self.rows.pop_back_if(|row| row.step > step) {
-            self.ahead.push(row);
-        }
-        while let Some(row) = self.ahead.pop_if(|row| row.step <= step) {
-            self.rows.push_back(row);
-        }
+        change_places(&mut self.rows, &mut self.ahead, |row| row.step <= step);
         for track in &mut self.tracks {
             while track.trail.back().is_some_and(|(at, ..)| *at > step) {
                 track.trail.pop_back();
@@ -221,20 +215,19 @@ pub fn sample(probes: Res<Probes>, reader: Reader, mut tracks: ResMut<Tracks>) {
     }
 }
 
+/// Forgets what was set aside.
+pub fn forget_ahead(mut tracks: ResMut<Tracks>) {
+    tracks.ahead.clear();
+}
+
 /// Has the tracks be those of the probes and of the moment on view.
 pub fn keep_up(
     scene: Option<Res<CurrentScene>>,
     stats: Res<StepStats>,
     probes: Res<Probes>,
-    history: Option<Res<History>>,
     reader: Reader,
     mut tracks: ResMut<Tracks>,
 ) {
-    let turns = history.map_or(0, |history| history.turns());
-    if turns != tracks.turns {
-        tracks.turns = turns;
-        tracks.ahead.clear();
-    }
     if scene.is_some_and(|scene| scene.is_changed()) {
         tracks.begin(stats.time);
     }

@@ -236,7 +236,7 @@ impl TreeStep {
             self.tree.solve_velocities(&mut self.twists, &self.targets);
         }
         // Where arms turn too far to be followed, only what can give no energy is left: velocities that joints take from.
-        let is_followed = self.tree.fastest_arm(&self.twists) * h <= TREE_FOLLOWED;
+        let is_followed = !self.tree.turns_arms_beyond(TREE_FOLLOWED / h, &self.twists);
         if !is_followed {
             for (twist, body) in self.twists.iter_mut().zip(&self.bodies) {
                 *twist = Twist { linear: body.linear, angular: body.angular };

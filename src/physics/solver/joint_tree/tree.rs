@@ -176,15 +176,19 @@ impl JointTree {
         }
     }
 
-    /// How fast the direction of an arm changes at most, rad/s, at those velocities (local order).
-    pub fn fastest_arm(&self, twists: &[Twist<f64>]) -> f64 {
+    /// Whether some arm turns faster than that, rad/s, at those velocities (local order).
+    pub fn turns_arms_beyond(&self, most: f64, twists: &[Twist<f64>]) -> bool {
+        let square = most * most;
+        // No arm turns faster than its body.
+        if twists.iter().all(|twist| twist.angular.norm_squared() <= square) {
+            return false;
+        }
         let turning = |body: u32, arm: &Vector3<f64>| {
-            let size = arm.norm_squared();
-            if size > 0.0 { twists[body as usize].angular.cross(arm).norm_squared() / size } else { 0.0 }
+            twists[body as usize].angular.cross(arm).norm_squared() > square * arm.norm_squared()
         };
-        let ends =
-            |joint: &TreeJoint| turning(joint.child, &joint.arm_child).max(turning(joint.parent, &joint.arm_parent));
-        self.joints.iter().map(ends).fold(0.0, f64::max).sqrt()
+        self.joints
+            .iter()
+            .any(|joint| turning(joint.child, &joint.arm_child) || turning(joint.parent, &joint.arm_parent))
     }
 
     /// Changes velocities (local order) so that every joint's relative velocity J V is its
