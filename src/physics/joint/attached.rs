@@ -80,8 +80,8 @@ impl Attached<'_> {
                     return Err(QuarantineReason::BadJointLaw);
                 }
                 set_axes(joint, &axes, bodies);
-                laws.extend(CoordinateLaw::range(JointAxis::Swing, [f64::NEG_INFINITY, swing], restitution));
                 laws.extend(CoordinateLaw::range(JointAxis::Twist, [min, max], restitution));
+                laws.extend(CoordinateLaw::range(JointAxis::Swing, [f64::NEG_INFINITY, swing], restitution));
             }
         }
         Ok(())

@@ -325,8 +325,15 @@ impl JointDefinition {
             None => {
                 let state = JointState::of(&self.frames, bodies);
                 self.rows(&state, rows);
-                let laws = self.laws.iter().flat_map(|laws| laws.iter());
-                rows.extend(laws.map(|law| law_row(law, &state, self.turned, time)));
+                let mut last: Option<(LawAxis, JointRow<f64>)> = None;
+                for law in self.laws.iter().flat_map(|laws| laws.iter()) {
+                    // Both ends of a range are of the same coordinate.
+                    let known = last.filter(|(axis, _)| *axis == law.axis);
+                    let coordinate =
+                        known.map_or_else(|| law_coordinate(law.axis, &state, self.turned), |(_, row)| row);
+                    rows.push(law_row(law, coordinate, time));
+                    last = Some((law.axis, coordinate));
+                }
             }
         }
     }
@@ -444,12 +451,16 @@ fn give_way<N: SimdRealField + Copy>(rows: &mut [JointRow<N>], laws: &Laws) {
 /// Sine of a swing, and distance in m, under which they have no direction.
 const NO_DIRECTION: f64 = 1e-9;
 
-/// The row of a law at that time, s; the twist is the value nearest to `turned`.
-fn law_row(law: &CoordinateLaw, state: &JointState<f64>, turned: f64, time: f64) -> JointRow<f64> {
-    let coordinate = match law.axis {
+/// The row that a law of that axis bounds; the twist is the value nearest to `turned`.
+fn law_coordinate(axis: LawAxis, state: &JointState<f64>, turned: f64) -> JointRow<f64> {
+    match axis {
         LawAxis::Coordinate(axis) => coordinate(axis, state, turned),
         LawAxis::Turning(axis) => turning(axis, state),
-    };
+    }
+}
+
+/// The row of a law at that time, s.
+fn law_row(law: &CoordinateLaw, coordinate: JointRow<f64>, time: f64) -> JointRow<f64> {
     let within = if law.most.is_finite() { Bound::Within(-law.most, law.most) } else { Bound::None };
     match law.part {
         LawPart::Limit { bound, is_upper, restitution } => {

@@ -195,7 +195,10 @@ fn rows_of_laws_are_the_derivatives_of_their_errors() {
         for _ in 0..20 {
             let pair = Pair::random(random, 1.0);
             let start = random.within(0.0, 3.0);
-            let at = |time: f64| law_row(&law, &pair.later(time), definition.turned, start + time);
+            let at = |time: f64| {
+                let coordinate = law_coordinate(law.axis, &pair.later(time), definition.turned);
+                law_row(&law, coordinate, start + time)
+            };
             let now = at(0.0);
             // Central differences: errors of 1e-5², and of rounding over 1e-4²; near half a turn the twist bends.
             let (short, long) = (1e-5, 1e-4);

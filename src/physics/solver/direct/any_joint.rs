@@ -275,12 +275,29 @@ impl Rows for AnyJoint {
     }
 
     fn motion_of(&self, side: usize, velocity: &BodyVector) -> Twist<f64> {
-        let (linear, angular) = halves(&self.maps[side].tr_mul(velocity));
-        Twist { linear, angular }
+        let (map, [first, second], mut motion) = (&self.maps[side], self.counts, Twist::zero());
+        for row in 0..first {
+            motion.linear[row] = map.column(row).dot(velocity);
+        }
+        for row in 0..second {
+            motion.angular[row] = map.column(3 + row).dot(velocity);
+        }
+        motion
     }
 
     fn wrench_on(&self, side: usize, impulse: &Wrench<f64>) -> BodyVector {
-        self.maps[side] * body_vector(&impulse.linear, &impulse.angular)
+        let (map, [first, second], mut wrench) = (&self.maps[side], self.counts, BodyVector::zeros());
+        for row in 0..first {
+            wrench += map.column(row) * impulse.linear[row];
+        }
+        for row in 0..second {
+            wrench += map.column(3 + row) * impulse.angular[row];
+        }
+        wrench
+    }
+
+    fn acts(&self) -> bool {
+        self.laws.iter().any(|law| if law.is_active { law.stiffness != 0.0 } else { law.impulse != 0.0 })
     }
 
     fn prescribed(&self) -> &Twist<f64> {
@@ -295,7 +312,7 @@ impl Rows for AnyJoint {
             arms: self.sides.map(|side| side.arm),
             normal: none,
             levers: std::array::from_fn::<_, POINTS, _>(|row| self.maps[1].fixed_view::<3, 1>(3, row).into()),
-            active: bits(self.laws.iter().map(|law| law.is_active)),
+            active: bits(self.laws.iter().map(|law| law.is_active && law.stiffness != 0.0)),
             across: [0.0; 2],
             is_soft: false,
             revision: self.revision,

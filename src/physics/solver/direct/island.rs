@@ -90,8 +90,10 @@ pub(crate) struct DirectIsland {
     pub(super) before: Vec<BodyVector>,
     /// Velocity that corrects position errors besides.
     pub(super) correction: Vec<BodyVector>,
-    /// Of contacts, then joints: the relative motion of the iteration before, and how far to the one at hand.
-    lines: Vec<(Twist<f64>, Twist<f64>)>,
+    /// Of contacts, then joints: the relative motion of the iteration before, and of the one at hand.
+    motions: [Vec<Twist<f64>>; 2],
+    /// How far from one to the other; none where the rows have no impulse on the way.
+    lines: Vec<Option<Twist<f64>>>,
     pub(super) contact_rows: Vec<DirectContact>,
     pub(super) joint_rows: Vec<DirectJoint>,
     pub(super) any_rows: Vec<AnyJoint>,
@@ -295,22 +297,25 @@ impl DirectIsland {
             self.velocity.copy_from_slice(&self.momentum);
             let Self { contact_rows, joint_rows, any_rows, elimination, velocity, matrix, .. } = self;
             for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
-                apply(elimination, velocity, rows, &rows.impulse_at_rest());
+                if rows.acts() {
+                    apply(elimination, velocity, rows, &rows.impulse_at_rest());
+                }
             });
             matrix.solve(elimination, &mut velocity[..]);
+            self.find_motions();
             let share = if iteration == 0 { 1.0 } else { self.search_line() };
-            let Self { contact_rows, joint_rows, any_rows, elimination, velocity, before, .. } = self;
-            for rows in &mut *any_rows {
-                rows.carry(&relative_motion(elimination, velocity, rows, &rows.prescribed), share);
+            let of_any = self.contact_rows.len() + self.joint_rows.len();
+            for (rows, motion) in self.any_rows.iter_mut().zip(&self.motions[1][of_any..]) {
+                rows.carry(motion, share);
             }
             if share < 1.0 {
-                let pairs = velocity.iter_mut().zip(&*before);
-                pairs.for_each(|(velocity, before)| *velocity = before + (*velocity - before) * share);
+                self.stop_at(share);
             }
-            let mut holds = share == 1.0;
+            let Self { contact_rows, joint_rows, any_rows, motions, .. } = self;
+            let (mut holds, mut motions) = (share == 1.0, motions[1].iter());
             for_each_constraint!((&mut *contact_rows, &mut *joint_rows, &mut *any_rows), |rows| {
-                let motion = relative_motion(elimination, velocity, rows, rows.prescribed());
-                holds &= rows.take(&motion, tolerance);
+                let motion = motions.next().expect("each constraint has one");
+                holds &= rows.take(motion, tolerance);
             });
             if holds {
                 return true;
@@ -320,6 +325,26 @@ impl DirectIsland {
             }
         }
         false
+    }
+
+    /// The relative motions at the velocity at hand; those that were are the ones before.
+    fn find_motions(&mut self) {
+        let Self { contact_rows, joint_rows, any_rows, elimination, velocity, motions, .. } = self;
+        let [before, now] = motions;
+        std::mem::swap(before, now);
+        now.clear();
+        for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
+            now.push(relative_motion(elimination, velocity, rows, rows.prescribed()));
+        });
+    }
+
+    /// Has the velocity at hand be that share of the way from the one before.
+    fn stop_at(&mut self, share: f64) {
+        let pairs = self.velocity.iter_mut().zip(&self.before);
+        pairs.for_each(|(velocity, before)| *velocity = before + (*velocity - before) * share);
+        let [before, now] = &mut self.motions;
+        let pairs = now.iter_mut().zip(&*before);
+        pairs.for_each(|(now, before)| *now = before.plus(&now.plus(before, -1.0), share));
     }
 
     /// Whether it has more energy than its bodies would have alone. Contacts and joints only take energy, so that some row
@@ -380,18 +405,20 @@ impl DirectIsland {
             start += line.dot(&(times(&self.before[place]) - self.momentum[place]));
             growth += line.dot(&times(&line));
         }
-        let Self { contact_rows, joint_rows, any_rows, elimination, velocity, before, lines, .. } = self;
+        let Self { contact_rows, joint_rows, any_rows, motions: [from, to], lines, .. } = self;
         lines.clear();
         for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
-            let [from, to] =
-                [&*before, &*velocity].map(|velocity| relative_motion(elimination, velocity, rows, rows.prescribed()));
-            lines.push((from, to.plus(&from, -1.0)));
+            let [from, to] = [&from[lines.len()], &to[lines.len()]];
+            // Impulses are linear on the way, but for their bounds.
+            let acts = [from, to].iter().any(|motion| rows.impulse_at(motion) != Wrench::zero());
+            lines.push(acts.then(|| to.plus(from, -1.0)));
         });
         level(LINE_SEARCH_POINTS, |share| {
-            let (mut given, mut lines) = (0.0, lines.iter());
+            let (mut given, mut lines) = (0.0, from.iter().zip(&*lines));
             for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
-                let (from, line) = lines.next().expect("each constraint has one");
-                given += line.dot(&rows.impulse_at(&from.plus(line, share)));
+                if let Some((from, Some(line))) = lines.next() {
+                    given += line.dot(&rows.impulse_at(&from.plus(line, share)));
+                }
             });
             start + share * growth - given
         })
@@ -420,7 +447,10 @@ impl DirectIsland {
             blocks[factored.len()].update(&key, |blocks| rows.blocks(blocks));
             factored.push(key);
         });
-        for (held, [a, b]) in blocks.iter().zip(&*ends) {
+        for ((held, [a, b]), key) in blocks.iter().zip(&*ends).zip(&*factored) {
+            if key.active == 0 && key.across == [0.0; 2] {
+                continue;
+            }
             for (body, block) in [(a, &held.own[0]), (b, &held.own[1])] {
                 if let Some(body) = *body {
                     let mut own = matrix.diagonal_mut::<6>(elimination.place(body) as usize);

@@ -32,6 +32,11 @@ pub(super) trait Rows {
     /// Relative motion that bodies without a place among those that move give.
     fn prescribed(&self) -> &Twist<f64>;
 
+    /// Whether some row may have an impulse with what is assumed of them.
+    fn acts(&self) -> bool {
+        true
+    }
+
     /// What the stiffness is made of.
     fn key(&self) -> RowKey;
 
@@ -218,11 +223,14 @@ pub(super) fn bits(are: impl IntoIterator<Item = bool>) -> u32 {
 impl RowKey {
     /// Whether the same rows are active in so nearly the same place that a factor of one serves for the other.
     pub fn is_nearly(&self, other: &Self) -> bool {
+        let is_same = self.active == other.active && self.across == other.across && self.friction == other.friction;
+        if !is_same {
+            return false;
+        }
         let size = self.arms[1].norm_squared();
         let squared = (0..2).map(|side| (self.arms[side] - other.arms[side]).norm_squared());
         let levers = (0..POINTS).map(|point| (self.levers[point] - other.levers[point]).norm_squared());
         let moved = squared.chain(levers).fold(size * (self.normal - other.normal).norm_squared(), f64::max);
-        let is_same = self.active == other.active && self.across == other.across && self.friction == other.friction;
-        is_same && moved <= ARM_CHANGE * ARM_CHANGE * size
+        moved <= ARM_CHANGE * ARM_CHANGE * size
     }
 }
