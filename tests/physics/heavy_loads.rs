@@ -184,7 +184,16 @@ fn a_heavy_slab_that_may_bounce_comes_to_rest_on_light_cubes() {
 
 #[test]
 fn a_column_of_light_and_heavy_cubes_lands_and_stands() {
-    for (n, heavy, gap) in [(15, 100.0, 0.01), (20, 1e3, 0.02), (6, 1e5, 0.1), (9, 10.0, 0.01)] {
+    let columns = [
+        (15, 100.0, 0.01),
+        (20, 1e3, 0.02),
+        (6, 1e5, 0.1),
+        (9, 10.0, 0.01),
+        (10, 1.0, 0.02),
+        (20, 1.0, 0.01),
+        (25, 3.0, 0.01),
+    ];
+    for (n, heavy, gap) in columns {
         let mut world = game();
         let bodies: Vec<_> = (0..n)
             .map(|i| {

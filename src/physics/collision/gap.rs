@@ -11,8 +11,8 @@
 //!   them.
 //! - **Contacts that last**: [`SPECULATIVE_MARGIN`] of the smaller radius, and what both can close in the step, with what
 //!   springs at their points may add. The
-//!   manifold is used until the pair has moved against each other. Where something may stop one of two unequal ones
-//!   within the step, or throw back one that bounces, what they move ([`gap_if_stopped`]).
+//!   manifold is used until the pair has moved against each other. Where something may stop one of two unequal ones,
+//!   or of two in a row, within the step, or throw back one that bounces, what they move ([`gap_if_stopped`]).
 //! - **`exact`**: the same margin of each radius, and what each can move in the step, forces included. What is in reach
 //!   goes by another step than what is not, and that must be known before.
 
@@ -43,12 +43,12 @@ pub(super) fn contact_gap(a: &Body, b: &Body, settings: &SolverSettings) -> f64 
 }
 
 /// The gap within which two bodies that move along with each other may meet in a step in which something stops one of them,
-/// which is much heavier or lighter than the other, or throws back one that bounces, m, where contacts last; none where that
-/// is no more than [`contact_gap`].
-pub(super) fn gap_if_stopped(a: &Body, b: &Body, settings: &SolverSettings) -> Option<f64> {
+/// which is much heavier or lighter than the other or in a row with it, or throws back one that bounces, m, where contacts
+/// last; none where that is no more than [`contact_gap`].
+pub(super) fn gap_if_stopped(a: &Body, b: &Body, is_row: bool, settings: &SolverSettings) -> Option<f64> {
     let is_unequal = a.mass.max(b.mass) >= UNEQUAL_MASSES * a.mass.min(b.mass);
     let bounces = may_bounce(a, b);
-    if !(is_unequal || bounces) || !a.is_dynamic() || !b.is_dynamic() {
+    if !(is_unequal || is_row || bounces) || !a.is_dynamic() || !b.is_dynamic() {
         return None;
     }
     let speeds = [a, b].map(|body| body.linear.norm());

@@ -6,9 +6,10 @@
 //! be pushed into itself at each of its gaps. What bounces is thrown back at what comes behind it, and overlaps that by
 //! both their ways before anybody looks: a block of balls that lands lost a fifth of its energy in the rows that then pushed
 //! it apart. So from the bodies that touch something on, unequal ones and those that bounce, that may come up to them with
-//! what they move in the step, get their contacts, too, and those behind them in turn.
+//! what they move in the step, get their contacts, too, and those behind them in turn; and so do those of a row ([`is_row`]),
+//! as all of it pushes the first.
 
-use super::graph::{ContactGraph, Finder};
+use super::graph::{ContactGraph, Finder, is_row};
 use super::pose::Pose;
 use crate::physics::bit_set::BitSet;
 use crate::physics::body::Body;
@@ -45,7 +46,8 @@ impl ContactGraph {
                     return true;
                 }
                 let ends = [&bodies[a as usize], &bodies[b as usize]];
-                if let Some(gap) = gap_if_stopped(ends[0], ends[1], settings) {
+                let is_row = is_row(&self.pair_counts, [a, b]);
+                if let Some(gap) = gap_if_stopped(ends[0], ends[1], is_row, settings) {
                     let place = (Pose::relative(ends[0], ends[1]), gap);
                     self.find_with(&mut finders[0], index, place, ends, joined, settings);
                     if self.slots[index as usize].touching {

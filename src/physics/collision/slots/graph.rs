@@ -11,7 +11,7 @@ use crate::physics::bit_set::{BitSet, ones};
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::broad::near_pairs::NearPairs;
 use crate::physics::collision::broad::pair_slots::PairSlot;
-use crate::physics::collision::constants::SLOTS_A_CHUNK;
+use crate::physics::collision::constants::{PAIRS_IN_ROW, SLOTS_A_CHUNK};
 use crate::physics::collision::continuous::fast_pair::FastPair;
 use crate::physics::collision::gap::{contact_gap, gap_if_stopped};
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Pair};
@@ -37,6 +37,8 @@ pub(crate) struct ContactGraph {
     /// Slots of bodies that move along with each other and are left to look at, and the bodies that touch something.
     pub(super) together: Vec<u32>,
     pub(super) touched: BitSet,
+    /// In how many pairs each body is.
+    pub(super) pair_counts: Vec<u32>,
     /// Instead of states, where manifolds are found anew in each step.
     pub carried: Vec<Carried>,
     /// What points of pairs without a slot carried in the last solve, by pair, and the forces on B there, N, world axes.
@@ -124,6 +126,7 @@ pub(in crate::physics::collision) fn update_graph(
     finders.resize_with(chunks, Finder::default);
     graph.updates += 1;
     let (active, update, travels) = (&graph.active, graph.updates, &graph.travels);
+    let pair_counts = &graph.pair_counts[..];
     let slots = graph
         .slots
         .chunks_mut(SLOTS_A_CHUNK)
@@ -134,7 +137,7 @@ pub(in crate::physics::collision) fn update_graph(
     let work = slots.map(|(chunk, (((slots, states), watches), finder))| {
         let active = active.words(chunk * SLOTS_A_CHUNK, SLOTS_A_CHUNK);
         let first = (chunk * SLOTS_A_CHUNK) as u32;
-        Chunk { first, slots, states, watches, active, update, travels, joined: &joints.joined, finder }
+        Chunk { first, slots, states, watches, active, update, travels, pair_counts, joined: &joints.joined, finder }
     });
     for_each_of(settings.threads, work, |mut chunk| chunk.update(&bodies.list, &settings));
     stats.axes_tested = 0;
@@ -170,6 +173,10 @@ impl ContactGraph {
         for slot in self.slots.iter_mut().filter(|slot| slot.entities.is_some()) {
             let of = |body: u32| new_index.get(body as usize).copied().flatten();
             slot.pair = Pair { a: of(slot.pair.a).unwrap_or(GONE), b: of(slot.pair.b).unwrap_or(GONE) };
+        }
+        self.pair_counts.clear();
+        for slot in self.slots.iter().filter(|slot| slot.entities.is_some()) {
+            count_pair(&mut self.pair_counts, slot.pair, true);
         }
         self.travels.clear();
         self.watches.iter_mut().zip(&self.slots).for_each(|(watch, slot)| *watch = Watch::new(slot.pair));
@@ -283,6 +290,7 @@ impl ContactGraph {
                     self.started.set(*index, false);
                 }
                 self.touching.set(*index, false);
+                count_pair(&mut self.pair_counts, slot.pair, false);
                 *slot = Slot::default();
                 self.states[*index as usize] = ContactState::default();
             }
@@ -299,11 +307,28 @@ impl ContactGraph {
             self.slots[index] = Slot::new(pair, a, b);
             self.states[index] = ContactState::default();
             self.watches[index] = Watch::new(pair);
+            count_pair(&mut self.pair_counts, pair, true);
             if let Some(carried) = self.carried.get_mut(index) {
                 *carried = Carried::default();
             }
             self.active.set(slot.0, true);
         }
+    }
+}
+
+/// Whether two bodies stand in a row, by how many pairs each has.
+pub(super) fn is_row(pair_counts: &[u32], pair: [u32; 2]) -> bool {
+    pair.iter().all(|&body| pair_counts.get(body as usize).is_some_and(|&count| count <= PAIRS_IN_ROW))
+}
+
+/// Counts a pair that comes, or goes, for each of its bodies.
+fn count_pair(counts: &mut Vec<u32>, pair: Pair, comes: bool) {
+    for body in [pair.a, pair.b].into_iter().filter(|&body| body != GONE) {
+        if counts.len() <= body as usize {
+            counts.resize(body as usize + 1, 0);
+        }
+        let count = &mut counts[body as usize];
+        *count = if comes { *count + 1 } else { count.saturating_sub(1) };
     }
 }
 
@@ -318,6 +343,7 @@ struct Chunk<'a> {
     /// Which one of the graph's this is.
     update: u64,
     travels: &'a Travels,
+    pair_counts: &'a [u32],
     /// The bodies that joints hold.
     joined: &'a BitSet,
     finder: &'a mut Finder,
@@ -349,7 +375,8 @@ impl Chunk<'_> {
             };
             watch.begin(known, slot.size(), self.travels);
             if let Known::Apart(distance) = known
-                && gap_if_stopped(a, b, settings).is_some_and(|gap| gap > distance)
+                && gap_if_stopped(a, b, is_row(self.pair_counts, [slot.pair.a, slot.pair.b]), settings)
+                    .is_some_and(|gap| gap > distance)
             {
                 self.finder.together.push(self.first + index);
             }

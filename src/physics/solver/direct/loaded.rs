@@ -11,7 +11,9 @@
 //! up to [`BODY_PRODUCTS_OF_RATIO`] r products a body are spent, and in all up to [`PRODUCTS_OF_RATIO`] r, and never
 //! over [`LOADED_PRODUCTS`]. Trees come to rest so soon that they take less time than by sweeps. What all islands of a world
 //! take beyond them comes from a reserve that fills up again ([`LoadAccount`](super::loads::LoadAccount)): enough for what
-//! lands now and then, not for a heap of unequal bodies that tumbles. Heaps of bodies that differ in mass by 8 to 20 hardly
+//! lands now and then, not for a heap of unequal bodies that tumbles, nor for a block of balls, which lands as hundreds of
+//! rows: a row of bodies of which none is much heavier than the next takes all it needs from there, many times
+//! ([`ROW_COST`]). Heaps of bodies that differ in mass by 8 to 20 hardly
 //! ever come here.
 //!
 //! **Solving.** With the bound of friction of each contact given,
@@ -45,7 +47,7 @@ use super::constants::{
     AGAINST, BALANCE_ROUNDING, BELIEVED_SPEED, BODY_PRODUCTS_OF_RATIO, BOUND_ITERATIONS, DEPTH_CORRECTION,
     DOUBTFUL_STEPS, ENERGY_ROUNDING, HEAVY_LOAD, IMPULSE_TOLERANCE, LATE_ITERATIONS, LATE_SHARE,
     LOADED_CONTACT_PENALTY, LOADED_ITERATIONS, LOADED_LINE_POINTS, LOADED_PRODUCTS, LOADED_WORK, LONGEST_PAUSE,
-    MOST_SHARE, PRODUCTS_OF_RATIO, RENEWALS, REST_SPEED,
+    MOST_SHARE, PRODUCTS_OF_RATIO, RENEWALS, REST_SPEED, ROW_COST,
 };
 use super::island::{DirectIsland, apply, energies, level, relative_motion};
 use super::loads::Loads;
@@ -63,9 +65,17 @@ impl DirectIsland {
     /// Whether it is to be tried in a step in motion, if it has no joints.
     pub(super) fn may_set_off_loaded(&mut self, world: &impl World, terms: &MotionTerms) -> bool {
         self.loads.may_spend = terms.may_spend;
-        let most = *self.loads.mass_ratio.get_or_insert_with(|| mass_ratio(world, &self.members, &self.contacts));
+        let most = self.loads.mass_ratio.unwrap_or_else(|| {
+            let parts = [&self.members[..], &self.contacts];
+            let touching = mass_ratio(world, parts, &[]);
+            self.loads.is_row = touching < HEAVY_LOAD;
+            self.loads.behind = if self.loads.is_row { masses_behind(world, parts) } else { Vec::new() };
+            mass_ratio(world, parts, &self.loads.behind)
+        });
+        self.loads.mass_ratio = Some(most);
         self.loads.ratio = 0.0;
-        if most < HEAVY_LOAD || self.tree_products() > LOADED_PRODUCTS {
+        let is_too_much = self.tree_products() > LOADED_PRODUCTS || self.loads.is_row && !terms.may_spend;
+        if most < HEAVY_LOAD || is_too_much {
             return false;
         }
         self.loads.ratio = self.load_ratio(world);
@@ -98,18 +108,18 @@ impl DirectIsland {
     /// The greatest mass of a body over that of one that bears it: that it pushes, and that something else pushes about the
     /// other way.
     fn load_ratio(&mut self, world: &impl World) -> f64 {
-        let Self { loads: Loads { heaviest, .. }, members, contacts, .. } = self;
+        let Self { loads: Loads { heaviest, behind, .. }, members, contacts, .. } = self;
         heaviest.refill(members.iter().map(|_| (0.0, Vector3::zeros())));
-        let pushes = contacts.iter().flat_map(|&slot| {
+        let pushes = contacts.iter().enumerate().flat_map(|(index, &slot)| {
             let Pair { a, b } = world.slot(slot).pair;
             let normal = world.body(a).rotation * world.state(slot).geometry.normal();
-            [(a, b, -normal), (b, a, normal)]
+            let [on_a, on_b] = behind.get(index).copied().unwrap_or_else(|| masses_before(world, [a, b]));
+            [(a, on_a, -normal), (b, on_b, normal)]
         });
-        let pushes = pushes.filter_map(|(body, other, push)| Some((members.binary_search(&body).ok()?, other, push)));
-        for (place, other, push) in pushes.clone() {
-            let other = world.body(other);
-            if other.is_dynamic() && other.mass > heaviest[place].0 {
-                heaviest[place] = (other.mass, push);
+        let pushes = pushes.filter_map(|(body, mass, push)| Some((members.binary_search(&body).ok()?, mass, push)));
+        for (place, mass, push) in pushes.clone() {
+            if mass > heaviest[place].0 {
+                heaviest[place] = (mass, push);
             }
         }
         let bearing = pushes.filter(|(place, _, push)| push.dot(&heaviest[*place].1) < -AGAINST);
@@ -178,7 +188,8 @@ impl DirectIsland {
         let tolerance = self.speed_tolerance();
         let (mut is_renewed, mut renewals) = (false, 0);
         let most = LOADED_ITERATIONS.min(LOADED_WORK / self.elimination.products().max(1));
-        let cost = self.elimination.products().saturating_sub(self.tree_products());
+        let products = self.elimination.products();
+        let cost = if self.loads.is_row { ROW_COST * products } else { products.saturating_sub(self.tree_products()) };
         for iteration in 0..most {
             self.loads.spent += cost;
             self.settle();
@@ -351,10 +362,53 @@ fn missing_share(iteration: usize) -> f64 {
     if late == 0 { 0.0 } else { (LATE_SHARE * 10_f64.powi(late as i32 - 1)).min(MOST_SHARE) }
 }
 
-/// The greatest mass of a member over that of another that it touches: no load is a greater one.
-fn mass_ratio(world: &impl World, members: &[u32], contacts: &[u32]) -> f64 {
-    let pairs = contacts.iter().map(|&slot| world.slot(slot).pair);
-    let inside = pairs.filter(|pair| members.binary_search(&pair.a).is_ok() && members.binary_search(&pair.b).is_ok());
-    let masses = inside.map(|Pair { a, b }| [a, b].map(|body| world.body(body).mass));
-    masses.map(|[a, b]| a.max(b) / a.min(b)).fold(0.0, f64::max)
+/// The greatest mass that a member touches, or has behind a contact, over its own: no load is a greater one.
+fn mass_ratio(world: &impl World, [members, contacts]: [&[u32]; 2], behind: &[[f64; 2]]) -> f64 {
+    let ratio = |(index, &slot): (usize, &u32)| {
+        let Pair { a, b } = world.slot(slot).pair;
+        if members.binary_search(&a).is_err() || members.binary_search(&b).is_err() {
+            return 0.0;
+        }
+        let [on_a, on_b] = behind.get(index).copied().unwrap_or_else(|| masses_before(world, [a, b]));
+        (on_a / world.body(a).mass).max(on_b / world.body(b).mass)
+    };
+    contacts.iter().enumerate().map(ratio).fold(0.0, f64::max)
+}
+
+/// The mass that A of a contact touches, and the one that B does; what does not fall has none.
+fn masses_before(world: &impl World, [a, b]: [u32; 2]) -> [f64; 2] {
+    [b, a].map(|other| world.body(other)).map(|other| if other.is_dynamic() { other.mass } else { 0.0 })
+}
+
+/// Of each contact of a row, in which no member touches more than two others, the mass of all members behind it, as A has
+/// them before itself, and as B has; else empty.
+fn masses_behind(world: &impl World, [members, contacts]: [&[u32]; 2]) -> Vec<[f64; 2]> {
+    let place = |body: u32| members.binary_search(&body).ok();
+    let ends = contacts.iter().map(|&slot| world.slot(slot).pair).map(|pair| [pair.a, pair.b].map(place));
+    let inside = ends.clone().filter(|[a, b]| a.is_some() && b.is_some()).count();
+    let masses: Vec<f64> = members.iter().map(|&member| world.body(member).mass).collect();
+    let whole: f64 = masses.iter().sum();
+    let lightest = masses.iter().copied().fold(f64::INFINITY, f64::min);
+    // A row closes no loop; and most islands are too light to matter.
+    if inside + 1 != members.len() || whole < HEAVY_LOAD * lightest {
+        return Vec::new();
+    }
+    let ends: Vec<_> = ends.map(|[a, b]| Some([a?, b?])).collect();
+    let mut around = vec![Vec::new(); members.len()];
+    for (contact, ends) in ends.iter().enumerate() {
+        ends.iter().flatten().for_each(|&end| around[end].push(contact));
+    }
+    let Some(end) = around.iter().position(|contacts| contacts.len() == 1) else { return Vec::new() };
+    if around.iter().any(|contacts| contacts.len() > 2) {
+        return Vec::new();
+    }
+    let mut behind = vec![[0.0; 2]; contacts.len()];
+    let (mut at, mut last, mut passed) = (end, None, 0.0);
+    while let Some(&contact) = around[at].iter().find(|&&contact| Some(contact) != last) {
+        passed += masses[at];
+        let Some([a, b]) = ends[contact] else { break };
+        behind[contact] = if a == at { [whole - passed, passed] } else { [passed, whole - passed] };
+        (at, last) = (if a == at { b } else { a }, Some(contact));
+    }
+    behind
 }

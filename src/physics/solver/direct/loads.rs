@@ -11,8 +11,12 @@ use crate::physics::lanes::Record;
 /// What is known of an island of contacts alone.
 #[derive(Clone, Default)]
 pub(super) struct Loads {
-    /// Mass of a member over that of one that it touches, the greatest; none: not asked for yet.
+    /// The greatest load that a member may bear over its own mass; none: not asked for yet.
     pub mass_ratio: Option<f64>,
+    /// Where the members are a row, of each contact: the mass behind it as A has it before itself, and as B has; else empty.
+    pub behind: Vec<[f64; 2]>,
+    /// Whether no member touches one that is much heavier: then it is the row that is.
+    pub is_row: bool,
     /// Mass of a member over that of one that bears it, the greatest, in the step at hand.
     pub ratio: f64,
     /// Whether it may take more than a tree does, and how many products of blocks more it took since they were asked for.
