@@ -70,7 +70,7 @@ impl DirectIsland {
             let touching = mass_ratio(world, parts, &[]);
             self.loads.is_row = touching < HEAVY_LOAD;
             self.loads.behind = if self.loads.is_row { masses_behind(world, parts) } else { Vec::new() };
-            mass_ratio(world, parts, &self.loads.behind)
+            if self.loads.behind.is_empty() { touching } else { mass_ratio(world, parts, &self.loads.behind) }
         });
         self.loads.mass_ratio = Some(most);
         self.loads.ratio = 0.0;
@@ -386,11 +386,14 @@ fn masses_behind(world: &impl World, [members, contacts]: [&[u32]; 2]) -> Vec<[f
     let place = |body: u32| members.binary_search(&body).ok();
     let ends = contacts.iter().map(|&slot| world.slot(slot).pair).map(|pair| [pair.a, pair.b].map(place));
     let inside = ends.clone().filter(|[a, b]| a.is_some() && b.is_some()).count();
-    let masses: Vec<f64> = members.iter().map(|&member| world.body(member).mass).collect();
-    let whole: f64 = masses.iter().sum();
-    let lightest = masses.iter().copied().fold(f64::INFINITY, f64::min);
-    // A row closes no loop; and most islands are too light to matter.
-    if inside + 1 != members.len() || whole < HEAVY_LOAD * lightest {
+    // A row closes no loop.
+    if inside + 1 != members.len() {
+        return Vec::new();
+    }
+    let masses = members.iter().map(|&member| world.body(member).mass);
+    let whole: f64 = masses.clone().sum();
+    // Most islands are too light to matter.
+    if whole < HEAVY_LOAD * masses.clone().fold(f64::INFINITY, f64::min) {
         return Vec::new();
     }
     let ends: Vec<_> = ends.map(|[a, b]| Some([a?, b?])).collect();
@@ -405,7 +408,7 @@ fn masses_behind(world: &impl World, [members, contacts]: [&[u32]; 2]) -> Vec<[f
     let mut behind = vec![[0.0; 2]; contacts.len()];
     let (mut at, mut last, mut passed) = (end, None, 0.0);
     while let Some(&contact) = around[at].iter().find(|&&contact| Some(contact) != last) {
-        passed += masses[at];
+        passed += world.body(members[at]).mass;
         let Some([a, b]) = ends[contact] else { break };
         behind[contact] = if a == at { [whole - passed, passed] } else { [passed, whole - passed] };
         (at, last) = (if a == at { b } else { a }, Some(contact));
