@@ -15,8 +15,8 @@ use super::{
     CurrentScene, Notice, Playback, SandboxAction, Selection, build, files, panel, probe, recordings, screenshot,
 };
 use crate::lab::recording::is_recording;
-use crate::physics::{Collider, ContactForces, Position, RigidBody, Velocity, write_now};
-use crate::scene::{self, BodyColor, Probes, SceneEntity, SceneSpec, SpawnedScene, ViewSpec};
+use crate::physics::{ContactForces, write_now};
+use crate::scene::{self, Probes, SceneEntity, SceneSpec, SpawnedScene, ViewSpec};
 
 pub(super) fn plugin(app: &mut App) {
     app.add_message::<SandboxAction>().add_systems(Update, carry_out_actions.in_set(CarryOut));
@@ -70,7 +70,7 @@ fn carry_out(world: &mut World, action: SandboxAction) {
             let mut playback = world.resource_mut::<Playback>();
             playback.slow = !playback.slow;
         }
-        SandboxAction::ThrowBall => throw_ball(world),
+        SandboxAction::ThrowBall => build::throw_ball(world),
         SandboxAction::DeletePicked => build::delete_picked(world),
         SandboxAction::SpawnBody => build::spawn_body(world),
         SandboxAction::ChooseMesh { file, scale } => build::choose_mesh(world, &file, scale),
@@ -253,28 +253,4 @@ fn frame_scene(world: &mut World) {
         let framing = Framing::of(&current.spec);
         camera::look(world, framing);
     }
-}
-
-/// The ball is of the size of the scene's bodies, from wherever one looks, and no faster than a hard throw.
-fn throw_ball(world: &mut World) {
-    let Some(aim) = world.run_system_cached(camera::aim).ok().flatten() else { return };
-    let radius = size_of_bodies(world).clamp(0.1, 0.5);
-    let name = build::unique_name(world, "thrown ball");
-    world.spawn((
-        Name::new(name),
-        SceneEntity,
-        BodyColor([0.95, 0.76, 0.2]),
-        RigidBody::Dynamic,
-        Collider::sphere(radius),
-        Position(aim.origin + aim.direction * (4.0 * radius)),
-        Velocity { linear: aim.direction * (2.0 * aim.distance).clamp(5.0, 20.0), ..default() },
-    ));
-}
-
-/// Mean bounding radius of the bodies that the scene itself moves, m.
-fn size_of_bodies(world: &World) -> f64 {
-    let Some(scene) = world.get_resource::<CurrentScene>() else { return 0.0 };
-    let moving = scene.spec.bodies.iter().filter(|body| body.kind == RigidBody::Dynamic);
-    let radii: Vec<f64> = moving.filter_map(|body| Some(body.shape.as_ref()?.bounding_radius())).collect();
-    radii.iter().sum::<f64>() / radii.len().max(1) as f64
 }

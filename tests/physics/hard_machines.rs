@@ -1,7 +1,7 @@
 //! Machines at the edge of what joints bear: heavy wheels on a light shaft, a limit inside a loop, a range of no width, a
 //! fast rotor on two hinges.
 
-use bevy::math::DVec3;
+use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use plumb::physics::Diagnostics;
 use plumb::prelude::*;
@@ -74,7 +74,7 @@ fn a_limit_that_closes_inside_a_loop_holds_it() {
         let ground = world.spawn((RigidBody::Static, Position(DVec3::ZERO))).id();
         let lean = 10.0_f64.to_radians();
         let post = DVec3::new(lean.sin(), lean.cos(), 0.0);
-        let rotation = Rotation(bevy::math::DQuat::from_rotation_z(-lean));
+        let rotation = Rotation(DQuat::from_rotation_z(-lean));
         let [left, right] = [0.0, 1.0].map(|foot| {
             let post = body(&mut world, Collider::cuboid(0.1, 1.0, 0.1), DVec3::X * foot + 0.5 * post);
             world.entity_mut(post).insert((Mass(1.0), rotation, CollisionLayers::NONE));
@@ -151,5 +151,41 @@ fn a_fast_rotor_spins_on_two_hinges_of_one_shaft() {
             let expected = DVec3::Y * 5.0 * G;
             assert!((force - expected).length() < 0.01 * expected.length(), "{:?}: {force} N", settings.method);
         }
+    }
+}
+
+/// Six rods on hinges, as a chain and as a ring, one of which somebody moves to where its joints are far apart, and past a
+/// limit: they come together as fast as errors are corrected, and are not thrown for it.
+#[test]
+fn what_is_far_apart_comes_together_and_is_not_thrown() {
+    for is_ring in [false, true] {
+        let mut world = weightless(awake_game());
+        let rods: Vec<Entity> = (0..6)
+            .map(|side| {
+                let turned = DQuat::from_rotation_z(f64::from(side) * std::f64::consts::FRAC_PI_3);
+                let rod = body(&mut world, Collider::cuboid(1.0, 0.1, 0.1), turned * DVec3::NEG_Y * 0.75_f64.sqrt());
+                let flies = Velocity { linear: DVec3::Y, ..default() };
+                world.entity_mut(rod).insert((Rotation(turned), flies, Mass(2.0), CollisionLayers::NONE));
+                rod
+            })
+            .collect();
+        for side in 0..if is_ring { 6 } else { 5 } {
+            let hinge = HingeJoint::new(rods[side], rods[(side + 1) % 6]).with_axis(DVec3::Z);
+            let hinge = hinge.with_anchors(DVec3::X * 0.5, DVec3::X * -0.5);
+            world.spawn((hinge, JointLimits::range(-0.5, 0.5)));
+        }
+        steps(&mut world, 10);
+        world.get_mut::<Position>(rods[2]).unwrap().0 += DVec3::new(0.3, 0.3, 0.2);
+        world.get_mut::<Rotation>(rods[2]).unwrap().0 *= DQuat::from_rotation_z(0.8);
+        world.init_resource::<Diagnostics>();
+        let mut energy: f64 = 0.0;
+        for _ in 0..60 {
+            step(&mut world);
+            energy = energy.max(world.resource::<Diagnostics>().kinetic_energy);
+        }
+        let gap = world.resource::<Diagnostics>().joint_error;
+        // They fly with 6 J.
+        assert!(energy < 6.5, "ring {is_ring}: it gains energy: {energy} J");
+        assert!(gap < 1e-4, "ring {is_ring}: joints are apart by {gap} m");
     }
 }

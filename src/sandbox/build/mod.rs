@@ -22,8 +22,7 @@ pub(super) use joining::{cut, cut_picked, join_picked, joint_at_pointer, pin_pic
 pub use joint_change::JointChange;
 pub(super) use joints::Pin;
 pub(super) use kept::KeptScene;
-pub(super) use names::unique_name;
-pub(super) use spawning::spawn_body;
+pub(super) use spawning::{spawn_body, throw_ball};
 pub(super) use undo::{UndoStack, delete_picked, follow_time, keep_what_was_built, redo, undo};
 
 use bevy::prelude::*;

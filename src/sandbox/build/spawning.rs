@@ -7,11 +7,14 @@ use bevy::prelude::*;
 use super::blueprint::Blueprint;
 use super::names::unique_name;
 use super::undo::{Deed, remember};
-use crate::physics::{Collider, CollisionLayers, Gravity, PlacedCollider, Position, RenderOrigin, RigidBody, Rotation};
+use crate::physics::{
+    Collider, CollisionLayers, Gravity, PlacedCollider, Position, RenderOrigin, RigidBody, Rotation, Velocity,
+};
+use crate::sandbox::CurrentScene;
 use crate::sandbox::camera::{self, Aim};
 use crate::sandbox::ground::GroundOf;
 use crate::sandbox::state::report;
-use crate::scene::SceneSpec;
+use crate::scene::{BodyColor, SceneEntity, SceneSpec};
 
 /// A surface farther away than this many times the distance to what the camera orbits is scenery:
 /// what is put there would hardly be seen.
@@ -44,6 +47,32 @@ fn try_spawn(world: &mut World) -> Result<String, String> {
     let entity = body.spawn(world);
     remember(world, format!("adding {name}"), Deed::Added(vec![entity]));
     Ok(name)
+}
+
+/// Throws a ball at what is aimed at: of the size of the scene's bodies, from wherever one looks, and no faster than a hard throw.
+pub fn throw_ball(world: &mut World) {
+    let Some(aim) = world.run_system_cached(camera::aim).ok().flatten() else { return };
+    let radius = size_of_bodies(world).clamp(0.1, 0.5);
+    let name = unique_name(world, "thrown ball");
+    let ball = world.spawn((
+        Name::new(name.clone()),
+        SceneEntity,
+        BodyColor([0.95, 0.76, 0.2]),
+        RigidBody::Dynamic,
+        Collider::sphere(radius),
+        Position(aim.origin + aim.direction * (4.0 * radius)),
+        Velocity { linear: aim.direction * (2.0 * aim.distance).clamp(5.0, 20.0), ..default() },
+    ));
+    let ball = ball.id();
+    remember(world, format!("throwing {name}"), Deed::Added(vec![ball]));
+}
+
+/// Mean bounding radius of the bodies that the scene itself moves, m.
+fn size_of_bodies(world: &World) -> f64 {
+    let Some(scene) = world.get_resource::<CurrentScene>() else { return 0.0 };
+    let moving = scene.spec.bodies.iter().filter(|body| body.kind == RigidBody::Dynamic);
+    let radii: Vec<f64> = moving.filter_map(|body| Some(body.shape.as_ref()?.bounding_radius())).collect();
+    radii.iter().sum::<f64>() / radii.len().max(1) as f64
 }
 
 /// Where a body of that shape and orientation rests just above what is aimed at, clear of all that

@@ -155,12 +155,12 @@ fn meddled_with(now: &SceneSpec, first: &SceneSpec) -> HashSet<String> {
     }
 }
 
-/// What happened is a recording that runs again to the last bit.
-pub(super) fn is_a_recording(hands: &mut Hands) -> Check {
+/// What happened is a recording that runs again to the last bit; the recording.
+pub(super) fn is_a_recording(hands: &mut Hands) -> Result<Recording, String> {
     let recording = record(hands)?;
     let replay = recording.replay(Path::new("the recording"), |_| ()).map_err(|error| error.to_string())?;
     match replay.differs {
-        None => Ok(()),
+        None => Ok(recording),
         Some(differs) => Err(format!("its recording comes out otherwise at step {}{}", differs.step, differs.first())),
     }
 }

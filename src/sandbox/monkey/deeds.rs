@@ -66,8 +66,14 @@ enum Kind {
     Wait,
 }
 
-/// Does something; what, in words. Settings that it changes are the scene's own again after it.
-pub(super) fn do_something(hands: &mut Hands, random: &mut Pcg64Mcg, own: &SolverSettings) -> String {
+/// Does something; what, in words. Settings that it changes are the scene's own again after it; `methods` is told of those by
+/// which steps were made meanwhile.
+pub(super) fn do_something(
+    hands: &mut Hands,
+    random: &mut Pcg64Mcg,
+    own: &SolverSettings,
+    methods: &mut Vec<Method>,
+) -> String {
     let free = SIZE.as_vec2() - COVERED;
     let place = Vec2::new(random.random_range(5.0..free.x), random.random_range(5.0..free.y));
     match any_kind(random) {
@@ -98,6 +104,7 @@ pub(super) fn do_something(hands: &mut Hands, random: &mut Pcg64Mcg, own: &Solve
         Kind::Preset => {
             let presets = SolverSettings::PRESETS;
             let (name, preset) = presets[random.random_range(0..presets.len())];
+            methods.push(preset().method);
             for_a_while(hands, random, preset(), own);
             format!("chose {name} for a while")
         }

@@ -68,8 +68,9 @@ pub fn play(run: &MonkeyRun, mut watch: impl FnMut(u64)) -> Result<Played, Strin
         hands: Hands::open(SIZE),
         random: Pcg64Mcg::seed_from_u64(run.seed),
         own: run.settings,
-        entities: None,
+        entities: 0,
         aside: HashSet::new(),
+        whole: None,
         rounds: 0,
         flies: false,
         played: Played::default(),
@@ -87,7 +88,7 @@ pub fn play(run: &MonkeyRun, mut watch: impl FnMut(u64)) -> Result<Played, Strin
                 bouts.round()?;
                 watch(bouts.played.steps.min(run.steps));
             }
-            bouts.end()
+            bouts.end(run)
         }));
         let problem = match outcome {
             Ok(Ok(())) => continue,
@@ -98,7 +99,8 @@ pub fn play(run: &MonkeyRun, mut watch: impl FnMut(u64)) -> Result<Played, Strin
             }
         };
         let place = (bout, step(&bouts.hands));
-        let recording = catch_unwind(AssertUnwindSafe(|| record(&mut bouts.hands)));
+        let recording =
+            catch_unwind(AssertUnwindSafe(|| bouts.whole.take().map_or_else(|| record(&mut bouts.hands), Ok)));
         let recording = recording.unwrap_or_else(|_| Err("it cannot be recorded after a panic".into()));
         let deeds = bouts.told.split_off(bouts.told.len().saturating_sub(TOLD));
         bouts.played.failure = Some(Failure { place, seed, problem, deeds, recording });
@@ -112,10 +114,12 @@ struct Bouts {
     random: Pcg64Mcg,
     /// The settings that the scene is played with.
     own: SolverSettings,
-    /// How many entities there are at the start of a bout.
-    entities: Option<usize>,
+    /// How many entities there were at the start of the bout.
+    entities: usize,
     /// Bodies that were set aside and might be.
     aside: HashSet<Entity>,
+    /// What happened in this bout, once it is over.
+    whole: Option<Recording>,
     /// Rounds of this bout.
     rounds: u64,
     /// Whether something flies that sweeps by forces have thrown: whoever takes it over is not to blame.
@@ -126,13 +130,21 @@ struct Bouts {
 }
 
 impl Bouts {
-    /// The scene anew, with a seed of its own: a bout can be played again alone.
+    /// The sandbox anew, with a seed of its own: a bout can be played again alone.
     fn begin(&mut self, run: &MonkeyRun, seed: u64) -> Result<(), String> {
-        let Self { hands, random, own, told, aside, rounds, flies, .. } = self;
+        self.hands = Hands::open(SIZE);
+        let Self { random, told, aside, whole, rounds, flies, .. } = self;
         *random = Pcg64Mcg::seed_from_u64(seed);
         told.clear();
         aside.clear();
-        (*rounds, *flies) = (0, false);
+        (*rounds, *flies, *whole) = (0, false, None);
+        self.load_scene(run)?;
+        self.entities = count_entities(&mut self.hands);
+        Ok(())
+    }
+
+    fn load_scene(&mut self, run: &MonkeyRun) -> Result<(), String> {
+        let Self { hands, own, .. } = self;
         hands.world().insert_resource(*own);
         let (scene, parameters) = (run.scene.clone(), run.parameters.clone());
         hands.act(SandboxAction::LoadScene { scene, parameters });
@@ -148,25 +160,18 @@ impl Bouts {
 
     /// Some deeds, and a check.
     fn round(&mut self) -> Check {
-        let Self { hands, random, own, entities, aside, rounds, flies, played, told } = self;
-        // Before the first deed of a bout.
-        if told.is_empty() {
-            let now = count_entities(hands);
-            if *entities.get_or_insert(now) != now {
-                return Err(format!(
-                    "there are {now} entities at the start of the scene, and were {entities:?} the first time"
-                ));
-            }
-        }
+        let Self { hands, random, own, aside, rounds, flies, played, told, .. } = self;
         // By forces from sweeps what is tangled may fly apart, as their maps show.
         let mut may_fly = *flies;
         for _ in 0..DEEDS {
             let before = step(hands);
-            let done = do_something(hands, random, own);
+            let mut methods = Vec::new();
+            let done = do_something(hands, random, own, &mut methods);
+            methods.push(hands.app.world().resource::<SolverSettings>().method);
             let kind = done.split(' ').next().unwrap_or_default().to_owned();
             *played.deeds.entry(kind).or_default() += 1;
             told.push(format!("{before}: {done}"));
-            may_fly |= hands.app.world().resource::<SolverSettings>().method.is_force_level();
+            may_fly |= methods.iter().any(|method| method.is_force_level());
             hands.frames(random.random_range(1..12));
             played.steps += step(hands).abs_diff(before).max(1);
         }
@@ -190,10 +195,18 @@ impl Bouts {
         Ok(())
     }
 
-    /// The end of a bout.
-    fn end(&mut self) -> Check {
+    /// The end of a bout: what happened can be told, and nothing of it is left where the scene begins again.
+    fn end(&mut self, run: &MonkeyRun) -> Check {
         self.hands.release();
         self.hands.frames(1);
-        is_a_recording(&mut self.hands)
+        self.whole = Some(is_a_recording(&mut self.hands)?);
+        self.load_scene(run)?;
+        let (now, before) = (count_entities(&mut self.hands), self.entities);
+        if now != before {
+            return Err(format!(
+                "there are {now} entities where the scene begins again, and were {before} the first time"
+            ));
+        }
+        Ok(())
     }
 }

@@ -10,6 +10,7 @@ use super::super::{CurrentScene, Playback, SandboxAction};
 use super::buttons::{ActionButton, button_row};
 use super::theme::Quantity;
 use crate::physics::{SolverSettings, StepStats};
+use crate::sandbox::timeline::{PoseTrack, ShownStep};
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Pace>()
@@ -76,6 +77,7 @@ pub(super) fn show(
     settings: Res<SolverSettings>,
     start: Res<SceneStart>,
     pace: Res<Pace>,
+    (track, shown): (Res<PoseTrack>, Res<ShownStep>),
     mut actions: MessageWriter<SandboxAction>,
 ) {
     ui.add_space(4.0);
@@ -100,10 +102,13 @@ pub(super) fn show(
             ActionButton::new("❓ Help", SandboxAction::ToggleHelp),
         ],
     );
+    // Of the moment that is drawn.
+    let moment = shown.step.and_then(|step| Some((step, track.time(step)?)));
+    let (steps, time) = moment.unwrap_or((stats.steps, stats.time));
     ui.horizontal(|ui| {
-        ui.label(format!("{:.2} s", stats.time - start.time)).on_hover_text("simulation time since the scene began");
+        ui.label(format!("{:.2} s", time - start.time)).on_hover_text("simulation time since the scene began");
         ui.separator();
-        ui.label(format!("step {}", stats.steps.saturating_sub(start.steps)))
+        ui.label(format!("step {}", steps.saturating_sub(start.steps)))
             .on_hover_text(format!("of {} each", Quantity::text(settings.step(), "s")));
         ui.separator();
         let speed = if playback.paused { "paused".into() } else { format!("{:.2}× real time", pace.factor) };

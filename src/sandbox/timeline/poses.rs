@@ -41,6 +41,8 @@ impl Pose {
 #[derive(Clone, Debug)]
 struct Frame {
     step: u64,
+    /// Of the simulation, s.
+    time: f64,
     has_all: bool,
     moved: Box<[Pose]>,
 }
@@ -70,8 +72,8 @@ impl PoseTrack {
         Self { origin, ..Self::default() }
     }
 
-    /// Takes in the moment after a step.
-    fn record(&mut self, step: u64, bodies: impl Iterator<Item = (Entity, DVec3, DQuat)> + Clone) {
+    /// Takes in the moment after a step: its number, its time, s, and where bodies are.
+    fn record(&mut self, step: u64, time: f64, bodies: impl Iterator<Item = (Entity, DVec3, DQuat)> + Clone) {
         let mut there = 0;
         let mut moved = Vec::new();
         let mut is_new = false;
@@ -102,7 +104,7 @@ impl PoseTrack {
         }
         self.since = if has_all { 1 } else { self.since + 1 };
         self.poses += moved.len();
-        self.frames.push_back(Frame { step, has_all, moved: moved.into() });
+        self.frames.push_back(Frame { step, time, has_all, moved: moved.into() });
         while self.bytes() > LIMIT && self.frames.len() > 1 {
             self.drop_first();
         }
@@ -132,14 +134,23 @@ impl PoseTrack {
         self.poses * size_of::<Pose>()
     }
 
+    /// The time of the moment after that step, s, if it is in it.
+    pub fn time(&self, step: u64) -> Option<f64> {
+        Some(self.frames[self.place(step)?].time)
+    }
+
     /// Whether the moment after that step is in it.
     pub fn has(&self, step: u64) -> bool {
-        self.frames.binary_search_by_key(&step, |frame| frame.step).is_ok()
+        self.place(step).is_some()
+    }
+
+    fn place(&self, step: u64) -> Option<usize> {
+        self.frames.binary_search_by_key(&step, |frame| frame.step).ok()
     }
 
     /// Where bodies were after that step, less the picture's origin; none of those that were not there.
     pub fn at(&self, step: u64, origin: DVec3) -> EntityHashMap<(DVec3, DQuat)> {
-        let Ok(place) = self.frames.binary_search_by_key(&step, |frame| frame.step) else { return default() };
+        let Some(place) = self.place(step) else { return default() };
         let first = (0..=place).rev().find(|&place| self.frames[place].has_all).unwrap_or(place);
         let mut found = EntityHashMap::default();
         // The last word first.
@@ -166,7 +177,8 @@ pub fn record(
         track.forget_from(step);
     }
     if track.frames.back().is_none_or(|last| last.step < step) {
-        track.record(step, bodies.iter().map(|(entity, position, rotation)| (entity, position.0, rotation.0)));
+        let bodies = bodies.iter().map(|(entity, position, rotation)| (entity, position.0, rotation.0));
+        track.record(step, stats.time, bodies);
     }
 }
 
@@ -199,7 +211,7 @@ mod tests {
 
     fn track(steps: u64) -> PoseTrack {
         let mut track = PoseTrack::new(DVec3::Y);
-        (1..=steps).for_each(|step| track.record(step, bodies(step).into_iter()));
+        (1..=steps).for_each(|step| track.record(step, 0.5 * step as f64, bodies(step).into_iter()));
         track
     }
 
@@ -219,6 +231,7 @@ mod tests {
         for step in 1..=200 {
             assert_is(&track, step, &bodies(step));
         }
+        assert_eq!([track.time(0), track.time(1), track.time(200)], [None, Some(0.5), Some(100.0)]);
         assert!(!track.has(0) && !track.has(201) && track.at(201, DVec3::ZERO).is_empty());
         let all: usize = (1..=200).map(|step| bodies(step).len()).sum();
         assert!(track.poses < all * 7 / 10, "what lies still is not told again: {} of {all}", track.poses);
@@ -231,7 +244,7 @@ mod tests {
         assert!(track.has(89) && !track.has(90));
         let elsewhere: Vec<_> =
             bodies(90).into_iter().map(|(entity, position, turn)| (entity, position + DVec3::Z, turn)).collect();
-        track.record(90, elsewhere.iter().copied());
+        track.record(90, 45.0, elsewhere.iter().copied());
         assert_is(&track, 90, &elsewhere);
         assert_is(&track, 89, &bodies(89));
     }

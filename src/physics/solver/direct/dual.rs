@@ -129,6 +129,8 @@ pub(super) struct DualSystem {
     /// J₀ W J₀ᵀ of each row.
     diagonal: Vec<f64>,
     aims: Vec<Aim>,
+    /// Errors at which rows that are to be at a place are held instead, m or rad.
+    offsets: Vec<f64>,
     /// Those that are in the matrix as they were asked to, before bounds.
     asked: Vec<Aim>,
     impulses: Vec<f64>,
@@ -292,6 +294,8 @@ impl DualSystem {
         self.set_mobilities(world, members, kick);
         self.kick(world, members, kick);
         self.set_aims(terms);
+        self.offsets.clear();
+        self.offsets.resize(self.rows.len(), 0.0);
     }
 
     /// Takes in what joints carried in the step before.
@@ -401,15 +405,20 @@ impl DualSystem {
     }
 
     /// Moves members out of what rows are apart when the substep begins, in their poses alone: somebody else left it, or a
-    /// substep that did not converge.
+    /// substep that did not converge. What would be moved faster than errors may be corrected stays apart in the substep:
+    /// impulses that close gaps throw what they close.
     fn mend_start(&mut self, world: &impl World, members: &[u32], terms: &DualTerms) {
         let worst = self.find_gaps();
         if worst <= DUAL_START_ERROR {
             return;
         }
-        self.close_gaps(world, members, DUAL_SOFTER[0], terms.correction_speed * terms.h);
+        let are_closed = self.close_gaps(world, members, DUAL_SOFTER[0], terms.correction_speed * terms.h);
         self.place_rows(world, terms.time, false);
         self.set_aims(terms);
+        if !are_closed {
+            self.find_gaps();
+            self.offsets.iter_mut().zip(&self.residual).for_each(|(offset, gap)| *offset = -gap);
+        }
     }
 
     /// What rows that are to be at a place are apart, which is left in the residual. The largest of it, m or rad.
@@ -426,8 +435,8 @@ impl DualSystem {
 
     /// Moves the starts towards where the gaps in the residual are closed, the nearest way by masses and no point of a body
     /// further than `most`, m; with at least so much of each row's mobility added. Near a pose in which rows are redundant
-    /// that way may lead anywhere.
-    fn close_gaps(&mut self, world: &impl World, members: &[u32], softer: f64, most: f64) {
+    /// that way may lead anywhere. Whether they went all the way.
+    fn close_gaps(&mut self, world: &impl World, members: &[u32], softer: f64, most: f64) -> bool {
         self.assemble(softer);
         self.factor.solve(&self.couplings.elimination, &mut self.residual[..]);
         let Self { links, responses, residual, moves, starts, .. } = self;
@@ -444,13 +453,14 @@ impl DualSystem {
         }
         let share = share_within(most, members.iter().map(|&member| world.body(member)).zip(moves.iter().copied()));
         if !share.is_finite() {
-            return;
+            return false;
         }
         for (place, moved) in moves.iter().enumerate() {
             let moved = Twist::zero().plus(moved, share);
             starts[place].position += moved.linear;
             starts[place].turn(&moved.angular);
         }
+        share >= 1.0
     }
 
     /// Factors A of the rows that are in it, with at least that share of each row's mobility added to it.
@@ -522,11 +532,10 @@ impl DualSystem {
 
     /// How far limits that have no impulse are passed at the end, m or rad.
     fn find_passed(&self) -> f64 {
-        let Self { rows, scratch, aims, .. } = self;
-        let passed = rows.iter().zip(scratch).zip(aims).map(|((row, end), aim)| match (aim, row.bound) {
-            (Aim::Fixed(_), Bound::Within(..)) if !row.bound.is_boxed() => {
-                (end.error - row.bound.open(end.error)).abs()
-            }
+        let Self { rows, scratch, aims, offsets, .. } = self;
+        let ends = scratch.iter().zip(offsets).map(|(end, offset)| end.error - offset);
+        let passed = rows.iter().zip(ends).zip(aims).map(|((row, error), aim)| match (aim, row.bound) {
+            (Aim::Fixed(_), Bound::Within(..)) if !row.bound.is_boxed() => (error - row.bound.open(error)).abs(),
             _ => 0.0,
         });
         passed.fold(0.0, f64::max)
@@ -630,7 +639,7 @@ impl DualSystem {
     /// What of each row is to be made good by impulses. The largest error of a place, m or rad, or of a rate in the
     /// substep.
     fn find_residual(&mut self, h: f64, is_linear: bool) -> f64 {
-        let Self { links, rows, scratch, velocities, aims, residual, impulses, .. } = self;
+        let Self { links, rows, scratch, velocities, aims, offsets, residual, impulses, .. } = self;
         residual.clear();
         let mut worst: f64 = 0.0;
         for link in &*links {
@@ -639,8 +648,11 @@ impl DualSystem {
                 let row = &rows[index];
                 let speed = row.jacobian.dot(a, b);
                 let left = match aims[index] {
-                    Aim::Place if is_linear => -(speed + row.time_rate + row.error / h + 0.5 * h * row.velocity_term),
-                    Aim::Place => -scratch[index].error / h,
+                    Aim::Place if is_linear => {
+                        let error = row.error - offsets[index];
+                        -(speed + row.time_rate + error / h + 0.5 * h * row.velocity_term)
+                    }
+                    Aim::Place => -(scratch[index].error - offsets[index]) / h,
                     Aim::Rate(rate) => rate - speed - row.time_rate,
                     Aim::Spring { weight, bias } if weight > 0.0 => -(speed + bias + impulses[index] / weight),
                     Aim::Spring { .. } | Aim::Fixed(_) => 0.0,
@@ -654,7 +666,7 @@ impl DualSystem {
 
     /// Whether some row is not as it was assumed to be.
     fn mend_active_set(&mut self, &DualTerms { h, .. }: &DualTerms, may_return: bool) -> bool {
-        let Self { links, rows, scratch, velocities, aims, asked, impulses, .. } = self;
+        let Self { links, rows, scratch, velocities, aims, asked, offsets, impulses, .. } = self;
         let mut changed = false;
         for link in &*links {
             let [a, b] = link.ends.map(|end| &velocities[end as usize]);
@@ -669,7 +681,7 @@ impl DualSystem {
                         // How far it is from what it is to do: by its rate, or by its error at the end.
                         let left = match asked[index] {
                             Aim::Rate(rate) => speed(index) + rows[index].time_rate - rate,
-                            _ => scratch[index].error / h,
+                            _ => (scratch[index].error - offsets[index]) / h,
                         };
                         let now =
                             bounded_aim(aims[index], asked[index], impulses[index], [lower * h, upper * h], left * h);
