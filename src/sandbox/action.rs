@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use bevy::prelude::*;
 
 use super::build::JointChange;
+use super::tool::Tool;
+use crate::scene::BodySpec;
 
 /// When actions are carried out: what draws new bodies comes after it.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -87,13 +89,24 @@ pub enum SandboxAction {
         /// Whether it goes on with the last change, as a slider does that is dragged: both are undone together.
         continues: bool,
     },
+    /// Changes a body, but for its pose.
+    ChangeBody {
+        /// The body.
+        body: Entity,
+        /// What it is to be.
+        asked: Box<BodySpec>,
+        /// Whether it goes on with the last change, as a value does that is dragged: both are undone together.
+        continues: bool,
+    },
     /// Deletes the picked body and its joints.
     DeletePicked,
     /// Takes back what was added, joined, pinned, changed, cut or deleted last.
     Undo,
     /// Has what was undone last come again.
     Redo,
-    /// Unpicks; closes the help.
+    /// Takes that tool in hand.
+    ChooseTool(Tool),
+    /// Unpicks, puts the tool down; closes the help.
     Escape,
     /// Puts the camera back to where the scene is best seen from.
     FrameScene,
@@ -124,6 +137,8 @@ pub enum SandboxAction {
     SaveProbes,
     /// Writes the picture to the next free `plumb-N.png` in the working directory.
     Screenshot,
+    /// Shows or hides the plots.
+    TogglePlots,
     /// Shows or hides the help.
     ToggleHelp,
     /// Measures the scene's chart of error against cost in a process of its own.

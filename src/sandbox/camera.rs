@@ -121,14 +121,15 @@ pub(super) fn look(world: &mut World, framing: Framing) {
     }
 }
 
-/// Puts the middle of the view in the middle of what the panel leaves free: the view proper is that
-/// part, and the picture goes on to its right.
+/// Puts the middle of the view in the middle of what panel and plots leave free: the view proper is that part, and the
+/// picture goes on beside it.
 fn center_beside_panel(covered: Res<Covered>, mut camera: Single<&mut Camera, With<Camera3d>>) {
     let Some(size) = camera.physical_target_size() else { return };
     let scale = camera.target_scaling_factor().unwrap_or(1.0);
-    let free = size.x.saturating_sub((covered.0 * scale) as u32);
-    let view = (free != size.x && free > size.x / 4).then(|| SubCameraView {
-        full_size: UVec2::new(free, size.y),
+    let covered = (Vec2::new(covered.right, covered.bottom) * scale).as_uvec2();
+    let free = size.saturating_sub(covered);
+    let view = (free != size && free.cmpgt(size / 4).all()).then_some(SubCameraView {
+        full_size: free,
         offset: Vec2::ZERO,
         size,
     });
@@ -199,7 +200,7 @@ pub(super) fn aim(
 ) -> Option<Aim> {
     let (camera, transform, orbit) = *camera;
     let pointer = window.cursor_position().filter(|_| !egui.is_pointer_over_area());
-    let middle = || Some((camera.logical_viewport_size()? - Vec2::new(covered.0, 0.0)) / 2.0);
+    let middle = || Some((camera.logical_viewport_size()? - Vec2::new(covered.right, covered.bottom)) / 2.0);
     let ray = camera.viewport_to_world(transform, pointer.or_else(middle)?).ok()?;
     Some(Aim {
         origin: origin.0 + transform.translation().as_dvec3(), // the ray starts on the near plane

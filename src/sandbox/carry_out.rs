@@ -8,11 +8,11 @@ use super::camera::{self, Framing};
 use super::follow::{self, Followed};
 use super::joint_readings::ReadJoints;
 use super::motor_keys::check_keys;
-use super::state::{SceneProblem, report};
+use super::state::{SceneProblem, ShowsPlots, report};
 use super::timeline::{self, Timeline};
 use super::watch::Watch;
 use super::{
-    CurrentScene, Notice, Playback, SandboxAction, Selection, build, files, panel, probe, recordings, screenshot,
+    CurrentScene, Notice, Playback, SandboxAction, Selection, build, files, panel, probe, recordings, screenshot, tools,
 };
 use crate::lab::recording::is_recording;
 use crate::physics::{ContactForces, write_now};
@@ -79,6 +79,7 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         SandboxAction::CutPicked => build::cut_picked(world),
         SandboxAction::Cut(joint) => build::cut(world, joint),
         SandboxAction::ChangeJoint { joint, change, continues } => build::change_joint(world, joint, change, continues),
+        SandboxAction::ChangeBody { body, asked, continues } => build::change_body(world, body, *asked, continues),
         SandboxAction::Undo => {
             if let Some(scene) = build::undo(world) {
                 bring_back(world, scene);
@@ -87,6 +88,11 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         SandboxAction::Escape => {
             world.insert_resource(Selection::default());
             probe::escape(world);
+            tools::put_down(world);
+        }
+        SandboxAction::ChooseTool(tool) => {
+            tools::put_down(world);
+            world.insert_resource(tool);
         }
         SandboxAction::Redo => {
             if let Some(scene) = build::redo(world) {
@@ -99,6 +105,10 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         SandboxAction::SaveProbes => probe::save(world),
         SandboxAction::Screenshot => screenshot::take(world),
         SandboxAction::MeasureChart => panel::measure_chart(world),
+        SandboxAction::TogglePlots => {
+            let mut shows = world.resource_mut::<ShowsPlots>();
+            shows.0 = !shows.0;
+        }
         SandboxAction::ToggleHelp => {} // the help's own
     }
 }

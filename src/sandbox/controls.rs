@@ -7,8 +7,8 @@ use bevy::input::{ButtonState, InputSystems};
 use bevy::prelude::*;
 use bevy_egui::input::EguiWantsInput;
 
-use super::SandboxAction;
 use super::state::{CONTROL_KEYS, DrivingKeys, SHIFT_KEYS};
+use super::{SandboxAction, Tool};
 
 /// Keys and what they do.
 pub struct Binding {
@@ -55,6 +55,15 @@ pub const BINDINGS: &[Binding] = &[
     binding(&[KeyCode::KeyM], "M", "slow motion", SandboxAction::ToggleSlowMotion),
     binding(&[KeyCode::KeyR], "R", "reset the scene", SandboxAction::Reset),
     binding(&[KeyCode::KeyR], "Ctrl+R", "record what happened to plumb-N.plumb", SandboxAction::Record).with_control(),
+    binding(&[KeyCode::Digit1], "1", "drag: pick and drag bodies", SandboxAction::ChooseTool(Tool::Drag)),
+    binding(&[KeyCode::Digit2], "2", "push: kick what is clicked", SandboxAction::ChooseTool(Tool::Push)),
+    binding(&[KeyCode::Digit3], "3", "throw: a ball at each click", SandboxAction::ChooseTool(Tool::Throw)),
+    binding(&[KeyCode::Digit4], "4", "add: a body at each click", SandboxAction::ChooseTool(Tool::Add)),
+    binding(&[KeyCode::Digit5], "5", "bar: drawn from end to end, on hinges", SandboxAction::ChooseTool(Tool::Bar)),
+    binding(&[KeyCode::Digit6], "6", "join: two clicks", SandboxAction::ChooseTool(Tool::Join)),
+    binding(&[KeyCode::Digit7], "7", "pin: what is clicked, to the world", SandboxAction::ChooseTool(Tool::Pin)),
+    binding(&[KeyCode::Digit8], "8", "cut: the joint that is clicked", SandboxAction::ChooseTool(Tool::Cut)),
+    binding(&[KeyCode::Digit9], "9", "measure: two clicks", SandboxAction::ChooseTool(Tool::Measure)),
     binding(&[KeyCode::KeyB], "B", "throw a ball at the pointer", SandboxAction::ThrowBall),
     binding(&[KeyCode::KeyA], "A", "add a body at the pointer", SandboxAction::SpawnBody),
     binding(&[KeyCode::KeyJ], "J", "join the two picked bodies", SandboxAction::JoinPicked),
@@ -64,11 +73,12 @@ pub const BINDINGS: &[Binding] = &[
     binding(&[KeyCode::KeyZ], "Ctrl+Z", "undo what was built, changed or cut", SandboxAction::Undo).with_control(),
     binding(&[KeyCode::KeyY], "Ctrl+Y", "redo what was undone", SandboxAction::Redo).with_control(),
     binding(&[KeyCode::KeyZ], "Ctrl+Shift+Z", "the same", SandboxAction::Redo).with_control().with_shift(),
+    binding(&[KeyCode::KeyG], "G", "show or hide the plots", SandboxAction::TogglePlots),
     binding(&[KeyCode::KeyF], "F", "frame the scene", SandboxAction::FrameScene),
     binding(&[KeyCode::KeyV], "V", "follow the picked body, or stay", SandboxAction::Follow),
     binding(&[KeyCode::F12, KeyCode::KeyP], "F12 or P", "screenshot to plumb-N.png", SandboxAction::Screenshot),
     binding(&[KeyCode::KeyH, KeyCode::F1], "H or F1", "this help", SandboxAction::ToggleHelp),
-    binding(&[KeyCode::Escape], "Esc", "unpick, close the help", SandboxAction::Escape),
+    binding(&[KeyCode::Escape], "Esc", "unpick, put the tool down, close the help", SandboxAction::Escape),
 ];
 
 /// What the mouse does, as the help says it.

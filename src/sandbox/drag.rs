@@ -16,7 +16,7 @@ use super::any_joint::{AnyJoint, IsJoint};
 use super::held::{Drag, DragPart, Held};
 use super::probe::TapeStart;
 use super::timeline::ShownStep;
-use super::{Picked, Playback, Selection};
+use super::{Picked, Playback, Selection, Tool};
 use crate::physics::{
     BallJoint, BrokenJoint, Collider, Damping, History, Mass, Position, Quarantined, RenderOrigin, RigidBody, Rotation,
     Shape, Softness, SolverSettings, StepStats, bury,
@@ -74,7 +74,7 @@ fn pick(
     bodies: Query<(&RigidBody, &Collider, &Transform, Option<&Damping>, Has<Quarantined>)>,
     cameras: Query<&GlobalTransform, With<Camera>>,
     origin: Res<RenderOrigin>,
-    (keys, tape, shown): (Res<ButtonInput<KeyCode>>, Res<TapeStart>, Res<ShownStep>),
+    (keys, tape, shown, tool): (Res<ButtonInput<KeyCode>>, Res<TapeStart>, Res<ShownStep>, Res<Tool>),
     joined: Joined,
     (parts, playback, stats, history): (Query<&DragPart>, Res<Playback>, Res<StepStats>, Option<Res<History>>),
 ) {
@@ -84,7 +84,7 @@ fn pick(
         return;
     }
     // What is drawn there is elsewhere in the world.
-    if shown.step.is_some() {
+    if shown.step.is_some() || *tool != Tool::Drag {
         return;
     }
     let position = press.pointer_location.position;

@@ -10,7 +10,7 @@ use bevy_egui::egui;
 
 use super::any_joint::{IsJoint, WholeJoint, WholeJointItem};
 use super::glyphs::Placed;
-use super::panel::{Quantity, palette};
+use super::panel::{Quantity, palette, toggle};
 use super::probe::reads_contact_forces;
 use super::why::Painted;
 use crate::physics::{Collider, ContactForces, Gravity, Mass, RenderOrigin, RigidBody, StepStats, Velocity};
@@ -108,7 +108,7 @@ pub(super) fn show(
     ];
     ui.horizontal_wrapped(|ui| {
         for (shown, label, about) in toggles {
-            if ui.add(egui::Button::new(label).selected(*shown)).on_hover_text(about).clicked() {
+            if ui.add(toggle(ui, *shown, label)).on_hover_text(about).clicked() {
                 *shown = !*shown;
             }
         }

@@ -33,6 +33,13 @@ struct GroundAssets {
 #[derive(Component)]
 pub(super) struct GroundOf(Entity);
 
+impl GroundOf {
+    /// The half-space.
+    pub fn body(&self) -> Entity {
+        self.0
+    }
+}
+
 fn make_assets(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,

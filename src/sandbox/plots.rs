@@ -23,6 +23,11 @@ const WINDOW: f64 = 10.0;
 /// Most samples kept. Steps that come faster are merged into one sample.
 const CAPACITY: usize = 1200;
 
+/// Rows of plots are as high as this at least, plots too, and what a caption takes of the height, points.
+const ROW: f32 = 104.0;
+const LOWEST: f32 = 40.0;
+const CAPTION: f32 = 26.0;
+
 /// Whether somebody sees the plots. [`Diagnostics`] are measured only while this holds.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Watched(pub bool);
@@ -242,7 +247,7 @@ struct Chart<'a> {
     offered: Vec<Probe<Entity, Entity>>,
 }
 
-/// The section of the panel.
+/// The plots beside each other, in as many rows as it takes.
 pub(super) fn show(
     InMut(ui): InMut<egui::Ui>,
     history: Res<History>,
@@ -313,8 +318,16 @@ pub(super) fn show(
         ui.weak(format!("{} of {a} and {b}", noun(&component)))
             .on_hover_text("the joint that is plotted: tick it off in the list");
     }
-    for (place, chart) in charts.iter().enumerate() {
-        chart.draw(ui, &history, place + 1 == charts.len(), &mut probes);
+    let rows = ((ui.available_height() / ROW) as usize).clamp(1, charts.len());
+    let columns = charts.len().div_ceil(rows);
+    let rows = charts.len().div_ceil(columns);
+    let height = (ui.available_height() / rows as f32 - CAPTION).max(LOWEST);
+    for row in charts.chunks(columns) {
+        ui.columns(columns, |columns| {
+            for (column, chart) in columns.iter_mut().zip(row) {
+                chart.draw(column, height, &history, &mut probes);
+            }
+        });
     }
 }
 
@@ -368,7 +381,7 @@ fn joint_charts<'a>(axis: Option<JointAxis>, joint: Entity) -> impl Iterator<Ite
 
 impl Chart<'_> {
     /// A caption that is the legend too, with the newest values, and the curves below.
-    fn draw(&self, ui: &mut egui::Ui, history: &History, labels_time: bool, probes: &mut ResMut<Probes>) {
+    fn draw(&self, ui: &mut egui::Ui, height: f32, history: &History, probes: &mut ResMut<Probes>) {
         let &Self { title, unit, about, curves, .. } = self;
         let largest = curves.iter().map(|(_, _, value)| history.largest(value)).fold(0.0, f64::max);
         let scale = Quantity::suiting(largest, unit);
@@ -386,8 +399,7 @@ impl Chart<'_> {
         });
         let end = newest.map_or(WINDOW, |sample| sample.time.max(WINDOW));
         let plot = still(Plot::new(title))
-            .height(if labels_time { 76.0 } else { 60.0 })
-            .show_axes([labels_time, true])
+            .height(height)
             .include_y(0.0)
             .include_y(if largest > 0.0 { 0.0 } else { 1.0 })
             .set_margin_fraction(egui::vec2(0.0, 0.08))

@@ -6,7 +6,7 @@ use bevy_panorbit_camera::PanOrbitCameraPlugin;
 
 use super::{
     build, camera, carry_out, controls, drag, follow, ghost, gizmos, ground, help, highlight, joint_readings, light,
-    meshes, motor_keys, panel, playback, plots, probe, quality, reload, screenshot, sky, state, timeline, why,
+    meshes, motor_keys, panel, playback, plots, probe, quality, reload, screenshot, sky, state, timeline, tools, why,
 };
 use crate::physics::PhysicsPlugin;
 
@@ -27,7 +27,14 @@ impl Plugin for SandboxPlugin {
                 ground::plugin,
                 meshes::plugin,
             ))
-            .add_plugins((drag::plugin, highlight::plugin, build::plugin, reload::plugin, motor_keys::plugin))
+            .add_plugins((
+                drag::plugin,
+                tools::plugin,
+                highlight::plugin,
+                build::plugin,
+                reload::plugin,
+                motor_keys::plugin,
+            ))
             .add_plugins(timeline::plugin)
             .add_plugins((
                 panel::plugin,

@@ -138,13 +138,23 @@ pub(super) fn is_control_held(keys: &ButtonInput<KeyCode>) -> bool {
     keys.any_pressed(CONTROL_KEYS)
 }
 
-/// Width of the window's right side that the panel covers, logical pixels.
+/// What is covered of the window, logical pixels.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Covered(pub f32);
+pub(super) struct Covered {
+    /// By the panel, of the width.
+    pub right: f32,
+    /// By the plots, of the height.
+    pub bottom: f32,
+}
+
+/// Whether the plots are on view.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ShowsPlots(pub bool);
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Selection>()
         .init_resource::<Notice>()
         .init_resource::<SceneProblem>()
-        .init_resource::<Covered>();
+        .init_resource::<Covered>()
+        .init_resource::<ShowsPlots>();
 }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use bevy::prelude::*;
 use plumb::lab::sweep::read_records;
 use plumb::physics::SolverSettings;
-use plumb::sandbox::{ChartSource, Notice, SandboxAction};
+use plumb::sandbox::{ChartSource, Notice, Page, SandboxAction};
 
 use crate::eyes::{click, click_on, discs, open_eyes, point_at, reads};
 use crate::stage::Stage;
@@ -58,8 +58,9 @@ fn a_click_takes_over_the_settings_of_a_point() {
     let mut stage = Stage::open("(bodies: [])");
     stage.world().insert_resource(ChartSource { program: program.clone(), folder: folder.path().to_owned() });
     stage.act(SandboxAction::LoadScene { scene: "slide_roll".to_owned(), parameters: Vec::new() });
-    open_eyes(&mut stage);
+    open_eyes(&mut stage, Page::Solver);
     *stage.world().resource_mut::<SolverSettings>() = SolverSettings { threads: 2, ..SolverSettings::classic() };
+    stage.frames(2);
     click_on(&mut stage, "Chart", "");
     click_on(&mut stage, "Measure", "Chart");
     let started = Instant::now();

@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use bevy::window::{CursorMoved, WindowResized};
 use bevy_egui::egui::{self, Shape};
 use bevy_egui::{EguiFullOutput, EguiPostUpdateSet, PrimaryEguiContext};
+use plumb::sandbox::Page;
 
 use crate::stage::{SIZE, Stage};
 
@@ -41,8 +42,9 @@ fn look(output: Single<&EguiFullOutput, With<PrimaryEguiContext>>, mut painted: 
     }
 }
 
-/// From here on the panel can be read, all of it.
-pub fn open_eyes(stage: &mut Stage) {
+/// From here on the panel can be read, all of that page.
+pub fn open_eyes(stage: &mut Stage, page: Page) {
+    stage.world().insert_resource(page);
     stage
         .app
         .init_resource::<Painted>()

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use plumb::lab::truth;
 use plumb::lab::vary::Assignment;
 use plumb::physics::{Position, SolverSettings, StepStats};
-use plumb::sandbox::{CurrentScene, GhostChoice, GhostReadings, Ghosts, SandboxAction, Selection};
+use plumb::sandbox::{CurrentScene, GhostChoice, GhostReadings, Ghosts, Page, SandboxAction, Selection};
 
 use crate::eyes::{click_on, open_eyes, point_at, reads, rewrite, seen};
 use crate::stage::Stage;
@@ -113,7 +113,7 @@ fn a_ghost_with_one_thing_changed_has_all_else_of_the_present_settings() {
 fn the_panel_changes_one_thing_in_the_ghost_and_says_what_it_cannot() {
     let mut stage = open("chain");
     *stage.world().resource_mut::<SolverSettings>() = SolverSettings::classic();
-    open_eyes(&mut stage);
+    open_eyes(&mut stage, Page::Analyse);
     click_on(&mut stage, "Side by side", "");
     click_on(&mut stage, "none", "Side by side");
     // The last of the list, which is longer than its window.
@@ -269,7 +269,7 @@ fn who_fails_and_when_is_told() {
     let failed = readings.ghosts[0].reading.as_ref().unwrap().failed.clone();
     let (time, why) = failed.expect("classic does not hold 1000 kg on 1 kg");
     assert!(time > 0.0 && time < 5.0 && why.contains("overlap"), "{time} s: {why}");
-    open_eyes(&mut stage);
+    open_eyes(&mut stage, Page::Analyse);
     click_on(&mut stage, "Side by side", "");
     stage.frames(5);
     assert!(reads(&mut stage, &format!("at {time:.2} s")));

@@ -24,5 +24,6 @@ mod stage;
 mod startup;
 mod sweep;
 mod timeline;
+mod tools;
 mod why;
 mod window;

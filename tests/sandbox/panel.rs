@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy_egui::input::EguiWantsInput;
 use bevy_egui::{EguiContexts, egui};
 use plumb::physics::{ContactForces, Diagnostics, JointLoad};
-use plumb::sandbox::{CurrentScene, Notice, Playback, Selection};
+use plumb::sandbox::{CurrentScene, Notice, Playback, SandboxAction, Selection};
 
 use crate::eyes::{click, point_at};
 use crate::stage::{SIZE, Stage};
@@ -19,8 +19,8 @@ const SCENE: &str = r#"(
     ],
 )"#;
 
-/// On the button at the panel's top left.
-const PAUSE: Vec2 = Vec2::new(SIZE.x - 290.0, 18.0);
+/// On the large button of the strip under the picture.
+const PAUSE: Vec2 = Vec2::new(166.0, SIZE.y - 33.0);
 
 #[test]
 fn a_click_on_a_button_is_carried_out() {
@@ -55,10 +55,16 @@ fn the_pointer_is_the_panels_over_the_panel_and_the_pictures_beside_it() {
 #[test]
 fn only_what_is_on_view_is_measured() {
     let mut stage = Stage::open(SCENE);
-    assert!(stage.world().contains_resource::<Diagnostics>(), "the plots are open at the start");
+    assert!(!stage.world().contains_resource::<Diagnostics>(), "nobody sees the plots at the start");
     assert!(!stage.world().contains_resource::<ContactForces>());
     let world = stage.world();
     assert_eq!(world.query::<&JointLoad>().iter(world).count(), 0);
+    stage.act(SandboxAction::TogglePlots);
+    stage.frames(2);
+    assert!(stage.world().contains_resource::<Diagnostics>());
+    stage.act(SandboxAction::TogglePlots);
+    stage.frames(2);
+    assert!(!stage.world().contains_resource::<Diagnostics>());
 }
 
 /// Types into what has the focus.

@@ -4,7 +4,7 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use plumb::lab::state_hash;
 use plumb::physics::{ContactForces, History, JointLoad, Position, StepStats, Velocity};
-use plumb::sandbox::{CurrentScene, Notice, SandboxAction, Selection, Track, Tracks};
+use plumb::sandbox::{CurrentScene, Notice, Page, SandboxAction, Selection, Track, Tracks};
 use plumb::scene::{Probe, ProbePlot, ProbePoint, ProbeSubject, Probes, SceneSpec};
 
 use crate::eyes::{click, click_on, open_eyes, point_at, reads, seen, texts};
@@ -41,7 +41,7 @@ const AT_REST: &str = r#"(
 fn open(scene: &str) -> Stage {
     let mut stage = Stage::open(scene);
     stage.act(SandboxAction::TogglePause);
-    open_eyes(&mut stage);
+    open_eyes(&mut stage, Page::Analyse);
     stage
 }
 

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use plumb::lab::recording::Replay;
 use plumb::lab::state_hash;
 use plumb::physics::{BallJoint, History, StepStats};
-use plumb::sandbox::{CurrentScene, Notice, Playback, SandboxAction, Selection};
+use plumb::sandbox::{CurrentScene, Notice, Page, Playback, SandboxAction, Selection};
 
 use crate::eyes::{click_on, open_eyes, reads};
 use crate::stage::Stage;
@@ -234,13 +234,16 @@ fn what_was_done_in_the_past_and_what_was_to_come_change_places() {
     undo(&mut stage);
     assert!(named(&mut stage, "box 3").is_none() && named(&mut stage, "thrown ball").is_some());
     undo(&mut stage);
-    assert_eq!((step(&mut stage), last(&mut stage)), (end.0 - 10, end.0));
     assert!(named(&mut stage, "thrown ball").is_none());
+    undo(&mut stage);
+    assert_eq!((step(&mut stage), last(&mut stage)), (end.0 - 10, end.0));
     stage.tap(KeyCode::End);
     assert_eq!((step(&mut stage), hash(&mut stage)), end);
     for again in 0..2 {
         redo(&mut stage);
         assert_eq!(said(&mut stage), "redid what was done in the past");
+        assert!(named(&mut stage, "thrown ball").is_none() && named(&mut stage, "box 3").is_none());
+        redo(&mut stage);
         assert!(named(&mut stage, "thrown ball").is_some() && named(&mut stage, "box 3").is_none());
         redo(&mut stage);
         assert_eq!((step(&mut stage), hash(&mut stage)), otherwise, "time {again}");
@@ -248,9 +251,11 @@ fn what_was_done_in_the_past_and_what_was_to_come_change_places() {
         assert_eq!(said(&mut stage), "nothing to redo");
         undo(&mut stage);
         undo(&mut stage);
+        undo(&mut stage);
         stage.tap(KeyCode::End);
         assert_eq!((step(&mut stage), hash(&mut stage)), end, "time {again}");
     }
+    redo(&mut stage);
     redo(&mut stage);
     redo(&mut stage);
     replays(&mut stage);
@@ -277,7 +282,7 @@ fn a_scene_that_was_left_for_another_is_left_again() {
 fn the_panel_names_what_comes_again() {
     let mut stage = built();
     undo(&mut stage);
-    open_eyes(&mut stage);
+    open_eyes(&mut stage, Page::Build);
     assert!(reads(&mut stage, "Redo adding box 2"));
     click_on(&mut stage, "⮫ Redo adding box 2", "Build");
     assert!(named(&mut stage, "box 2").is_some());

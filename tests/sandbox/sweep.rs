@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use bevy::prelude::*;
 use plumb::lab::{Metrics, Plan, measure};
 use plumb::physics::{SolverSettings, StepStats};
-use plumb::sandbox::{ChartSource, CurrentScene, Notice, SandboxAction};
+use plumb::sandbox::{ChartSource, CurrentScene, Notice, Page, SandboxAction};
 
 use crate::eyes::{click, click_on, discs, open_eyes, point_at, reads, rewrite, seen, text_with};
 use crate::stage::Stage;
@@ -22,7 +22,7 @@ fn sweeping(folder: &Path, scene: &str, parameters: &[(&str, f64)], name: &str) 
     let parameters = parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
     stage.act(SandboxAction::LoadScene { scene: scene.to_owned(), parameters });
     *stage.world().resource_mut::<SolverSettings>() = SolverSettings { threads: 2, ..SolverSettings::classic() };
-    open_eyes(&mut stage);
+    open_eyes(&mut stage, Page::Solver);
     click_on(&mut stage, "Sweep", "");
     click_on(&mut stage, "…", "Sweep");
     click_on(&mut stage, name, "Sweep");
@@ -128,6 +128,7 @@ fn a_click_on_a_scenes_parameter_loads_the_scene_with_it() {
     let folder = tempfile::tempdir().unwrap();
     let mut stage = sweeping(folder.path(), "incline", &[("mu", 0.3), ("theta", 40.0)], "theta");
     *stage.world().resource_mut::<SolverSettings>() = SolverSettings::accurate();
+    stage.frames(2);
     let suggested = text_with(&mut stage, ":lin:5").expect("values");
     rewrite(&mut stage, &suggested, "Sweep", "5,20,60");
     run(&mut stage);

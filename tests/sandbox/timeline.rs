@@ -333,7 +333,9 @@ fn undo_keeps_to_what_has_been_done_at_the_moment_on_view() {
     stage.act(SandboxAction::ThrowBall);
     play_to(&mut stage, "bob", before + 30);
     go(&mut stage, before + 25);
-    // What undo takes back is the ball: what was to come is there again, the deletion too.
+    // First undo takes back the ball, then that there was another future: what was to come is there again, the deletion too.
+    stage.key_with_control(KeyCode::KeyZ);
+    assert!(named(&mut stage, "thrown ball").is_empty());
     stage.key_with_control(KeyCode::KeyZ);
     assert_eq!(
         (step(&mut stage), reach(&mut stage)[1]),

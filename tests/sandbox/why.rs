@@ -4,7 +4,7 @@ use std::hash::{DefaultHasher, Hasher};
 
 use bevy::prelude::*;
 use plumb::physics::{Diagnostics, PhaseTimes, SolveTrace, SolverSettings, StepStats, hash_state};
-use plumb::sandbox::{ColorBy, CurrentScene, Playback, SandboxAction, Selection};
+use plumb::sandbox::{ColorBy, CurrentScene, Page, Playback, SandboxAction, Selection};
 
 use crate::eyes::{click_on, open_eyes, reads};
 use crate::stage::Stage;
@@ -42,7 +42,7 @@ fn steps(stage: &mut Stage, count: usize) {
 
 /// Opens the section and chooses that.
 fn choose(stage: &mut Stage, name: &str) {
-    open_eyes(stage);
+    open_eyes(stage, Page::Analyse);
     if !reads(stage, "color by") {
         click_on(stage, "Why", "");
     }
@@ -192,7 +192,7 @@ fn hash(scene: &str, settings: SolverSettings, looks: bool) -> u64 {
     let mut stage = paused(scene);
     stage.world().insert_resource(settings);
     if looks {
-        open_eyes(&mut stage);
+        open_eyes(&mut stage, Page::Analyse);
         click_on(&mut stage, "Why", "");
     }
     for by in ColorBy::EVERY {
@@ -235,7 +235,7 @@ fn longest_solve(stage: &mut Stage) -> Vec<f64> {
 #[test]
 fn residuals_fall_from_sweep_to_sweep() {
     let mut stage = paused("stack");
-    open_eyes(&mut stage);
+    open_eyes(&mut stage, Page::Analyse);
     click_on(&mut stage, "Why", "");
     assert!(reads(&mut stage, "not measured in this step"));
     let many = SolverSettings { iterations: 40, ..SolverSettings::classic() };
@@ -272,7 +272,8 @@ fn phases_take_no_longer_than_the_step_and_are_timed_only_on_view() {
     let mut stage = paused("limbs");
     steps(&mut stage, 2);
     assert!(!stage.world().contains_resource::<PhaseTimes>() && !stage.world().contains_resource::<SolveTrace>());
-    open_eyes(&mut stage);
+    open_eyes(&mut stage, Page::Analyse);
+    stage.act(SandboxAction::TogglePlots);
     click_on(&mut stage, "Why", "");
     for _ in 0..30 {
         steps(&mut stage, 1);

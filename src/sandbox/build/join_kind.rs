@@ -106,7 +106,7 @@ pub fn place_of(world: &World, body: Entity, point: DVec3) -> Option<DVec3> {
 }
 
 /// A place of the world from a body's centre of mass, body axes, m.
-fn anchor_at(world: &World, body: Entity, place: DVec3) -> Option<DVec3> {
+pub fn anchor_at(world: &World, body: Entity, place: DVec3) -> Option<DVec3> {
     let body = world.get_entity(body).ok()?;
     Some(body.get::<Rotation>()?.0.inverse() * (place - body.get::<Position>()?.0))
 }

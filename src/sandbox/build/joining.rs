@@ -168,6 +168,11 @@ fn moves(world: &World, body: Entity) -> bool {
     world.get::<RigidBody>(body) == Some(&RigidBody::Dynamic)
 }
 
+/// The points of a joint on A and B, world, m.
+pub fn ends_of(world: &World, joint: Entity) -> Option<[DVec3; 2]> {
+    ends_of_joint(world, &JointParts::of_entity(world, joint)?.joint)
+}
+
 /// The points on A and B, world, m.
 fn ends_of_joint(world: &World, joint: &JointComponent) -> Option<[DVec3; 2]> {
     let [(a, on_a), (b, on_b)] = joint.ends();

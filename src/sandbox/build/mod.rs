@@ -3,7 +3,9 @@
 //! Each thing built is one [`SandboxAction`](super::SandboxAction), so that keys, buttons and tests
 //! do the same. What was asked for and makes no sense is said in a [`Notice`](super::Notice), and nothing happens.
 
+mod bar;
 mod blueprint;
+mod body_change;
 mod changing;
 mod join_kind;
 mod joining;
@@ -14,15 +16,18 @@ mod names;
 mod spawning;
 mod undo;
 
+pub(super) use bar::{BarEnd, add_bar, bar_between};
 pub use blueprint::{Blueprint, Weight};
 pub(super) use blueprint::{choose_mesh, stem};
+pub(super) use body_change::change_body;
 pub(super) use changing::change_joint;
 pub use join_kind::JoinKind;
-pub(super) use joining::{cut, cut_picked, join_picked, joint_at_pointer, pin_picked};
+pub(super) use join_kind::place_of;
+pub(super) use joining::{cut, cut_picked, ends_of, join_picked, joint_at_pointer, pin_picked};
 pub use joint_change::JointChange;
 pub(super) use joints::Pin;
 pub(super) use kept::KeptScene;
-pub(super) use spawning::{spawn_body, throw_ball};
+pub(super) use spawning::{next_body, spawn_body, throw, throw_ball};
 pub(super) use undo::{UndoStack, delete_picked, follow_time, keep_what_was_built, redo, undo};
 
 use bevy::prelude::*;

@@ -14,7 +14,7 @@ use crate::sandbox::CurrentScene;
 use crate::sandbox::camera::{self, Aim};
 use crate::sandbox::ground::GroundOf;
 use crate::sandbox::state::report;
-use crate::scene::{BodyColor, SceneEntity, SceneSpec};
+use crate::scene::{BodyColor, BodySpec, SceneEntity, SceneSpec};
 
 /// A surface farther away than this many times the distance to what the camera orbits is scenery:
 /// what is put there would hardly be seen.
@@ -33,38 +33,58 @@ pub fn spawn_body(world: &mut World) {
 }
 
 fn try_spawn(world: &mut World) -> Result<String, String> {
-    let blueprint = world.resource::<Blueprint>().clone();
-    let name = unique_name(world, blueprint.noun());
-    let mut body = blueprint.body(name.clone());
-    let alone = SceneSpec { bodies: vec![body.clone()], ..SceneSpec::new("new body", DVec3::ZERO) };
-    alone.validate().map_err(|error| error.to_string())?;
-    let aim = world.run_system_cached(camera::aim).ok().flatten().ok_or("there is no picture to put a body into")?;
-    let collider = blueprint.shape.collider();
-    body.position = world
-        .run_system_cached_with(find_room, (aim, collider, body.principal_rotation()))
-        .map_err(|error| error.to_string())?
-        .ok_or("there is no room for a body")?;
+    let name = unique_name(world, world.resource::<Blueprint>().noun().to_owned().as_str());
+    let body = BodySpec { name: name.clone(), ..next_body(world)? };
     let entity = body.spawn(world);
     remember(world, format!("adding {name}"), Deed::Added(vec![entity]));
     Ok(name)
 }
 
-/// Throws a ball at what is aimed at: of the size of the scene's bodies, from wherever one looks, and no faster than a hard throw.
+/// What [`spawn_body`] would spawn where the user looks.
+///
+/// # Errors
+/// It makes no sense, or there is no room for it.
+pub fn next_body(world: &mut World) -> Result<BodySpec, String> {
+    let blueprint = world.resource::<Blueprint>().clone();
+    let body = blueprint.body(blueprint.noun().to_owned());
+    let alone = SceneSpec { bodies: vec![body.clone()], ..SceneSpec::new("new body", DVec3::ZERO) };
+    alone.validate().map_err(|error| error.to_string())?;
+    let aim = world.run_system_cached(camera::aim).ok().flatten().ok_or("there is no picture to put a body into")?;
+    let collider = blueprint.shape.collider();
+    let position = world
+        .run_system_cached_with(find_room, (aim, collider, body.principal_rotation()))
+        .map_err(|error| error.to_string())?
+        .ok_or("there is no room for a body")?;
+    Ok(BodySpec { position, ..body })
+}
+
+/// Throws a ball at what is aimed at.
 pub fn throw_ball(world: &mut World) {
     let Some(aim) = world.run_system_cached(camera::aim).ok().flatten() else { return };
-    let radius = size_of_bodies(world).clamp(0.1, 0.5);
+    let (start, velocity) = throw(world, &aim);
     let name = unique_name(world, "thrown ball");
     let ball = world.spawn((
         Name::new(name.clone()),
         SceneEntity,
         BodyColor([0.95, 0.76, 0.2]),
         RigidBody::Dynamic,
-        Collider::sphere(radius),
-        Position(aim.origin + aim.direction * (4.0 * radius)),
-        Velocity { linear: aim.direction * (2.0 * aim.distance).clamp(5.0, 20.0), ..default() },
+        Collider::sphere(radius_of_ball(world)),
+        Position(start),
+        Velocity { linear: velocity, ..default() },
     ));
     let ball = ball.id();
     remember(world, format!("throwing {name}"), Deed::Added(vec![ball]));
+}
+
+/// Where a thrown ball begins and how fast, m and m/s: no faster than a hard throw.
+pub fn throw(world: &World, aim: &Aim) -> (DVec3, DVec3) {
+    let start = aim.origin + aim.direction * (4.0 * radius_of_ball(world));
+    (start, aim.direction * (2.0 * aim.distance).clamp(5.0, 20.0))
+}
+
+/// Of the size of the scene's bodies, from wherever one looks, m.
+fn radius_of_ball(world: &World) -> f64 {
+    size_of_bodies(world).clamp(0.1, 0.5)
 }
 
 /// Mean bounding radius of the bodies that the scene itself moves, m.

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use bevy::prelude::*;
 
+use super::body_change::write_body;
 use super::joint_change::JointChange;
 use super::joints::{Pin, idle_without, joints_of};
 use super::kept::KeptScene;
@@ -82,6 +83,15 @@ pub enum Deed {
         /// What makes it what it was.
         back: JointChange,
     },
+    /// This body is another.
+    Rebuilt {
+        /// Its entity.
+        body: Entity,
+        /// What it was.
+        back: Box<BodySpec>,
+        /// Whether it is to be as fast as it was, too.
+        velocity: bool,
+    },
     /// Something was done in the past: what was to come will not, by the count of such cuts, nor these deeds.
     Cut(u64, Ahead),
     /// A scene in which something was built is on view no longer.
@@ -114,6 +124,11 @@ impl UndoStack {
             Some(Deed::Changed { joint: last, back }) => *last == joint && back.is_alike(change),
             _ => false,
         }
+    }
+
+    /// Whether a change of that body would be one more like the last deed.
+    pub fn goes_on_with_body(&self, body: Entity) -> bool {
+        matches!(self.deeds.back().map(|done| &done.deed), Some(Deed::Rebuilt { body: last, .. }) if *last == body)
     }
 
     /// The scene went to another of its moments: what was done later is not done there, and is again once it comes to
@@ -321,6 +336,14 @@ fn take_back(world: &mut World, deed: Deed) -> Option<Deed> {
             (!came_back.is_empty()).then_some(Deed::Added(came_back))
         }
         Deed::Changed { joint, mut back } => back.write(world, joint).then_some(Deed::Changed { joint, back }),
+        Deed::Rebuilt { body, mut back, velocity } => {
+            if !velocity {
+                let now = BodySpec::of_entity(world, body)?;
+                (back.linear_velocity, back.angular_velocity) = (now.linear_velocity, now.angular_velocity);
+            }
+            let was = write_body(world, body, &back)?;
+            Some(Deed::Rebuilt { body, back: Box::new(was), velocity })
+        }
         Deed::Left(_) | Deed::Cut(..) => None, // not one thing of the running scene
     }
 }

@@ -7,8 +7,8 @@ use super::super::build::{UndoStack, stem};
 use super::super::{Blueprint, JoinKind, SandboxAction, Selection, Weight};
 use super::buttons::{ActionButton, button_row, tooltip};
 use super::entry::{Entered, Left};
-
 use super::theme::Quantity;
+use super::toolbar::{SHAPES, is_alike};
 use crate::scene::{MeshSpec, ShapeSpec, builtin_meshes};
 
 /// Sizes that can be set, m.
@@ -18,13 +18,6 @@ const SCALES: std::ops::RangeInclusive<f64> = 1e-4..=1e4;
 /// Densities, kg/m³, and masses, kg.
 const DENSITIES: std::ops::RangeInclusive<f64> = 0.1..=1e6;
 const MASSES: std::ops::RangeInclusive<f64> = 1e-3..=1e9;
-
-/// Something to choose: its name, and what it starts as.
-const SHAPES: [(&str, ShapeSpec); 3] = [
-    ("ball", ShapeSpec::Sphere { radius: 0.25 }),
-    ("box", ShapeSpec::Cuboid { size: bevy::math::DVec3::splat(0.5) }),
-    ("cone", ShapeSpec::Cone { radius: 0.25, height: 0.6 }),
-];
 
 /// What the section's widgets hold.
 #[derive(Default)]
@@ -52,8 +45,8 @@ pub(super) fn show(
     };
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = egui::vec2(2.0, 2.0);
-        for (name, start) in SHAPES {
-            let chosen = std::mem::discriminant(&edited.shape) == std::mem::discriminant(&start);
+        for (name, _, start) in SHAPES {
+            let chosen = is_alike(&edited.shape, &start);
             if ui.selectable_label(chosen, name).clicked() && !chosen {
                 edited.shape = start;
             }
@@ -127,7 +120,7 @@ fn join_kind(ui: &mut egui::Ui, chosen: &mut ResMut<JoinKind>) {
     });
 }
 
-fn sizes(ui: &mut egui::Ui, shape: &mut ShapeSpec) {
+pub(super) fn sizes(ui: &mut egui::Ui, shape: &mut ShapeSpec) {
     let mut size = |label: &str, value: &mut f64| {
         ui.add(egui::DragValue::new(value).prefix(format!("{label} ")).speed(0.01).range(SIZES).max_decimals(3));
     };

@@ -6,24 +6,21 @@ use bevy_egui::egui;
 use super::super::SandboxAction;
 use super::super::controls::BINDINGS;
 
+/// Behind what is switched on.
+const ON: egui::Color32 = egui::Color32::from_rgb(20, 108, 82);
+
 /// A button and what it asks for.
 pub(super) struct ActionButton {
     pub label: &'static str,
     pub action: SandboxAction,
-    /// Shown as switched on.
-    pub lit: bool,
     /// Whether it makes sense now.
     pub enabled: bool,
 }
 
 impl ActionButton {
-    /// Enabled, not lit.
+    /// Enabled.
     pub fn new(label: &'static str, action: SandboxAction) -> Self {
-        Self { label, action, lit: false, enabled: true }
-    }
-
-    pub fn lit_if(self, lit: bool) -> Self {
-        Self { lit, ..self }
+        Self { label, action, enabled: true }
     }
 
     pub fn enabled_if(self, enabled: bool) -> Self {
@@ -34,8 +31,8 @@ impl ActionButton {
 /// Four buttons over the width of the panel.
 pub(super) fn button_row(ui: &mut egui::Ui, actions: &mut MessageWriter<SandboxAction>, buttons: [ActionButton; 4]) {
     ui.columns(4, |columns| {
-        for (column, ActionButton { label, action, lit, enabled }) in columns.iter_mut().zip(buttons) {
-            let button = egui::Button::new(label).selected(lit).min_size(egui::vec2(column.available_width(), 24.0));
+        for (column, ActionButton { label, action, enabled }) in columns.iter_mut().zip(buttons) {
+            let button = egui::Button::new(label).min_size(egui::vec2(column.available_width(), 24.0));
             let tooltip = tooltip(&action);
             let shown = column.add_enabled(enabled, button);
             if shown.on_hover_text(&tooltip).on_disabled_hover_text(tooltip).clicked() {
@@ -43,6 +40,16 @@ pub(super) fn button_row(ui: &mut egui::Ui, actions: &mut MessageWriter<SandboxA
             }
         }
     });
+}
+
+/// A button that switches something: one that is on is not of the color of what is chosen.
+pub(in crate::sandbox) fn toggle<'a>(
+    ui: &egui::Ui,
+    is_on: bool,
+    text: impl Into<egui::WidgetText>,
+) -> egui::Button<'a> {
+    let button = egui::Button::new(text.into());
+    if is_on { button.fill(ON) } else { button.fill(ui.visuals().widgets.inactive.weak_bg_fill) }
 }
 
 /// What the key of an action does, and the key.

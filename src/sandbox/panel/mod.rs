@@ -1,15 +1,19 @@
-//! The panel at the right: playback, scenes, building, files, gizmos, colors and what made the last step, the selected body,
-//! plots, probes, ghosts beside the scene, charts, sweeps, solver, read-outs.
+//! The panel at the right, in pages: scenes and files, building and the selected body, what is shown and plotted, the solver with
+//! its charts and sweeps. Beside the picture the tools, under it the strip of time.
 //!
 //! Each section is a system that is handed egui's `Ui`, so that it names the resources it shows
 //! and nothing else. What a section asks of the sandbox it writes as a
 //! [`SandboxAction`](super::SandboxAction); physics resources it edits in place.
 
+mod body;
 mod build;
 mod buttons;
 mod chart;
 mod entry;
 mod files;
+mod graphs;
+mod icons;
+mod inspector;
 mod joint;
 mod measuring;
 mod playback;
@@ -21,29 +25,59 @@ mod strip;
 mod sweep;
 mod theme;
 mod toast;
+mod toolbar;
 pub(super) mod vary;
 mod world;
 
+pub(super) use buttons::toggle;
 pub use chart::measure_chart;
 pub(super) use entry::Entered;
 pub use measuring::ChartSource;
-pub(super) use strip::HEIGHT as STRIP_HEIGHT;
+pub(super) use strip::STRIP_HEIGHT;
 pub(super) use theme::{Quantity, name_of, palette, without_negative_zero};
 
 use bevy::prelude::*;
 use bevy_egui::{EguiContext, EguiPrimaryContextPass, PrimaryEguiContext, egui};
 
-use super::joint_readings::ReadJoints;
-use super::state::Covered;
-use super::{ghost, gizmos, plots, probe, why};
+use super::action::CarryOut;
+use super::state::{Covered, ShowsPlots};
+use super::{Ghosts, Tool, ghost, gizmos, plots, probe, why};
 use crate::scene::Probes;
 
 /// Whether the panel is open. Closed by dragging its edge to the side of the window.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PanelOpen(pub bool);
 
+/// What the panel shows.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Page {
+    /// Scenes.
+    #[default]
+    Play,
+    /// New bodies and joints, and the picked ones.
+    Build,
+    /// What is shown, plotted and told.
+    Analyse,
+    /// How it is solved, and how well.
+    Solver,
+}
+
+impl Page {
+    /// All of them, with what each is called and has.
+    const ALL: [(Self, &str, &str); 4] = [
+        (Self::Play, "Play", "scenes and files"),
+        (Self::Build, "Build", "what the next body is, and the selected one with its joints"),
+        (Self::Analyse, "Analyse", "what is drawn over the picture, plots, probes, ghosts, read-outs"),
+        (Self::Solver, "Solver", "the solver's settings, charts and sweeps"),
+    ];
+}
+
 pub(super) fn plugin(app: &mut App) {
     app.insert_resource(PanelOpen(true))
+        .init_resource::<Page>()
+        .init_resource::<inspector::Inspector>()
+        .add_systems(PreUpdate, turn_with_tool)
+        .add_systems(Update, inspector::follow.after(CarryOut))
         .add_plugins((
             playback::plugin,
             scenes::plugin,
@@ -53,7 +87,7 @@ pub(super) fn plugin(app: &mut App) {
             sweep::plugin,
             toast::plugin,
         ))
-        .add_systems(EguiPrimaryContextPass, (theme::apply, show, strip::show).chain());
+        .add_systems(EguiPrimaryContextPass, (theme::apply, show, strip::show, toolbar::show).chain());
 }
 
 const DEFAULT_WIDTH: f32 = 334.0;
@@ -71,7 +105,7 @@ fn show(world: &mut World) -> Result {
     let id = egui::Id::new("panel");
     let last = egui::PanelState::load(&context, id).map_or(screen, |state| state.outer_rect);
     let mut open = world.resource::<PanelOpen>().0;
-    let mut drawn = Ok(false);
+    let mut drawn = Ok(());
     let mut covered = 0.0;
     egui::Area::new(id.with("area")).fixed_pos(last.min).movable(false).constrain(false).fade_in(false).show(
         &context,
@@ -90,14 +124,21 @@ fn show(world: &mut World) -> Result {
         reopen_button(&context, &mut open);
     }
     world.resource_mut::<PanelOpen>().set_if_neq(PanelOpen(open));
-    world.resource_mut::<Covered>().set_if_neq(Covered(covered));
-    let watched = (drawn? && open) || probe::reads_diagnostics(world.resource::<Probes>());
+    drawn?;
+    let bottom = world.resource::<Covered>().bottom;
+    world.resource_mut::<Covered>().set_if_neq(Covered { right: covered, bottom });
+    inspector::show(&context, world)?;
+    let bottom = graphs::show(&context, world)?;
+    world.resource_mut::<Covered>().set_if_neq(Covered { right: covered, bottom });
+    let watched = world.resource::<ShowsPlots>().0
+        || probe::reads_diagnostics(world.resource::<Probes>())
+        || !world.resource::<Ghosts>().0.is_empty();
     world.resource_mut::<plots::Watched>().set_if_neq(plots::Watched(watched));
     Ok(())
 }
 
 /// The sections, in a panel that stays as wide as it was made: what is too long for it is cut off at its edge.
-fn at_its_width(ui: &mut egui::Ui, world: &mut World) -> Result<bool> {
+fn at_its_width(ui: &mut egui::Ui, world: &mut World) -> Result {
     let room = ui.available_rect_before_wrap();
     let mut inside = ui.new_child(egui::UiBuilder::new().max_rect(room));
     inside.shrink_clip_rect(room);
@@ -106,36 +147,64 @@ fn at_its_width(ui: &mut egui::Ui, world: &mut World) -> Result<bool> {
     drawn
 }
 
-/// The sections, top to bottom. Tells whether the plots are on view.
-fn sections(ui: &mut egui::Ui, world: &mut World) -> Result<bool> {
-    run(ui, world, playback::show)?;
+/// The pages, and the sections of the one on view, top to bottom.
+fn sections(ui: &mut egui::Ui, world: &mut World) -> Result {
+    run(ui, world, pages)?;
     ui.separator();
+    let page = *world.resource::<Page>();
     egui::ScrollArea::vertical()
+        .id_salt(page)
         .auto_shrink([false, false])
         .show(ui, |ui| {
             // The scroll bar floats over the contents.
             ui.set_max_width(ui.available_width() - SCROLL_BAR);
-            section(ui, world, "Scene", true, scenes::show)?;
-            section(ui, world, "Build", true, build::show)?;
-            section(ui, world, "Files", true, files::show)?;
-            section(ui, world, "Gizmos", true, gizmos::show)?;
-            section(ui, world, "Why", false, why::show)?;
-            // Beside the gizmos and the plots, which show what is chosen here.
-            let list_open = section(ui, world, "Selected body", true, selection::show)?;
-            if !list_open && !world.resource::<ReadJoints>().open.is_empty() {
-                world.resource_mut::<ReadJoints>().open.clear();
+            match page {
+                Page::Play => {
+                    section(ui, world, "Scene", true, scenes::show)?;
+                    section(ui, world, "Files", true, files::show)?;
+                    section(ui, world, "World", true, world::show)?;
+                }
+                Page::Build => {
+                    section(ui, world, "Build", true, build::show)?;
+                }
+                Page::Analyse => {
+                    section(ui, world, "Gizmos", true, gizmos::show)?;
+                    section(ui, world, "Probes", true, probe::show)?;
+                    section(ui, world, "Why", false, why::show)?;
+                    section(ui, world, "Side by side", false, ghost::show)?;
+                    section(ui, world, "Read-outs", true, readouts::show)?;
+                }
+                Page::Solver => {
+                    section(ui, world, "Solver", true, solver::show)?;
+                    section(ui, world, "Chart", false, chart::show)?;
+                    section(ui, world, "Sweep", false, sweep::show)?;
+                }
             }
-            let plots_open = section(ui, world, "Plots", true, plots::show)?;
-            section(ui, world, "Probes", true, probe::show)?;
-            section(ui, world, "Side by side", false, ghost::show)?;
-            section(ui, world, "Chart", false, chart::show)?;
-            section(ui, world, "Sweep", false, sweep::show)?;
-            section(ui, world, "Solver", true, solver::show)?;
-            section(ui, world, "Read-outs", true, readouts::show)?;
-            section(ui, world, "World", false, world::show)?;
-            Ok(plots_open)
+            Ok(())
         })
         .inner
+}
+
+/// What is built with is on view once a tool that builds is in hand.
+fn turn_with_tool(tool: Res<Tool>, mut page: ResMut<Page>) {
+    if tool.is_changed() && matches!(*tool, Tool::Add | Tool::Bar | Tool::Join) {
+        page.set_if_neq(Page::Build);
+    }
+}
+
+/// The pages' names; a click turns to one.
+fn pages(InMut(ui): InMut<egui::Ui>, mut page: ResMut<Page>) {
+    ui.add_space(4.0);
+    ui.columns(Page::ALL.len(), |columns| {
+        for (column, (own, name, about)) in columns.iter_mut().zip(Page::ALL) {
+            let text = egui::RichText::new(name).size(15.0);
+            let size = egui::vec2(column.available_width(), 28.0);
+            let button = egui::Button::selectable(*page == own, text).min_size(size);
+            if column.add(button).on_hover_text(about).clicked() {
+                page.set_if_neq(own);
+            }
+        }
+    });
 }
 
 /// A collapsible section. Tells whether it is open.

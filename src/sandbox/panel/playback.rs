@@ -1,13 +1,13 @@
-//! Play, pause, step and the other things a user does, and how time runs.
+//! How time runs, and how fast.
 
 use std::time::Duration;
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_egui::egui;
 
 use super::super::playback::FrameClock;
-use super::super::{CurrentScene, Playback, SandboxAction};
-use super::buttons::{ActionButton, button_row};
+use super::super::{CurrentScene, Playback};
 use super::theme::Quantity;
 use crate::physics::{SolverSettings, StepStats};
 use crate::sandbox::timeline::{PoseTrack, ShownStep};
@@ -70,56 +70,35 @@ fn measure_pace(clock: Res<Time<Real>>, stats: Res<StepStats>, frame: Res<FrameC
     }
 }
 
-pub(super) fn show(
-    InMut(ui): InMut<egui::Ui>,
-    playback: Res<Playback>,
-    stats: Res<StepStats>,
-    settings: Res<SolverSettings>,
-    start: Res<SceneStart>,
-    pace: Res<Pace>,
-    (track, shown): (Res<PoseTrack>, Res<ShownStep>),
-    mut actions: MessageWriter<SandboxAction>,
-) {
-    ui.add_space(4.0);
-    let play = if playback.paused { "▶ Play" } else { "⏸ Pause" };
-    button_row(
-        ui,
-        &mut actions,
-        [
-            ActionButton::new(play, SandboxAction::TogglePause).lit_if(playback.paused),
-            ActionButton::new("⏭ Step", SandboxAction::StepOnce),
-            ActionButton::new("⟲ Reset", SandboxAction::Reset),
-            ActionButton::new("🐢 Slow", SandboxAction::ToggleSlowMotion).lit_if(playback.slow),
-        ],
-    );
-    button_row(
-        ui,
-        &mut actions,
-        [
-            ActionButton::new("⚽ Ball", SandboxAction::ThrowBall),
-            ActionButton::new("🗑 Delete", SandboxAction::DeletePicked),
-            ActionButton::new("📷 Photo", SandboxAction::Screenshot),
-            ActionButton::new("❓ Help", SandboxAction::ToggleHelp),
-        ],
-    );
-    // Of the moment that is drawn.
-    let moment = shown.step.and_then(|step| Some((step, track.time(step)?)));
-    let (steps, time) = moment.unwrap_or((stats.steps, stats.time));
-    ui.horizontal(|ui| {
-        ui.label(format!("{:.2} s", time - start.time)).on_hover_text("simulation time since the scene began");
-        ui.separator();
-        ui.label(format!("step {}", steps.saturating_sub(start.steps)))
-            .on_hover_text(format!("of {} each", Quantity::text(settings.step(), "s")));
-        ui.separator();
-        let speed = if playback.paused { "paused".into() } else { format!("{:.2}× real time", pace.factor) };
-        ui.label(speed)
-            .on_hover_text("simulated seconds per second of the clock: below 1 where steps take longer than they last");
-        if stats.quarantined > 0 {
-            ui.colored_label(ui.visuals().error_fg_color, format!("{} frozen", stats.quarantined))
-                .on_hover_text("bodies or joints whose state made no sense; the read-outs name them");
-        }
-    });
-    let (frames, share) = (pace.frames, 100.0 * pace.share_of_steps);
-    ui.weak(format!("{frames:.0} frames a second, physics takes {share:.0} % of the time"))
-        .on_hover_text("the rest goes into the picture, or is spare");
+/// The time of what is drawn, and how fast it goes.
+#[derive(SystemParam)]
+pub(super) struct Clock<'w> {
+    playback: Res<'w, Playback>,
+    stats: Res<'w, StepStats>,
+    settings: Res<'w, SolverSettings>,
+    start: Res<'w, SceneStart>,
+    pace: Res<'w, Pace>,
+    track: Res<'w, PoseTrack>,
+    shown: Res<'w, ShownStep>,
+}
+
+impl Clock<'_> {
+    /// Two short lines.
+    pub fn show(&self, ui: &mut egui::Ui) {
+        let moment = self.shown.step.and_then(|step| Some((step, self.track.time(step)?)));
+        let (steps, time) = moment.unwrap_or((self.stats.steps, self.stats.time));
+        let steps = steps.saturating_sub(self.start.steps);
+        let each = Quantity::text(self.settings.step(), "s");
+        ui.label(egui::RichText::new(format!("{:.2} s", time - self.start.time)).size(15.0))
+            .on_hover_text(format!("simulation time since the scene began: step {steps}, of {each} each"));
+        let (frames, share) = (self.pace.frames, 100.0 * self.pace.share_of_steps);
+        let speed = match self.playback.paused {
+            true => "paused".into(),
+            false => format!("{:.2}× real time", self.pace.factor),
+        };
+        ui.label(egui::RichText::new(speed).size(11.0).weak()).on_hover_text(format!(
+            "simulated seconds per second of the clock: below 1 where steps take longer than they last\n{frames:.0} frames a \
+             second, physics takes {share:.0} % of the time; the rest goes into the picture, or is spare"
+        ));
+    }
 }

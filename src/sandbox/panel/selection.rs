@@ -7,29 +7,20 @@ use bevy_egui::egui;
 use super::super::any_joint::{IsJoint, WholeJoint, WholeJointItem, noun};
 use super::super::joint_readings::ReadJoints;
 use super::super::probe::{Reader, offer_body, offer_joint};
-use super::super::{JointChange, SandboxAction, Selection};
+use super::super::{JointChange, SandboxAction, Selection, ShowsPlots};
 use super::buttons::tooltip;
 use super::joint;
-use super::theme::{Quantity, name_of, without_negative_zero};
-use crate::physics::{Mass, Position, RigidBody, Rotation, StepStats, Velocity};
+use super::theme::{name_of, without_negative_zero};
+use crate::physics::{Position, RigidBody, Rotation, StepStats};
 use crate::scene::{JointComponent, Probes, SceneEntity};
 
 /// How many joints are listed.
 const LISTED: usize = 12;
+/// So few are told in full.
+const OPEN: usize = 2;
 
 /// What the section shows of bodies.
-type Bodies<'w, 's> = Query<
-    'w,
-    's,
-    (
-        Option<&'static Name>,
-        &'static RigidBody,
-        &'static Position,
-        &'static Rotation,
-        &'static Velocity,
-        Option<&'static Mass>,
-    ),
->;
+type Bodies<'w, 's> = Query<'w, 's, (Option<&'static Name>, &'static RigidBody, &'static Position, &'static Rotation)>;
 
 type Joints<'w, 's> = Query<'w, 's, (Entity, WholeJoint), (IsJoint, With<SceneEntity>)>;
 
@@ -41,6 +32,7 @@ pub(super) fn show(
     stats: Res<StepStats>,
     mut read: ResMut<ReadJoints>,
     (mut probes, reader): (ResMut<Probes>, Reader),
+    mut shows_plots: ResMut<ShowsPlots>,
     mut changing: Local<bool>,
     mut actions: MessageWriter<SandboxAction>,
 ) {
@@ -52,8 +44,15 @@ pub(super) fn show(
             show_body(ui, &selection, body, &bodies, &mut probes, &mut actions);
             let own = joints_of(body, &joints);
             for (entity, joint) in own.iter().take(LISTED) {
-                let (change, cut) =
-                    show_joint(ui, body, *entity, joint, (&bodies, &stats, &reader), &mut now, &mut probes);
+                let (change, cut) = show_joint(
+                    ui,
+                    body,
+                    (*entity, own.len() <= OPEN),
+                    joint,
+                    (&bodies, &stats, &reader),
+                    &mut now,
+                    &mut probes,
+                );
                 if cut {
                     actions.write(SandboxAction::Cut(*entity));
                 }
@@ -67,6 +66,9 @@ pub(super) fn show(
                 ui.weak(format!("and {more} more joints"));
             }
         }
+    }
+    if now.plotted.is_some() && now.plotted != read.plotted {
+        shows_plots.set_if_neq(ShowsPlots(true));
     }
     read.set_if_neq(now);
 }
@@ -91,45 +93,33 @@ fn show_body(
     probes: &mut ResMut<Probes>,
     actions: &mut MessageWriter<SandboxAction>,
 ) {
-    let Ok((name, kind, position, _, velocity, mass)) = bodies.get(body) else { return };
-    let row = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
-    ui.allocate_ui_with_layout(row, egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        if ui.small_button("🗑 delete").on_hover_text("delete this body and its joints").clicked() {
-            actions.write(SandboxAction::DeletePicked);
-        }
+    let Ok((_, _, position, _)) = bodies.get(body) else { return };
+    ui.horizontal(|ui| {
+        let label = egui::Label::new("at").selectable(false).sense(egui::Sense::click());
+        let about = "its centre of mass; right click: plot it";
+        ui.add(label).on_hover_text(about).context_menu(|ui| offer_body(ui, probes, body));
+        ui.monospace(vector_text(position.0, "m"));
+    });
+    ui.horizontal(|ui| {
         if ui.small_button("follow").on_hover_text(tooltip(&SandboxAction::Follow)).clicked() {
             actions.write(SandboxAction::Follow);
         }
-        let kind = format!("{kind:?}").to_lowercase();
-        let kind = mass.map_or(kind.clone(), |mass| format!("{kind}, {}", Quantity::text(mass.0 * 1000.0, "g")));
-        let name = name.map_or_else(|| body.to_string(), ToString::to_string);
-        // What is left of the line is the name's, however long that is.
-        ui.weak(kind);
-        ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-            ui.add(egui::Label::new(egui::RichText::new(name).strong()).truncate());
-        });
+        ui.menu_button("plot", |ui| offer_body(ui, probes, body));
+        if ui.small_button("🗑 delete").on_hover_text("delete this body and its joints").clicked() {
+            actions.write(SandboxAction::DeletePicked);
+        }
     });
     if let Some(partner) = selection.partner {
         let partner = name_in(bodies, partner.entity);
         ui.label(format!("and {partner}")).on_hover_text("picked with Shift held, to be joined");
     }
-    egui::Grid::new("selected body").num_columns(2).show(ui, |ui| {
-        for (label, vector, unit) in
-            [("position", position.0, "m"), ("velocity", velocity.linear, "m/s"), ("spin", velocity.angular, "rad/s")]
-        {
-            let shown = ui.add(egui::Label::new(label).selectable(false).sense(egui::Sense::click()));
-            shown.on_hover_text("right click: plot it").context_menu(|ui| offer_body(ui, probes, body));
-            ui.monospace(vector_text(vector, unit));
-            ui.end_row();
-        }
-    });
 }
 
 /// A line of the list, which opens. Tells what is to be changed, and whether the joint is to be cut.
 fn show_joint(
     ui: &mut egui::Ui,
     body: Entity,
-    entity: Entity,
+    (entity, is_open): (Entity, bool),
     joint: &WholeJointItem,
     (bodies, stats, reader): (&Bodies, &StepStats, &Reader),
     read: &mut ReadJoints,
@@ -140,7 +130,7 @@ fn show_joint(
     let other = name_in(bodies, if a == body { b } else { a });
     let broken = if joint.broken.is_some() { ", broken" } else { "" };
     let id = ui.make_persistent_id(entity);
-    let mut state = egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, false);
+    let mut state = egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, is_open);
     let mut cut = false;
     let header = ui.horizontal(|ui| {
         state.show_toggle_button(ui, egui::collapsing_header::paint_default_icon);
@@ -169,7 +159,7 @@ fn show_joint(
 /// Where a joint stands along its axis.
 fn value_of(joint: &WholeJointItem, component: &JointComponent, bodies: &Bodies) -> Option<f64> {
     let [Ok(a), Ok(b)] = component.bodies().map(|body| bodies.get(body)) else { return None };
-    joint.value([a, b].map(|(_, _, position, rotation, ..)| (position.0, rotation.0)))
+    joint.value([a, b].map(|(_, _, position, rotation)| (position.0, rotation.0)))
 }
 
 fn vector_text(v: DVec3, unit: &str) -> String {

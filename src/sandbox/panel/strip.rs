@@ -1,19 +1,22 @@
-//! The strip under the picture: how far back what happened is kept, and the head that goes there.
+//! The strip under the picture: play and pause, how far back what happened is kept, and the head that goes there.
 
 use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
 
-use super::buttons::tooltip;
+use super::buttons::{toggle, tooltip};
+use super::playback::Clock;
 use super::theme::{Quantity, palette};
 use crate::physics::{History, SolverSettings, StepStats};
-use crate::sandbox::state::Covered;
+use crate::sandbox::state::{Covered, ShowsPlots};
 use crate::sandbox::timeline::{LIMIT, PoseTrack, ShownStep, head_and_reach};
 use crate::sandbox::{CurrentScene, GhostReadings, Playback, SandboxAction, Timeline};
 
 /// What the strip takes of the window's height, points, its margins too.
-pub const HEIGHT: f32 = 62.0;
+pub const STRIP_HEIGHT: f32 = 62.0;
 const MARGIN: f32 = 8.0;
 const BAR: f32 = 18.0;
+/// Width of the time.
+const CLOCK: f32 = 86.0;
 /// Marks that are nearer than this to the pointer, points, draw the head to them.
 const SNAP: f32 = 5.0;
 /// What is said at the end of the strip at most.
@@ -32,12 +35,12 @@ pub(super) fn show(
     (track, shown): (Res<PoseTrack>, Res<ShownStep>),
     ghosts: Res<GhostReadings>,
     playback: Res<Playback>,
-    covered: Res<Covered>,
+    (covered, clock, shows_plots): (Res<Covered>, Clock, Res<ShowsPlots>),
     mut actions: MessageWriter<SandboxAction>,
 ) -> Result {
     let (Some(history), Some(_)) = (history, scene) else { return Ok(()) };
     let context = contexts.ctx_mut()?;
-    let width = context.content_rect().width() - covered.0 / context.zoom_factor() - 2.0 * MARGIN;
+    let width = context.content_rect().width() - covered.right / context.zoom_factor() - 2.0 * MARGIN;
     let (head, reach) = head_and_reach(&stats, Some(&history));
     let head = shown.step.unwrap_or(head);
     egui::Area::new(egui::Id::new("strip")).anchor(egui::Align2::LEFT_BOTTOM, [MARGIN, -MARGIN]).constrain(false).show(
@@ -45,9 +48,15 @@ pub(super) fn show(
         |ui| {
             egui::Frame::popup(ui.style()).inner_margin(6.0).show(ui, |ui| {
                 ui.set_width((width - 12.0).max(1.0));
-                ui.set_height(HEIGHT - 2.0 * MARGIN - 12.0);
+                ui.set_height(STRIP_HEIGHT - 2.0 * MARGIN - 12.0);
                 ui.horizontal_centered(|ui| {
-                    buttons(ui, &timeline, &playback, &mut actions);
+                    buttons(ui, &timeline, &playback, shows_plots.0, &mut actions);
+                    let room = egui::vec2(CLOCK, ui.available_height());
+                    ui.allocate_ui_with_layout(room, egui::Layout::top_down(egui::Align::Center), |ui| {
+                        ui.set_width(CLOCK);
+                        ui.spacing_mut().item_spacing.y = 1.0;
+                        clock.show(ui);
+                    });
                     let said = said(head, reach, &settings);
                     // The bar is as long whatever is said: the head stays under the pointer.
                     let longest =
@@ -70,19 +79,34 @@ pub(super) fn show(
     Ok(())
 }
 
-fn buttons(ui: &mut egui::Ui, timeline: &Timeline, playback: &Playback, actions: &mut MessageWriter<SandboxAction>) {
+/// Play is the largest; before it what goes back, after it what goes on.
+fn buttons(
+    ui: &mut egui::Ui,
+    timeline: &Timeline,
+    playback: &Playback,
+    shows_plots: bool,
+    actions: &mut MessageWriter<SandboxAction>,
+) {
     let play = if playback.paused { "▶" } else { "⏸" };
-    for (label, action, lit) in [
+    for (label, action, is_on) in [
+        ("⟲", SandboxAction::Reset, false),
         ("⏮", SandboxAction::GoToStart, false),
         ("◀", SandboxAction::TogglePlayBackwards, timeline.backwards),
         ("⏴", SandboxAction::StepBack, false),
         (play, SandboxAction::TogglePause, false),
         ("⏵", SandboxAction::StepOnce, false),
         ("⏭", SandboxAction::GoToNow, false),
+        ("🐢", SandboxAction::ToggleSlowMotion, playback.slow),
         ("⚑", SandboxAction::ToggleMark, false),
         ("🔁", SandboxAction::ToggleLoop, timeline.looped.is_some()),
+        ("📈", SandboxAction::TogglePlots, shows_plots),
     ] {
-        let button = egui::Button::new(label).selected(lit).min_size(egui::vec2(24.0, 24.0));
+        let is_play = action == SandboxAction::TogglePause;
+        let (size, text) = match is_play {
+            true => (egui::vec2(46.0, 36.0), egui::RichText::new(label).size(22.0)),
+            false => (egui::vec2(24.0, 26.0), egui::RichText::new(label)),
+        };
+        let button = toggle(ui, is_on || is_play && playback.paused, text).min_size(size);
         if ui.add(button).on_hover_text(tooltip(&action)).clicked() {
             actions.write(action);
         }

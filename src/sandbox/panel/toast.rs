@@ -5,7 +5,7 @@ use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 
 use super::super::Notice;
 use super::entry::take_refused;
-use super::strip;
+use super::strip::STRIP_HEIGHT;
 
 /// How long a notice stays, s.
 const SECONDS: f64 = 6.0;
@@ -37,7 +37,7 @@ fn show(
         Notice::Error(text) => (text, context.global_style().visuals.error_fg_color),
     };
     egui::Area::new(egui::Id::new("notice"))
-        .anchor(egui::Align2::LEFT_BOTTOM, [12.0, -12.0 - strip::HEIGHT])
+        .anchor(egui::Align2::LEFT_BOTTOM, [12.0, -12.0 - STRIP_HEIGHT])
         .interactable(false)
         .show(context, |ui| {
             egui::Frame::popup(ui.style()).show(ui, |ui| {

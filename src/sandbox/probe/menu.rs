@@ -14,7 +14,7 @@ use crate::physics::{Collider, RenderOrigin, RigidBody, Shape};
 use crate::sandbox::build::joint_at_pointer;
 use crate::sandbox::drag::claims;
 use crate::sandbox::ground::GroundOf;
-use crate::sandbox::{CurrentScene, Notice};
+use crate::sandbox::{CurrentScene, Notice, Tool};
 use crate::scene::{MAX_PROBES, Probe, ProbePoint, Probes};
 
 /// How far the pointer may move in a click, logical pixels.
@@ -69,6 +69,7 @@ pub fn press(
     mut egui: Query<&mut EguiContext, With<PrimaryEguiContext>>,
     mut menu: ResMut<Menu>,
     mut tape: ResMut<TapeStart>,
+    tool: Res<Tool>,
     mut notice: ResMut<Notice>,
 ) {
     let position = press.pointer_location.position;
@@ -83,6 +84,10 @@ pub fn press(
         PointerButton::Primary if tape.is_waiting() => match point {
             Some(point) => tape.to = Some(point),
             None => *notice = Notice::Error("there is nothing to measure to: click a body or the ground".into()),
+        },
+        PointerButton::Primary if *tool == Tool::Measure => match point {
+            Some(_) => begin_tape(&mut tape, &mut notice, point),
+            None => *notice = Notice::Error("there is nothing to measure from: click a body or the ground".into()),
         },
         _ => {}
     }
@@ -161,13 +166,17 @@ pub fn show(
     // The very click that opened it is not one beside it.
     let is_left = has_left && open.age > 1;
     if measures {
-        *tape = TapeStart { from: open.point, to: None };
-        *notice = Notice::Info("click the other end of the tape; Esc: no tape".into());
+        begin_tape(&mut tape, &mut notice, open.point);
     }
     if is_left || measures {
         menu.open = None;
     }
     Ok(())
+}
+
+fn begin_tape(tape: &mut TapeStart, notice: &mut Notice, from: Option<WatchedPoint>) {
+    *tape = TapeStart { from, to: None };
+    *notice = Notice::Info("click the other end of the tape; Esc: no tape".into());
 }
 
 /// Whether a tape is to begin there.

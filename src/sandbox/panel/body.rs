@@ -1,0 +1,150 @@
+//! What a body is, to be changed while the scene runs.
+
+use bevy::math::DVec3;
+use bevy::prelude::*;
+use bevy_egui::egui;
+
+use super::build::sizes;
+use super::theme::Quantity;
+use crate::physics::{Mass, RigidBody};
+use crate::sandbox::{SandboxAction, Selection};
+use crate::scene::{BodySpec, ShapeSpec};
+
+/// Layers that have a box; the others stay as they are.
+const LAYERS: u32 = 8;
+/// Masses, kg, and speeds, m/s and rad/s, that can be set.
+const MASSES: std::ops::RangeInclusive<f64> = 1e-3..=1e9;
+const SPEEDS: std::ops::RangeInclusive<f64> = -1000.0..=1000.0;
+
+/// The name that is being typed.
+#[derive(Default)]
+pub(super) struct Typed(Option<String>);
+
+/// The picked body, as it is.
+fn picked(world: &World) -> Option<(Entity, BodySpec)> {
+    let entity = world.resource::<Selection>().entity()?;
+    Some((entity, BodySpec::of_entity(world, entity)?))
+}
+
+/// Its name, kind and color.
+pub(super) fn show_name(InMut(ui): InMut<egui::Ui>, world: &mut World, mut typed: Local<Typed>) {
+    let Some((entity, was)) = picked(world) else { return };
+    let mut now = was.clone();
+    name_and_kind(ui, &mut now, &mut typed);
+    if now != was {
+        world.write_message(SandboxAction::ChangeBody { body: entity, asked: Box::new(now), continues: false });
+    }
+}
+
+/// The other fields. What is changed is asked for.
+pub(super) fn show(InMut(ui): InMut<egui::Ui>, world: &mut World, mut changing: Local<bool>) {
+    let Some((entity, was)) = picked(world) else { return };
+    let mass = world.get::<Mass>(entity).map_or(0.0, |mass| mass.0);
+    *changing &= ui.input(|input| input.pointer.any_down());
+    let mut now = was.clone();
+    egui::Grid::new("body").num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
+        if let Some(shape @ (ShapeSpec::Sphere { .. } | ShapeSpec::Cuboid { .. } | ShapeSpec::Cone { .. })) =
+            &mut now.shape
+        {
+            ui.label("size");
+            ui.horizontal(|ui| sizes(ui, shape));
+            ui.end_row();
+        }
+        if now.kind == RigidBody::Dynamic {
+            ui.label("mass").on_hover_text("a body whose mass is set keeps it when its size is changed");
+            ui.horizontal(|ui| {
+                let mut edited = mass;
+                let drag =
+                    egui::DragValue::new(&mut edited).suffix(" kg").speed(0.01 * mass).range(MASSES).max_decimals(3);
+                if ui.add(drag.update_while_editing(false)).changed() {
+                    now.mass = Some(edited);
+                }
+                if now.mass.is_some() && now.shape.is_some() {
+                    let back = format!("by its density of {} again", Quantity::text(now.density * 1000.0, "g/m³"));
+                    if ui.small_button("⟲").on_hover_text(back).clicked() {
+                        now.mass = None;
+                    }
+                }
+            });
+            ui.end_row();
+        }
+        if now.shape.is_some() {
+            ui.label("surface");
+            ui.horizontal(|ui| {
+                let friction = egui::DragValue::new(&mut now.material.friction).prefix("friction ").speed(0.01);
+                ui.add(friction.range(0.0..=10.0).max_decimals(3).update_while_editing(false));
+                let bounce = egui::DragValue::new(&mut now.material.restitution).prefix("bounce ").speed(0.01);
+                ui.add(bounce.range(0.0..=1.0).max_decimals(3).update_while_editing(false));
+            });
+            ui.end_row();
+        }
+        if now.kind != RigidBody::Static {
+            velocity(ui, "velocity", "m/s", &mut now.linear_velocity);
+            velocity(ui, "spin", "rad/s", &mut now.angular_velocity);
+        }
+        if now.shape.is_some() {
+            layers(
+                ui,
+                "is in",
+                "layers that it is in: two bodies touch if each touches a layer of the other",
+                &mut now.layers.memberships,
+            );
+            layers(ui, "touches", "layers that it touches", &mut now.layers.filters);
+        }
+    });
+    if now != was {
+        world.write_message(SandboxAction::ChangeBody { body: entity, asked: Box::new(now), continues: *changing });
+        *changing = ui.input(|input| input.pointer.any_down());
+    }
+}
+
+fn name_and_kind(ui: &mut egui::Ui, now: &mut BodySpec, typed: &mut Typed) {
+    ui.horizontal(|ui| {
+        let mut text = typed.0.clone().unwrap_or_else(|| now.name.clone());
+        let line = ui.add(egui::TextEdit::singleline(&mut text).desired_width(118.0)).on_hover_text("its name");
+        typed.0 = line.has_focus().then(|| text.clone());
+        if line.lost_focus() {
+            now.name = text.trim().to_owned();
+        }
+        let name = |kind: RigidBody| format!("{kind:?}").to_lowercase();
+        egui::ComboBox::from_id_salt("kind").width(86.0).selected_text(name(now.kind)).show_ui(ui, |ui| {
+            for kind in [RigidBody::Dynamic, RigidBody::Kinematic, RigidBody::Static] {
+                ui.selectable_value(&mut now.kind, kind, name(kind));
+            }
+        });
+        if now.shape.is_some() {
+            let mut color = now.color.unwrap_or([0.6; 3]).map(|part| (part * 255.0).round() as u8);
+            if ui.color_edit_button_srgb(&mut color).on_hover_text("its color").changed() {
+                now.color = Some(color.map(|part| f32::from(part) / 255.0));
+            }
+        }
+    });
+}
+
+fn velocity(ui: &mut egui::Ui, label: &str, unit: &str, vector: &mut DVec3) {
+    ui.label(label).on_hover_text(unit);
+    ui.horizontal(|ui| {
+        for part in vector.as_mut() {
+            let drag = egui::DragValue::new(part).speed(0.05).range(SPEEDS).fixed_decimals(2);
+            ui.add_sized([58.0, ui.spacing().interact_size.y], drag.update_while_editing(false));
+        }
+        if *vector != DVec3::ZERO && ui.small_button("0").on_hover_text("stop it").clicked() {
+            *vector = DVec3::ZERO;
+        }
+    });
+    ui.end_row();
+}
+
+fn layers(ui: &mut egui::Ui, label: &str, about: &str, bits: &mut u32) {
+    ui.label(label).on_hover_text(about);
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        for layer in 0..LAYERS {
+            let is_in = *bits >> layer & 1 == 1;
+            if ui.add(super::toggle(ui, is_in, (layer + 1).to_string()).small()).on_hover_text(about).clicked() {
+                *bits ^= 1 << layer;
+            }
+        }
+    });
+    ui.end_row();
+}

@@ -1,0 +1,10 @@
+//! Tools: what a press in the picture does but for picking and dragging, and a preview of it.
+
+mod aimed;
+mod bar;
+mod plugin;
+mod press;
+mod preview;
+
+pub(super) use plugin::plugin;
+pub(super) use press::put_down;

@@ -1,0 +1,174 @@
+//! What a press would do, drawn where it would be done.
+
+use std::f32::consts::PI;
+
+use bevy::math::DVec3;
+use bevy::picking::pointer::PointerId;
+use bevy::prelude::*;
+
+use super::aimed::Aimed;
+use super::bar::{self, BarDraft};
+use crate::physics::{Gravity, RenderOrigin};
+use crate::sandbox::build::{self, BarEnd, JoinKind};
+use crate::sandbox::camera;
+use crate::sandbox::timeline::ShownStep;
+use crate::sandbox::{Selection, Tool};
+use crate::scene::{BodySpec, ShapeSpec};
+
+const WILL_BE: Color = Color::srgb(1.0, 0.85, 0.1);
+const WILL_GO: Color = Color::srgb(1.0, 0.35, 0.25);
+/// Radius of a dot, of its distance from the camera.
+const DOT: f32 = 0.006;
+/// Length of an axis on each side, of its distance from the camera.
+const AXIS: f32 = 0.05;
+/// How long a thrown ball's way is drawn, s, and in how many pieces.
+const FLIGHT: f64 = 1.0;
+const PIECES: usize = 24;
+
+/// In front of all bodies.
+#[derive(Default, Reflect, GizmoConfigGroup)]
+pub struct PreviewLines;
+
+pub fn set_up(mut store: ResMut<GizmoConfigStore>) {
+    let (config, _) = store.config_mut::<PreviewLines>();
+    config.line.width = 2.5;
+    config.depth_bias = -0.99;
+}
+
+/// What is drawn; places of the world, m.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub struct Preview {
+    body: Option<BodySpec>,
+    /// A way from place to place, and whether what is there would go.
+    ways: Vec<(Vec<DVec3>, bool)>,
+    dots: Vec<DVec3>,
+    /// A place and a direction through it.
+    axis: Option<(DVec3, DVec3)>,
+    /// From a place, a unit direction.
+    arrow: Option<(DVec3, DVec3)>,
+}
+
+/// Finds what the tool in hand would do.
+pub fn find(world: &mut World) {
+    let preview = of_tool(world).unwrap_or_default();
+    world.resource_mut::<Preview>().set_if_neq(preview);
+}
+
+fn of_tool(world: &mut World) -> Option<Preview> {
+    let tool = *world.resource::<Tool>();
+    if matches!(tool, Tool::Drag | Tool::Measure) || world.resource::<ShownStep>().step.is_some() {
+        return None;
+    }
+    if let Some(draft) = world.resource::<BarDraft>().0 {
+        return Some(of_bar([draft.from, draft.to], draft.normal));
+    }
+    let aim = world.run_system_cached(camera::aim).ok().flatten().filter(|aim| aim.by_pointer)?;
+    let aimed = world.run_system_cached_with(bar::under_pointer, PointerId::Mouse).ok().flatten();
+    let dot = |aimed: &Aimed| vec![aimed.place];
+    let preview = match tool {
+        Tool::Drag | Tool::Measure => return None,
+        Tool::Push => Preview {
+            arrow: aimed.filter(|aimed| !aimed.is_ground).map(|aimed| (aimed.place, aim.direction)),
+            ..default()
+        },
+        Tool::Throw => {
+            let (start, velocity) = build::throw(world, &aim);
+            let gravity = world.get_resource::<Gravity>().map_or(DVec3::ZERO, |gravity| gravity.0);
+            let at = |piece: usize| {
+                let t = FLIGHT * piece as f64 / PIECES as f64;
+                start + velocity * t + gravity * (0.5 * t * t)
+            };
+            Preview { ways: vec![((0..=PIECES).map(at).collect(), false)], ..default() }
+        }
+        Tool::Add => Preview { body: build::next_body(world).ok(), ..default() },
+        Tool::Bar => {
+            Preview { dots: bar::snapped(world, &aim).map(|end| end.place).into_iter().collect(), ..default() }
+        }
+        Tool::Join => of_join(world, aimed),
+        Tool::Pin => {
+            Preview { dots: aimed.filter(|aimed| !aimed.is_ground).as_ref().map(dot).unwrap_or_default(), ..default() }
+        }
+        Tool::Cut => {
+            let ends = build::joint_at_pointer(world).and_then(|joint| build::ends_of(world, joint))?;
+            Preview { ways: vec![(ends.to_vec(), true)], dots: ends.to_vec(), ..default() }
+        }
+    };
+    Some(preview)
+}
+
+fn of_join(world: &World, aimed: Option<Aimed>) -> Preview {
+    let first = world.resource::<Selection>().body.and_then(|first| build::place_of(world, first.entity, first.point));
+    let Some(aimed) = aimed else { return Preview::default() };
+    let has_axis = matches!(world.resource::<JoinKind>(), JoinKind::Hinge | JoinKind::Slider);
+    Preview {
+        ways: first.map(|first| (vec![first, aimed.place], false)).into_iter().collect(),
+        dots: vec![aimed.place],
+        axis: aimed.normal.filter(|_| has_axis && first.is_some()).map(|normal| (aimed.place, normal)),
+        ..default()
+    }
+}
+
+fn of_bar(ends: [BarEnd; 2], axis: DVec3) -> Preview {
+    let held = ends.iter().filter(|end| end.body.is_some()).map(|end| end.place);
+    Preview { body: Some(build::bar_between(ends.map(|end| end.place), axis)), dots: held.collect(), ..default() }
+}
+
+/// Draws it.
+pub fn draw(
+    preview: Res<Preview>,
+    origin: Res<RenderOrigin>,
+    camera: Single<&GlobalTransform, With<Camera3d>>,
+    mut gizmos: Gizmos<PreviewLines>,
+) {
+    let eye = camera.translation();
+    let drawn = |place: DVec3| (place - origin.0).as_vec3();
+    for (way, goes) in &preview.ways {
+        gizmos.linestrip(way.iter().map(|place| drawn(*place)), if *goes { WILL_GO } else { WILL_BE });
+    }
+    let goes = preview.ways.iter().any(|(_, goes)| *goes);
+    for at in preview.dots.iter().map(|place| drawn(*place)) {
+        gizmos.sphere(at, DOT * at.distance(eye), if goes { WILL_GO } else { WILL_BE }).resolution(16);
+    }
+    if let Some((place, direction)) = preview.axis {
+        let (at, direction) = (drawn(place), direction.as_vec3());
+        let reach = direction * (AXIS * at.distance(eye));
+        gizmos.line(at - reach, at + reach, WILL_BE);
+    }
+    if let Some((place, direction)) = preview.arrow {
+        let (at, direction) = (drawn(place), direction.as_vec3());
+        // It ends where it hits, and begins aside, where it is seen.
+        let side = direction.any_orthonormal_vector();
+        let from = at - (direction + 0.6 * side).normalize() * (1.5 * AXIS * at.distance(eye));
+        gizmos.arrow(from, at, WILL_BE);
+    }
+    if let Some(body) = &preview.body {
+        draw_body(&mut gizmos, body, drawn(body.position));
+    }
+}
+
+fn draw_body(gizmos: &mut Gizmos<PreviewLines>, body: &BodySpec, at: Vec3) {
+    let turned = body.rotation.as_quat();
+    let pose = Isometry3d::new(at, turned);
+    match &body.shape {
+        Some(ShapeSpec::Sphere { radius }) => _ = gizmos.sphere(pose, *radius as f32, WILL_BE).resolution(32),
+        Some(ShapeSpec::Cuboid { size }) => {
+            gizmos.cube(Transform { translation: at, rotation: turned, scale: size.as_vec3() }, WILL_BE);
+        }
+        Some(ShapeSpec::Cone { radius, height }) => {
+            let (radius, height) = (*radius as f32, *height as f32);
+            // The centre of mass is a quarter up.
+            let base = at - turned * Vec3::Y * (0.25 * height);
+            let flat = Isometry3d::new(base, turned * Quat::from_rotation_x(0.5 * PI));
+            gizmos.circle(flat, radius, WILL_BE);
+            for quarter in 0..4 {
+                let out = Quat::from_rotation_y(0.5 * PI * quarter as f32) * Vec3::X * radius;
+                gizmos.line(base + turned * out, base + turned * Vec3::Y * height, WILL_BE);
+            }
+        }
+        Some(ShapeSpec::Hull(_) | ShapeSpec::Mesh(_)) => {
+            let radius = body.shape.as_ref().map_or(0.0, ShapeSpec::bounding_radius);
+            gizmos.sphere(pose, radius as f32, WILL_BE).resolution(32);
+        }
+        Some(ShapeSpec::HalfSpace) | None => {}
+    }
+}
