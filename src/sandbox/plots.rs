@@ -24,9 +24,9 @@ const WINDOW: f64 = 10.0;
 const CAPACITY: usize = 1200;
 
 /// Rows of plots are as high as this at least, plots too, and what a caption takes of the height, points.
-const ROW: f32 = 104.0;
+const ROW: f32 = 124.0;
 const LOWEST: f32 = 40.0;
-const CAPTION: f32 = 26.0;
+const CAPTION: f32 = 38.0;
 
 /// Whether somebody sees the plots. [`Diagnostics`] are measured only while this holds.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -386,16 +386,16 @@ impl Chart<'_> {
         let largest = curves.iter().map(|(_, _, value)| history.largest(value)).fold(0.0, f64::max);
         let scale = Quantity::suiting(largest, unit);
         let newest = history.samples.back();
+        ui.spacing_mut().item_spacing.y = 1.0;
+        let label = egui::Label::new(format!("{title}, {}", scale.unit)).truncate().selectable(false);
+        offer(&ui.add(label.sense(egui::Sense::click())).on_hover_text(about), probes, &self.offered);
         ui.horizontal(|ui| {
-            let label =
-                egui::Label::new(format!("{title}, {}", scale.unit)).selectable(false).sense(egui::Sense::click());
-            offer(&ui.add(label).on_hover_text(about), probes, &self.offered);
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                for (name, color, value) in curves.iter().rev() {
-                    let text = newest.map_or_else(|| "–".into(), |sample| scale.number(value(sample)));
-                    ui.colored_label(color32(*color), egui::RichText::new(format!("{name} {text}")).size(11.0));
-                }
-            });
+            ui.spacing_mut().item_spacing.x = 6.0;
+            for (name, color, value) in curves {
+                let text = newest.map_or_else(|| "–".into(), |sample| scale.number(value(sample)));
+                let text = egui::RichText::new(format!("{name} {text}")).size(11.0).color(color32(*color));
+                ui.add(egui::Label::new(text).truncate());
+            }
         });
         let end = newest.map_or(WINDOW, |sample| sample.time.max(WINDOW));
         let plot = still(Plot::new(title))

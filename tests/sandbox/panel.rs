@@ -4,10 +4,11 @@ use bevy::input::ButtonState;
 use bevy::input::keyboard::{Key, KeyboardInput};
 use bevy::input::mouse::MouseButtonInput;
 use bevy::prelude::*;
+use bevy::window::CursorMoved;
 use bevy_egui::input::EguiWantsInput;
 use bevy_egui::{EguiContexts, egui};
 use plumb::physics::{ContactForces, Diagnostics, JointLoad};
-use plumb::sandbox::{CurrentScene, Notice, Playback, SandboxAction, Selection};
+use plumb::sandbox::{CurrentScene, Notice, Page, Playback, SandboxAction, Selection};
 
 use crate::eyes::{click, point_at};
 use crate::stage::{SIZE, Stage};
@@ -44,6 +45,18 @@ fn a_slow_click_is_a_click() {
 }
 
 #[test]
+fn a_click_within_a_frame_is_a_click() {
+    let mut stage = Stage::open(SCENE);
+    let window = stage.window();
+    stage.world().write_message(CursorMoved { window, position: PAUSE, delta: None });
+    for state in [ButtonState::Pressed, ButtonState::Released] {
+        stage.world().write_message(MouseButtonInput { button: MouseButton::Left, state, window });
+    }
+    stage.frames(2);
+    assert!(stage.world().resource::<Playback>().paused);
+}
+
+#[test]
 fn the_pointer_is_the_panels_over_the_panel_and_the_pictures_beside_it() {
     let mut stage = Stage::open(SCENE);
     for (x, over) in [(SIZE.x - 100.0, true), (400.0, false), (SIZE.x - 2.0, true)] {
@@ -65,6 +78,42 @@ fn only_what_is_on_view_is_measured() {
     stage.act(SandboxAction::TogglePlots);
     stage.frames(2);
     assert!(!stage.world().contains_resource::<Diagnostics>());
+}
+
+#[test]
+fn a_click_beside_what_was_clicked_last_is_not_lost() {
+    let mut stage = Stage::open(SCENE);
+    let [build, analyse] = [SIZE.x - 220.0, SIZE.x - 140.0].map(|x| Vec2::new(x, 20.0));
+    for (page, place) in [(Page::Build, build), (Page::Analyse, analyse)] {
+        click(&mut stage, place);
+        assert_eq!(*stage.world().resource::<Page>(), page);
+        let before = stage.world().resource::<Playback>().paused;
+        click(&mut stage, PAUSE);
+        assert_ne!(stage.world().resource::<Playback>().paused, before, "after a click on {page:?}");
+    }
+}
+
+#[test]
+fn the_edge_makes_the_panel_wider_and_closes_it() {
+    let mut stage = Stage::open(SCENE);
+    let over = |stage: &mut Stage, x: f32| {
+        point_at(stage, Vec2::new(x, 0.6 * SIZE.y));
+        stage.world().resource::<EguiWantsInput>().wants_any_pointer_input()
+    };
+    let drag = |stage: &mut Stage, from: f32, to: f32| {
+        let window = stage.window();
+        for (x, state) in [(from, ButtonState::Pressed), (to, ButtonState::Released)] {
+            point_at(stage, Vec2::new(x, 0.6 * SIZE.y));
+            stage.world().write_message(MouseButtonInput { button: MouseButton::Left, state, window });
+            stage.frames(2);
+        }
+    };
+    let edge = SIZE.x - 332.0;
+    assert!(!over(&mut stage, edge - 50.0));
+    drag(&mut stage, edge, edge - 100.0);
+    assert!(over(&mut stage, edge - 50.0), "wider");
+    drag(&mut stage, edge - 100.0, SIZE.x - 30.0);
+    assert!(!over(&mut stage, SIZE.x - 60.0), "closed");
 }
 
 /// Types into what has the focus.

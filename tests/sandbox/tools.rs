@@ -2,9 +2,10 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use plumb::physics::{BallJoint, HingeJoint, JointMotor, MotorTarget, Position, RigidBody, Velocity};
-use plumb::sandbox::{JoinKind, Notice, SandboxAction, Selection, Tool, Tracks};
+use plumb::physics::{BallJoint, Breakable, HingeJoint, JointMotor, MotorTarget, Position, RigidBody, Velocity};
+use plumb::sandbox::{JoinKind, Notice, Page, SandboxAction, Selection, Tool, Tracks};
 
+use crate::eyes::{click_on, open_eyes, reads, texts};
 use crate::stage::Stage;
 
 /// A box and a ball apart on the ground, looked at along -z.
@@ -150,6 +151,31 @@ fn a_four_bar_is_three_strokes() {
         let [a, b] = ends(hinge);
         assert!(a.distance(b) < 1e-3, "a hinge parts by {}", a.distance(b));
     }
+}
+
+/// Ten clicks and strokes: pause, take the bar in hand, three strokes, plot, motor, strength, play.
+#[test]
+fn a_motorised_breakable_four_bar_with_a_plot_of_its_load_takes_ten_clicks() {
+    let mut stage = open(); // the first: pause
+    let corners =
+        [DVec3::new(0.8, 0.0, 2.0), DVec3::new(0.8, 1.2, 2.0), DVec3::new(-0.6, 0.7, 2.0), DVec3::new(-0.6, 0.0, 2.0)];
+    for ends in corners.windows(2) {
+        use_tool(&mut stage, Tool::Bar, ends[0], ends[1]);
+    }
+    stage.jump_to(Vec2::new(5.0, 5.0));
+    open_eyes(&mut stage, Page::Play);
+    stage.frames(30);
+    for part in ["plot", "motor", "breaks"] {
+        click_on(&mut stage, part, "hinge to ground");
+    }
+    let world = stage.world();
+    let motors: Vec<&HingeJoint> =
+        world.query_filtered::<&HingeJoint, (With<JointMotor>, With<Breakable>)>().iter(world).collect();
+    assert_eq!(motors.len(), 1);
+    stage.act(SandboxAction::TogglePause);
+    stage.frames(60);
+    assert!(reads(&mut stage, "joint force, N"), "its load is plotted");
+    assert!(!texts(&mut stage).iter().any(|(text, _)| text == "force –"), "and known");
 }
 
 #[test]

@@ -82,7 +82,7 @@ pub(super) fn show(context: &egui::Context, world: &mut World) -> Result {
         .resizable(false)
         .collapsible(true)
         .constrain_to(free)
-        .default_width(WIDTH);
+        .default_size([WIDTH, free.height()]);
     if let Some(at) = opened_at {
         let is_right = at.x / zoom > free.center().x;
         let x = if is_right { free.left() + TOOLS } else { free.right() - WIDTH - 14.0 };

@@ -16,6 +16,7 @@ mod icons;
 mod inspector;
 mod joint;
 mod measuring;
+mod pane;
 mod playback;
 mod readouts;
 mod scenes;
@@ -39,6 +40,7 @@ pub(super) use theme::{Quantity, name_of, palette, without_negative_zero};
 use bevy::prelude::*;
 use bevy_egui::{EguiContext, EguiPrimaryContextPass, PrimaryEguiContext, egui};
 
+use self::pane::Edge;
 use super::action::CarryOut;
 use super::state::{Covered, ShowsPlots};
 use super::{Ghosts, Tool, ghost, gizmos, plots, probe, why};
@@ -92,34 +94,33 @@ pub(super) fn plugin(app: &mut App) {
 
 const DEFAULT_WIDTH: f32 = 334.0;
 const WIDTHS: std::ops::RangeInclusive<f32> = 280.0..=560.0;
+/// Share of the least width at which it closes.
+const CLOSES: f32 = 0.6;
 const SCROLL_BAR: f32 = 8.0;
 
-/// Draws the panel. It lies in an `Area`, because egui counts a panel of the background layer as
-/// part of the picture: the pointer over it would pick the bodies behind it.
+/// Draws the panel, and what lies over the picture beside it.
 fn show(world: &mut World) -> Result {
     let Ok(mut context) = world.query_filtered::<&mut EguiContext, With<PrimaryEguiContext>>().single_mut(world) else {
         return Ok(());
     };
     let context = context.get_mut().clone();
-    let screen = context.content_rect();
-    let id = egui::Id::new("panel");
-    let last = egui::PanelState::load(&context, id).map_or(screen, |state| state.outer_rect);
     let mut open = world.resource::<PanelOpen>().0;
     let mut drawn = Ok(());
     let mut covered = 0.0;
-    egui::Area::new(id.with("area")).fixed_pos(last.min).movable(false).constrain(false).fade_in(false).show(
-        &context,
-        |ui| {
-            let layer = egui::UiBuilder::new().layer_id(ui.layer_id()).max_rect(screen);
-            let mut root = egui::Ui::new(context.clone(), id.with("root"), layer);
-            let panel = egui::Panel::right(id).default_size(DEFAULT_WIDTH).size_range(WIDTHS);
-            let shown = panel.show_collapsible(&mut root, &mut open, |ui| drawn = at_its_width(ui, world));
-            if let Some(shown) = shown {
-                covered = shown.response.rect.width() * context.zoom_factor();
-                ui.expand_to_include_rect(shown.response.rect);
-            }
-        },
-    );
+    if open {
+        let id = egui::Id::new("panel");
+        let screen = context.content_rect();
+        let asked = context.data(|data| data.get_temp::<f32>(id)).unwrap_or(DEFAULT_WIDTH);
+        let width = asked.clamp(*WIDTHS.start(), *WIDTHS.end());
+        let place = egui::Rect::from_min_max(egui::pos2(screen.right() - width, screen.top()), screen.max);
+        let frame = egui::Frame::side_top_panel(&context.global_style());
+        let (by, let_go) = pane::show(&context, (id, Edge::Left), place, frame, |ui| drawn = sections(ui, world));
+        // Dragged far beyond its least width, it goes.
+        open = asked + by > CLOSES * WIDTHS.start();
+        let kept = if let_go || !open { width } else { asked + by };
+        context.data_mut(|data| data.insert_temp(id, kept));
+        covered = if open { width * context.zoom_factor() } else { 0.0 };
+    }
     if !open {
         reopen_button(&context, &mut open);
     }
@@ -135,16 +136,6 @@ fn show(world: &mut World) -> Result {
         || !world.resource::<Ghosts>().0.is_empty();
     world.resource_mut::<plots::Watched>().set_if_neq(plots::Watched(watched));
     Ok(())
-}
-
-/// The sections, in a panel that stays as wide as it was made: what is too long for it is cut off at its edge.
-fn at_its_width(ui: &mut egui::Ui, world: &mut World) -> Result {
-    let room = ui.available_rect_before_wrap();
-    let mut inside = ui.new_child(egui::UiBuilder::new().max_rect(room));
-    inside.shrink_clip_rect(room);
-    let drawn = sections(&mut inside, world);
-    ui.advance_cursor_after_rect(room);
-    drawn
 }
 
 /// The pages, and the sections of the one on view, top to bottom.

@@ -19,7 +19,8 @@ use crate::sandbox::state::report;
 const SNAP: f64 = 0.02;
 /// How many times as long as thick a box is that has ends.
 const SLENDER: f64 = 3.0;
-/// A surface is met by an end that is as near to it as this share of the bar's length.
+/// A surface is met by an end that is as near to it as this share of the bar's length, or seems as near as an end that draws
+/// the pointer.
 const MEETS: f64 = 0.12;
 /// A shorter bar is none: a click, m.
 const SHORTEST: f64 = 0.05;
@@ -122,7 +123,7 @@ fn end_at(world: &mut World, draft: &Draft, aim: &Aim) -> Option<BarEnd> {
     }
     let place = aim.origin + aim.direction * way;
     let met = world.run_system_cached_with(under_pointer, draft.pointer).ok().flatten();
-    let near = MEETS * place.distance(draft.from.place);
+    let near = (MEETS * place.distance(draft.from.place)).max(SNAP * way);
     let met = met.filter(|met| Some(met.picked.entity) != draft.from.body);
     Some(match met {
         Some(met) if met.is_ground && met.place.distance(place) < near => {
