@@ -9,6 +9,7 @@ mod files;
 mod film;
 mod following;
 mod ghosts;
+mod inspector;
 mod joint_kinds;
 mod keys;
 mod monkey;

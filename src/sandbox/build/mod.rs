@@ -13,6 +13,7 @@ mod joint_change;
 mod joints;
 mod kept;
 mod names;
+mod rewriting;
 mod spawning;
 mod undo;
 

@@ -4,11 +4,11 @@ use std::collections::VecDeque;
 
 use bevy::prelude::*;
 
-use super::body_change::write_body;
 use super::joint_change::JointChange;
 use super::joints::{Pin, idle_without, joints_of};
 use super::kept::KeptScene;
 use super::names::name_of;
+use super::rewriting::write_body;
 use crate::physics::{
     History, Mark, RenderOrigin, RigidBody, StepStats, bury, go_to, is_empty, swap_cut, take_back_since,
 };

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use bevy_egui::egui;
 
 use super::build::sizes;
+use super::buttons::toggle;
 use super::theme::Quantity;
 use crate::physics::{Mass, RigidBody};
 use crate::sandbox::{SandboxAction, Selection};
@@ -141,7 +142,7 @@ fn layers(ui: &mut egui::Ui, label: &str, about: &str, bits: &mut u32) {
         ui.spacing_mut().item_spacing.x = 2.0;
         for layer in 0..LAYERS {
             let is_in = *bits >> layer & 1 == 1;
-            if ui.add(super::toggle(ui, is_in, (layer + 1).to_string()).small()).on_hover_text(about).clicked() {
+            if ui.add(toggle(ui, is_in, (layer + 1).to_string()).small()).on_hover_text(about).clicked() {
                 *bits ^= 1 << layer;
             }
         }

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use bevy_egui::egui;
 
 use super::pane::{self, Edge};
-use super::run;
+use super::run::run;
 use super::strip::STRIP_HEIGHT;
 use crate::sandbox::plots;
 use crate::sandbox::state::{Covered, ShowsPlots};

@@ -8,8 +8,9 @@ use bevy::prelude::*;
 use bevy::window::PrimaryWindow;
 use bevy_egui::egui;
 
+use super::run::run;
 use super::strip::STRIP_HEIGHT;
-use super::{body, run, selection};
+use super::{body, selection};
 use crate::sandbox::Selection;
 use crate::sandbox::held::Drag;
 use crate::sandbox::joint_readings::ReadJoints;

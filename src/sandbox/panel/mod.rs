@@ -19,6 +19,7 @@ mod measuring;
 mod pane;
 mod playback;
 mod readouts;
+mod run;
 mod scenes;
 mod selection;
 mod solver;
@@ -41,6 +42,7 @@ use bevy::prelude::*;
 use bevy_egui::{EguiContext, EguiPrimaryContextPass, PrimaryEguiContext, egui};
 
 use self::pane::Edge;
+use self::run::run;
 use super::action::CarryOut;
 use super::state::{Covered, ShowsPlots};
 use super::{Ghosts, Tool, ghost, gizmos, plots, probe, why};
@@ -212,13 +214,6 @@ where
     let is_open = shown.body_returned.is_some();
     shown.body_returned.transpose()?;
     Ok(is_open)
-}
-
-fn run<M, S>(ui: &mut egui::Ui, world: &mut World, contents: S) -> Result
-where
-    S: IntoSystem<InMut<'static, egui::Ui>, (), M> + 'static,
-{
-    Ok(world.run_system_cached_with(contents, ui)?)
 }
 
 /// A tab at the edge of the window, where the panel was.
