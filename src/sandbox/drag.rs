@@ -10,10 +10,11 @@ use bevy::input::mouse::{AccumulatedMouseScroll, MouseScrollUnit};
 use bevy::math::DVec3;
 use bevy::picking::pointer::{PointerLocation, PointerMap, PointerPress};
 use bevy::prelude::*;
-use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
 
+use super::aimed::{Aimed, Picture, Targets};
 use super::any_joint::{AnyJoint, IsJoint};
 use super::held::{Drag, DragPart, Held};
+use super::in_front::in_front;
 use super::probe::TapeStart;
 use super::timeline::ShownStep;
 use super::{Picked, Playback, Selection, Tool};
@@ -48,10 +49,9 @@ const PIXELS_PER_NOTCH: f32 = 50.0;
 const DEPTHS: (f64, f64) = (0.5, 2000.0);
 
 pub(super) fn plugin(app: &mut App) {
+    in_front::<DragGizmos>(app, 1.0, 3.0);
     app.init_resource::<Drag>()
-        .init_gizmo_group::<DragGizmos>()
         .add_observer(pick)
-        .add_systems(Startup, set_up_gizmos)
         .add_systems(
             RunFixedMainLoop,
             (end_drag, scroll, aim_handle)
@@ -70,45 +70,37 @@ fn pick(
     mut commands: Commands,
     mut drag: ResMut<Drag>,
     mut selection: ResMut<Selection>,
-    mut egui: Query<&mut EguiContext, With<PrimaryEguiContext>>,
-    bodies: Query<(&RigidBody, &Collider, &Transform, Option<&Damping>, Has<Quarantined>)>,
+    (mut picture, targets): (Picture, Targets),
+    bodies: Query<(&RigidBody, Option<&Damping>, Has<Quarantined>)>,
     cameras: Query<&GlobalTransform, With<Camera>>,
-    origin: Res<RenderOrigin>,
     (keys, tape, shown, tool): (Res<ButtonInput<KeyCode>>, Res<TapeStart>, Res<ShownStep>, Res<Tool>),
     joined: Joined,
     (parts, playback, stats, history): (Query<&DragPart>, Res<Playback>, Res<StepStats>, Option<Res<History>>),
 ) {
-    // The event bubbles up to the window: it is ours at what was hit, and there only.
-    let is_first = press.entity == press.original_event_target();
-    if !is_first || press.button != PointerButton::Primary || drag.is_active() || tape.is_waiting() {
+    if press.button != PointerButton::Primary || drag.is_active() || tape.is_waiting() {
         return;
     }
     // What is drawn there is elsewhere in the world.
     if shown.step.is_some() || *tool != Tool::Drag {
         return;
     }
-    let position = press.pointer_location.position;
-    if egui.iter_mut().any(|mut context| claims(context.get_mut(), position)) {
+    if !picture.is_pressed(&press) {
         return;
     }
     let adds = selection.body.is_some() && keys.any_pressed([KeyCode::ShiftLeft, KeyCode::ShiftRight]);
-    let Ok((kind, collider, transform, damping, quarantined)) = bodies.get(press.entity) else {
+    let aimed = targets.aimed(press.entity, &press.hit).filter(|aimed| !aimed.is_ground);
+    let Some(Aimed { picked: aimed, place: target, .. }) = aimed else {
         if !adds {
             selection.set_if_neq(Selection::default());
         }
         return;
     };
-    if *collider.shape() == Shape::HalfSpace {
-        return;
-    }
     let (Some(hit), Ok(camera)) = (press.hit.position, cameras.get(press.hit.camera)) else { return };
-    // The picture, not the last step, is what was hit: it lags by up to one step.
-    let to_body = transform.rotation.inverse();
-    let anchor = (to_body * (hit - transform.translation)).as_dvec3();
-    let normal = press.hit.normal.and_then(|normal| (to_body * normal).as_dvec3().try_normalize());
-    let picked = Some(Picked { entity: press.entity, point: anchor, normal });
+    let Ok((kind, damping, quarantined)) = bodies.get(aimed.entity) else { return };
+    let Picked { entity: body, point: anchor, .. } = aimed;
+    let picked = Some(aimed);
     if adds {
-        let is_first = selection.entity() == Some(press.entity);
+        let is_first = selection.entity() == Some(body);
         *selection = if is_first {
             Selection { body: picked, ..*selection }
         } else {
@@ -120,37 +112,28 @@ fn pick(
     if *kind != RigidBody::Dynamic || quarantined {
         return;
     }
-    let target = origin.0 + hit.as_dvec3();
     // In the past, while time stands still, a press only picks: it is not to end what was to come.
     let is_past = history.is_some_and(|history| history.is_past(stats.steps));
     if is_past && playback.paused {
         return;
     }
     // One that held it before lets go.
-    let own = parts.iter().find(|part| part.body == press.entity).map_or(damping.copied(), |part| part.damping);
+    let own = parts.iter().find(|part| part.body == body).map_or(damping.copied(), |part| part.damping);
     commands.queue(let_go_of_all);
-    let part = DragPart { body: press.entity, damping: own };
+    let part = DragPart { body, damping: own };
     let handle = commands.spawn((Name::new("drag handle"), part, RigidBody::Kinematic, Position(target))).id();
-    let joint = BallJoint::new(handle, press.entity)
-        .with_anchors(DVec3::ZERO, anchor)
-        .with_softness(joined.softness_for(press.entity));
+    let joint = BallJoint::new(handle, body).with_anchors(DVec3::ZERO, anchor).with_softness(joined.softness_for(body));
     commands.spawn((Name::new("drag joint"), part, joint));
     let own = own.unwrap_or_default();
-    commands.entity(press.entity).insert(Damping { angular: own.angular + GRIP_DRAG, ..own });
+    commands.entity(body).insert(Damping { angular: own.angular + GRIP_DRAG, ..own });
     drag.0 = Some(Held {
-        body: press.entity,
+        body,
         anchor,
         handle,
         pointer: press.pointer_id,
         depth: f64::from((hit - camera.translation()).dot(*camera.forward())),
         target,
     });
-}
-
-/// Whether something of egui's that takes clicks lies at that place of the window.
-pub(super) fn claims(context: &mut egui::Context, position: Vec2) -> bool {
-    let position = egui::pos2(position.x, position.y) / context.zoom_factor();
-    context.layer_id_at(position).is_some_and(|layer| layer.order != egui::Order::Background)
 }
 
 /// What hangs on a body through joints.
@@ -303,12 +286,6 @@ fn move_handle(drag: Res<Drag>, mut handles: Query<&mut Position>, settings: Res
 /// Drawn over everything: the held point may be on the far side of its body by now.
 #[derive(Default, Reflect, GizmoConfigGroup)]
 struct DragGizmos;
-
-fn set_up_gizmos(mut store: ResMut<GizmoConfigStore>) {
-    let (config, _) = store.config_mut::<DragGizmos>();
-    config.line.width = 3.0;
-    config.depth_bias = -1.0;
-}
 
 /// A line from the held point to the pointer, with a dot at each end.
 fn draw(

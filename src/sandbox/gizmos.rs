@@ -10,6 +10,7 @@ use bevy_egui::egui;
 
 use super::any_joint::{IsJoint, WholeJoint, WholeJointItem};
 use super::glyphs::Placed;
+use super::in_front::in_front;
 use super::panel::{Quantity, palette, toggle};
 use super::probe::reads_contact_forces;
 use super::why::Painted;
@@ -41,12 +42,6 @@ struct Glyphs;
 /// The dark rim of a glyph, behind it: a red line is seen on a red body too.
 #[derive(Default, Reflect, GizmoConfigGroup)]
 struct Rims;
-
-/// Lines in front of all bodies, the nearer one in front where two are at one place.
-fn in_front<Group: GizmoConfigGroup>(app: &mut App, nearness: f32, width: f32) {
-    let line = GizmoLineConfig { width, ..default() };
-    app.insert_gizmo_config(Group::default(), GizmoConfig { depth_bias: -nearness, line, ..default() });
-}
 
 pub(super) fn plugin(app: &mut App) {
     in_front::<Overlay>(app, 0.98, 1.8);

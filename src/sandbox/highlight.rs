@@ -12,6 +12,7 @@ use bevy_panorbit_camera::PanOrbitCamera;
 
 use super::Selection;
 use super::any_joint::{AnyJoint, IsJoint};
+use super::in_front::in_front;
 use super::meshes::{mesh_of, picture_of};
 use crate::physics::{Collider, RigidBody, Shape};
 use crate::scene::{PictureMesh, SceneEntity};
@@ -24,9 +25,8 @@ const DOT: f32 = 0.006;
 const THICKNESS: f32 = 0.004;
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_gizmo_group::<Marks>()
-        .add_systems(Startup, set_up_marks)
-        .add_systems(Update, outline_selection.after(super::carry_out::carry_out_actions))
+    in_front::<Marks>(app, 1.0, 2.0);
+    app.add_systems(Update, outline_selection.after(super::carry_out::carry_out_actions))
         .add_systems(PostUpdate, draw_marks.before(TransformSystems::Propagate));
 }
 
@@ -84,12 +84,6 @@ fn outline_selection(
 /// Drawn over everything: a joint lies inside its bodies.
 #[derive(Default, Reflect, GizmoConfigGroup)]
 struct Marks;
-
-fn set_up_marks(mut store: ResMut<GizmoConfigStore>) {
-    let (config, _) = store.config_mut::<Marks>();
-    config.line.width = 2.0;
-    config.depth_bias = -1.0;
-}
 
 /// A dot where each body was clicked; of each joint that the scene or the user gave it a dot, with
 /// lines to the centers of mass that it holds.

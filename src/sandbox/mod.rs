@@ -11,6 +11,7 @@
 //! [`RenderOrigin`]: crate::physics::RenderOrigin
 
 mod action;
+mod aimed;
 mod any_joint;
 mod axes;
 mod build;
@@ -30,6 +31,7 @@ mod headless;
 mod held;
 mod help;
 mod highlight;
+mod in_front;
 mod joint_readings;
 mod light;
 mod looked_at;

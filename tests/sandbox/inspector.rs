@@ -31,12 +31,6 @@ fn mass(stage: &mut Stage, name: &str) -> f64 {
     stage.world().get::<Mass>(body).expect("a mass").0
 }
 
-fn replays(stage: &mut Stage) {
-    let recording = stage.record();
-    let replay = recording.replay(std::path::Path::new("the recording"), |_| ()).expect("a recording");
-    assert_eq!(replay.differs, None);
-}
-
 #[test]
 fn a_body_that_is_changed_goes_on_as_what_it_is_now_and_undo_takes_it_back() {
     let mut stage = Stage::open(SCENE);
@@ -54,7 +48,7 @@ fn a_body_that_is_changed_goes_on_as_what_it_is_now_and_undo_takes_it_back() {
     stage.act(SandboxAction::Redo);
     stage.frames(10);
     assert!((mass(&mut stage, "box") - 800.0).abs() < 1e-9);
-    replays(&mut stage);
+    stage.replays();
 }
 
 #[test]
@@ -80,7 +74,7 @@ fn mass_surface_kind_and_velocity_are_what_was_asked_for() {
     change(&mut stage, "box", false, |body| body.kind = RigidBody::Dynamic);
     stage.frames(60);
     assert!(stage.position("box").y < at.y - 1.0, "and falls again");
-    replays(&mut stage);
+    stage.replays();
 }
 
 #[test]

@@ -1,9 +1,6 @@
 //! What was undone comes again.
 
-use std::path::Path;
-
 use bevy::prelude::*;
-use plumb::lab::recording::Replay;
 use plumb::lab::state_hash;
 use plumb::physics::{BallJoint, History, StepStats};
 use plumb::sandbox::{CurrentScene, Notice, Page, Playback, SandboxAction, Selection};
@@ -93,12 +90,6 @@ fn said(stage: &mut Stage) -> String {
     }
 }
 
-fn replays(stage: &mut Stage) {
-    let recording = stage.record();
-    let replay = recording.replay(Path::new("redo.plumb"), |_| ()).unwrap();
-    assert_eq!(replay, Replay { steps: recording.steps(), differs: None });
-}
-
 /// The scene at rest, paused, with a box that was added and has come to lie on the ground.
 fn built() -> Stage {
     let mut stage = Stage::open(SCENE);
@@ -144,7 +135,7 @@ fn what_was_undone_comes_again_to_the_last_bit() {
     assert_eq!(last(&mut stage), at + 20, "what was to come is again");
     assert_eq!(play(&mut stage, 20), without);
     assert_eq!(on.len(), 20);
-    replays(&mut stage);
+    stage.replays();
 }
 
 #[test]
@@ -172,7 +163,7 @@ fn while_time_goes_on_what_was_undone_comes_again_at_the_moment_on_view() {
     undo(&mut stage);
     assert!(named(&mut stage, "box 2").is_none());
     stage.frames(10);
-    replays(&mut stage);
+    stage.replays();
 }
 
 #[test]
@@ -258,7 +249,7 @@ fn what_was_done_in_the_past_and_what_was_to_come_change_places() {
     redo(&mut stage);
     redo(&mut stage);
     redo(&mut stage);
-    replays(&mut stage);
+    stage.replays();
 }
 
 #[test]
@@ -275,7 +266,7 @@ fn a_scene_that_was_left_for_another_is_left_again() {
     undo(&mut stage);
     assert!(on_view(&mut stage) != "pendulum" && named(&mut stage, "box 2").is_some());
     play(&mut stage, 5);
-    replays(&mut stage);
+    stage.replays();
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The sandbox without a display and without a graphics driver, and hands to use it with.
 
 use std::ops::{Deref, DerefMut};
+use std::path::Path;
 
 use bevy::input::ButtonState;
 use bevy::input::keyboard::{Key, KeyboardInput};
@@ -8,7 +9,7 @@ use bevy::input::mouse::{MouseScrollUnit, MouseWheel};
 use bevy::input::touch::TouchPhase;
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use plumb::lab::recording::Recording;
+use plumb::lab::recording::{Recording, Replay};
 use plumb::physics::{Position, RenderOrigin};
 use plumb::sandbox::{CurrentScene, Hands, SandboxAction};
 
@@ -56,6 +57,13 @@ impl Stage {
         let current = self.world().resource::<CurrentScene>().clone();
         let (scene, entities) = current.beginning();
         Recording::of_world(self.world(), scene, entities).expect("a history from the start")
+    }
+
+    /// What happened since the scene began is a recording that runs again to the last bit.
+    pub fn replays(&mut self) {
+        let recording = self.record();
+        let replay = recording.replay(Path::new("recording.plumb"), |_| ()).unwrap();
+        assert_eq!(replay, Replay { steps: recording.steps(), differs: None });
     }
 
     /// The body of that name in the scene file.

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use super::names::name_of;
 use super::rewriting::write_body;
-use super::undo::{Deed, UndoStack, remember};
+use super::undo::{Deed, remember_change};
 use crate::physics::RigidBody;
 use crate::sandbox::state::report;
 use crate::scene::{BodySpec, SceneSpec};
@@ -30,11 +30,9 @@ fn try_change(world: &mut World, body: Entity, asked: BodySpec, continues: bool)
     alone.validate().map_err(|error| error.to_string())?;
     let what = format!("changing {}", name_of(world, body));
     write_body(world, body, &asked);
-    if !(continues && world.resource::<UndoStack>().goes_on_with_body(body)) {
-        let speeds = |body: &BodySpec| [body.linear_velocity, body.angular_velocity];
-        let velocity = speeds(&was) != speeds(&asked);
-        remember(world, what, Deed::Rebuilt { body, back: Box::new(was), velocity });
-    }
+    let speeds = |body: &BodySpec| [body.linear_velocity, body.angular_velocity];
+    let velocity = speeds(&was) != speeds(&asked);
+    remember_change(world, what, Deed::Rebuilt { body, back: Box::new(was), velocity }, continues);
     Ok(())
 }
 

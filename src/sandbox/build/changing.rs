@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use super::joint_change::JointChange;
 use super::names::name_of;
-use super::undo::{Deed, UndoStack, remember};
+use super::undo::{Deed, remember_change};
 use crate::sandbox::state::report;
 use crate::scene::{JointParts, check_parts};
 
@@ -21,8 +21,6 @@ fn try_change(world: &mut World, joint: Entity, mut change: JointChange, continu
     check_parts(&changed)?;
     change.write(world, joint);
     let what = format!("changing the {} of {}", change.noun(), name_of(world, joint));
-    if !(continues && world.resource::<UndoStack>().goes_on(joint, &change)) {
-        remember(world, what, Deed::Changed { joint, back: change });
-    }
+    remember_change(world, what, Deed::Changed { joint, back: change }, continues);
     Ok(())
 }

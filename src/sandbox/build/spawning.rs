@@ -33,8 +33,9 @@ pub fn spawn_body(world: &mut World) {
 }
 
 fn try_spawn(world: &mut World) -> Result<String, String> {
-    let name = unique_name(world, world.resource::<Blueprint>().noun().to_owned().as_str());
-    let body = BodySpec { name: name.clone(), ..next_body(world)? };
+    let body = next_body(world)?;
+    let name = unique_name(world, &body.name);
+    let body = BodySpec { name: name.clone(), ..body };
     let entity = body.spawn(world);
     remember(world, format!("adding {name}"), Deed::Added(vec![entity]));
     Ok(name)

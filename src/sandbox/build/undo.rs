@@ -118,17 +118,15 @@ impl UndoStack {
         self.undone.back().map(|undone| undone.done.what.as_str())
     }
 
-    /// Whether a change of that joint would be one more like the last deed.
-    pub fn goes_on(&self, joint: Entity, change: &JointChange) -> bool {
-        match self.deeds.back().map(|done| &done.deed) {
-            Some(Deed::Changed { joint: last, back }) => *last == joint && back.is_alike(change),
+    /// Whether a change would be one more like the last deed.
+    fn goes_on(&self, change: &Deed) -> bool {
+        match (self.deeds.back().map(|done| &done.deed), change) {
+            (Some(Deed::Changed { joint: last, back }), Deed::Changed { joint, back: change }) => {
+                last == joint && back.is_alike(change)
+            }
+            (Some(Deed::Rebuilt { body: last, .. }), Deed::Rebuilt { body, .. }) => last == body,
             _ => false,
         }
-    }
-
-    /// Whether a change of that body would be one more like the last deed.
-    pub fn goes_on_with_body(&self, body: Entity) -> bool {
-        matches!(self.deeds.back().map(|done| &done.deed), Some(Deed::Rebuilt { body: last, .. }) if *last == body)
     }
 
     /// The scene went to another of its moments: what was done later is not done there, and is again once it comes to
@@ -177,6 +175,13 @@ pub fn remember(world: &mut World, what: String, deed: Deed) {
         stack.deeds.pop_front();
     }
     stack.deeds.push_back(Done { what, deed, step });
+}
+
+/// Remembers a change, unless it `continues` the last, as a value does that is dragged: both are undone together then.
+pub fn remember_change(world: &mut World, what: String, change: Deed, continues: bool) {
+    if !(continues && world.resource::<UndoStack>().goes_on(&change)) {
+        remember(world, what, change);
+    }
 }
 
 /// Deletes the picked body and its joints.

@@ -4,7 +4,7 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_egui::egui;
 
-use super::build::sizes;
+use super::build::{MASSES, sizes};
 use super::buttons::toggle;
 use super::theme::Quantity;
 use crate::physics::{Mass, RigidBody};
@@ -13,8 +13,7 @@ use crate::scene::{BodySpec, ShapeSpec};
 
 /// Layers that have a box; the others stay as they are.
 const LAYERS: u32 = 8;
-/// Masses, kg, and speeds, m/s and rad/s, that can be set.
-const MASSES: std::ops::RangeInclusive<f64> = 1e-3..=1e9;
+/// Speeds that can be set, m/s and rad/s.
 const SPEEDS: std::ops::RangeInclusive<f64> = -1000.0..=1000.0;
 
 /// The name that is being typed.

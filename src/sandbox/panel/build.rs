@@ -17,7 +17,7 @@ const SIZES: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 const SCALES: std::ops::RangeInclusive<f64> = 1e-4..=1e4;
 /// Densities, kg/m³, and masses, kg.
 const DENSITIES: std::ops::RangeInclusive<f64> = 0.1..=1e6;
-const MASSES: std::ops::RangeInclusive<f64> = 1e-3..=1e9;
+pub(super) const MASSES: std::ops::RangeInclusive<f64> = 1e-3..=1e9;
 
 /// What the section's widgets hold.
 #[derive(Default)]

@@ -37,14 +37,14 @@ enum Choice {
 
 struct Entry {
     icon: Icon,
-    name: String,
+    name: &'static str,
     choice: Choice,
 }
 
 fn entries() -> Vec<Entry> {
     let tool = |tool: Tool, icon| {
         let name = Tool::ALL.iter().find(|(other, ..)| *other == tool).map_or("", |(_, name, _)| name);
-        Entry { icon, name: name.into(), choice: Choice::Tool(tool) }
+        Entry { icon, name, choice: Choice::Tool(tool) }
     };
     let icon_of = |kind| match kind {
         JoinKind::Ball => icons::BALL_JOINT,
@@ -61,18 +61,14 @@ fn entries() -> Vec<Entry> {
         tool(Tool::Throw, icons::THROW),
         tool(Tool::Bar, icons::BAR),
     ];
-    all.extend(SHAPES.map(|(name, icon, shape)| Entry { icon, name: name.into(), choice: Choice::Shape(shape) }));
-    all.push(Entry { icon: icons::GEM, name: "gem".into(), choice: Choice::Gem });
-    all.extend(JoinKind::ALL.map(|(kind, name, _)| Entry {
-        icon: icon_of(kind),
-        name: name.into(),
-        choice: Choice::Joint(kind),
-    }));
+    all.extend(SHAPES.map(|(name, icon, shape)| Entry { icon, name, choice: Choice::Shape(shape) }));
+    all.push(Entry { icon: icons::GEM, name: "gem", choice: Choice::Gem });
+    all.extend(JoinKind::ALL.map(|(kind, name, _)| Entry { icon: icon_of(kind), name, choice: Choice::Joint(kind) }));
     all.extend([tool(Tool::Pin, icons::PIN), tool(Tool::Cut, icons::CUT), tool(Tool::Measure, icons::MEASURE)]);
     for (name, icon, action) in
         [("photo", icons::PHOTO, SandboxAction::Screenshot), ("help", icons::HELP, SandboxAction::ToggleHelp)]
     {
-        all.push(Entry { icon, name: name.into(), choice: Choice::Action(action) });
+        all.push(Entry { icon, name, choice: Choice::Action(action) });
     }
     all
 }
@@ -169,7 +165,7 @@ fn button(ui: &mut egui::Ui, entry: &Entry, is_chosen: bool) -> egui::Response {
     let visuals = ui.style().interact_selectable(&response, is_chosen);
     ui.painter().rect_filled(square, 4.0, visuals.weak_bg_fill);
     icons::paint(ui.painter(), entry.icon, square.shrink(4.0), visuals.text_color());
-    response.widget_info(|| egui::WidgetInfo::selected(egui::WidgetType::Button, true, is_chosen, &entry.name));
+    response.widget_info(|| egui::WidgetInfo::selected(egui::WidgetType::Button, true, is_chosen, entry.name));
     response.on_hover_text(about(entry))
 }
 

@@ -23,12 +23,6 @@ const NEW_TAPE: Color = Color::srgb(1.0, 0.85, 0.1);
 #[derive(Default, Reflect, GizmoConfigGroup)]
 pub struct ProbeLines;
 
-pub fn set_up(mut store: ResMut<GizmoConfigStore>) {
-    let (config, _) = store.config_mut::<ProbeLines>();
-    config.line.width = 3.5;
-    config.depth_bias = -0.97;
-}
-
 /// Where points are drawn.
 #[derive(SystemParam)]
 pub struct Drawn<'w, 's> {

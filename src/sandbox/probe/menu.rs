@@ -1,19 +1,16 @@
 //! A right click in the picture: what is there can be plotted, trailed and measured. A right button that moves turns the
 //! camera and asks for nothing.
 
-use bevy::ecs::system::SystemParam;
-use bevy::picking::backend::HitData;
 use bevy::picking::events::Drag;
 use bevy::prelude::*;
-use bevy_egui::{EguiContext, EguiContexts, PrimaryEguiContext, egui};
+use bevy_egui::{EguiContexts, egui};
 
 use super::reader::{Reader, WatchedPoint, coordinates};
 use super::rows;
 use super::tape_start::TapeStart;
-use crate::physics::{Collider, RenderOrigin, RigidBody, Shape};
+use crate::physics::RigidBody;
+use crate::sandbox::aimed::{Picture, Targets};
 use crate::sandbox::build::joint_at_pointer;
-use crate::sandbox::drag::claims;
-use crate::sandbox::ground::GroundOf;
 use crate::sandbox::{CurrentScene, Notice, Tool};
 use crate::scene::{MAX_PROBES, Probe, ProbePoint, Probes};
 
@@ -38,47 +35,29 @@ struct Open {
     age: u32,
 }
 
-/// What has points.
-#[derive(SystemParam)]
-pub struct Solid<'w, 's> {
-    bodies: Query<'w, 's, (&'static Collider, &'static Transform), With<RigidBody>>,
-    grounds: Query<'w, 's, (), With<GroundOf>>,
-    origin: Res<'w, RenderOrigin>,
-}
-
-impl Solid<'_, '_> {
-    /// The point that was hit, if it is one of a body or of the ground.
-    fn point(&self, entity: Entity, hit: &HitData) -> Option<WatchedPoint> {
-        let place = hit.position?;
-        let of_world = || ProbePoint { body: None, at: self.origin.0 + place.as_dvec3() };
-        match self.bodies.get(entity) {
-            Ok((collider, _)) if *collider.shape() == Shape::HalfSpace => Some(of_world()),
-            Ok((_, pose)) => {
-                let at = (pose.rotation.inverse() * (place - pose.translation)).as_dvec3();
-                Some(ProbePoint { body: Some(entity), at })
-            }
-            Err(_) => self.grounds.contains(entity).then(of_world),
-        }
-    }
+/// The point that was hit, if it is one of a body or of the ground.
+fn point_at(targets: &Targets, press: &Pointer<Press>, entity: Entity) -> Option<WatchedPoint> {
+    let aimed = targets.aimed(entity, &press.hit)?;
+    Some(match aimed.is_ground {
+        true => ProbePoint { body: None, at: aimed.place },
+        false => ProbePoint { body: Some(aimed.picked.entity), at: aimed.picked.point },
+    })
 }
 
 /// A right press begins a click; a left one ends a tape.
 pub fn press(
     press: On<Pointer<Press>>,
-    solid: Solid,
-    mut egui: Query<&mut EguiContext, With<PrimaryEguiContext>>,
+    (mut picture, targets): (Picture, Targets),
     mut menu: ResMut<Menu>,
     mut tape: ResMut<TapeStart>,
     tool: Res<Tool>,
     mut notice: ResMut<Notice>,
 ) {
     let position = press.pointer_location.position;
-    if press.entity != press.original_event_target()
-        || egui.iter_mut().any(|mut context| claims(context.get_mut(), position))
-    {
+    if !picture.is_pressed(&press) {
         return;
     }
-    let point = solid.point(press.entity, &press.hit);
+    let point = point_at(&targets, &press, press.entity);
     match press.button {
         PointerButton::Secondary => menu.pressed = Some((position, point)),
         PointerButton::Primary if tape.is_waiting() => match point {

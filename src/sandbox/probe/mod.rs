@@ -26,20 +26,20 @@ use bevy::prelude::*;
 use bevy_egui::EguiPrimaryContextPass;
 
 use super::action::CarryOut;
+use super::in_front::in_front;
 use super::timeline::is_another_future;
 use crate::physics::{PhysicsSchedule, PhysicsSystems};
 use crate::scene::Probes;
 
 pub(super) fn plugin(app: &mut App) {
+    in_front::<draw::ProbeLines>(app, 0.97, 3.5);
     app.init_resource::<Probes>()
         .init_resource::<Tracks>()
         .init_resource::<TapeStart>()
         .init_resource::<menu::Menu>()
-        .init_gizmo_group::<draw::ProbeLines>()
         .add_observer(menu::press)
         .add_observer(menu::moved)
         .add_observer(menu::release)
-        .add_systems(Startup, draw::set_up)
         .add_systems(
             PhysicsSchedule,
             tracks::sample.after(PhysicsSystems::Diagnose).run_if(|probes: Res<Probes>| !probes.0.is_empty()),

@@ -9,8 +9,8 @@ use bevy::picking::hover::HoverMap;
 use bevy::picking::pointer::{PointerId, PointerMap, PointerPress};
 use bevy::prelude::*;
 
-use super::aimed::{Aimed, Targets};
 use crate::physics::{Collider, Position, RigidBody, Rotation, Shape};
+use crate::sandbox::aimed::{Aimed, Targets};
 use crate::sandbox::build::{self, BarEnd};
 use crate::sandbox::camera::{self, Aim};
 use crate::sandbox::state::report;

@@ -1,6 +1,5 @@
 //! Tools: what a press in the picture does but for picking and dragging, and a preview of it.
 
-mod aimed;
 mod bar;
 mod plugin;
 mod press;

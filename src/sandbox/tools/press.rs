@@ -2,14 +2,12 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use bevy_egui::{EguiContext, PrimaryEguiContext};
 
-use super::aimed::{Aimed, Targets};
 use super::bar::{self, BarDraft};
 use crate::physics::{Inertia, Mass, Quarantined, RigidBody, Rotation, Velocity};
-use crate::sandbox::drag::claims;
+use crate::sandbox::aimed::{Aimed, Picture, Targets};
 use crate::sandbox::state::report;
-use crate::sandbox::timeline::{ShownStep, arrive};
+use crate::sandbox::timeline::ShownStep;
 use crate::sandbox::{Notice, Selection, Tool, build, camera};
 
 /// Speed that a kick through the centre of mass gives a body, m/s.
@@ -19,21 +17,17 @@ const KICK: f64 = 4.0;
 pub fn press(
     press: On<Pointer<Press>>,
     mut commands: Commands,
-    mut egui: Query<&mut EguiContext, With<PrimaryEguiContext>>,
-    targets: Targets,
+    (mut picture, targets): (Picture, Targets),
     (tool, shown): (Res<Tool>, Res<ShownStep>),
 ) {
-    // The event bubbles up to the window: it is ours at what was hit, and there only.
-    let is_first = press.entity == press.original_event_target();
-    let is_ours = is_first && press.button == PointerButton::Primary && *tool != Tool::Drag && shown.step.is_none();
-    let position = press.pointer_location.position;
-    if !is_ours || egui.iter_mut().any(|mut context| claims(context.get_mut(), position)) {
+    // What is drawn there is elsewhere in the world while another moment is looked at.
+    let is_ours = press.button == PointerButton::Primary && *tool != Tool::Drag && shown.step.is_none();
+    if !is_ours || !picture.is_pressed(&press) {
         return;
     }
     let aimed = targets.aimed(press.entity, &press.hit);
     let (tool, pointer) = (*tool, press.pointer_id);
     commands.queue(move |world: &mut World| {
-        arrive(world);
         match tool {
             // By its own observers.
             Tool::Drag | Tool::Measure => {}

@@ -2,13 +2,13 @@
 
 use std::f32::consts::PI;
 
-use bevy::math::DVec3;
+use bevy::math::{DQuat, DVec3};
 use bevy::picking::pointer::PointerId;
 use bevy::prelude::*;
 
-use super::aimed::Aimed;
 use super::bar::{self, BarDraft};
-use crate::physics::{Gravity, RenderOrigin};
+use crate::physics::{Gravity, RenderOrigin, Rotation};
+use crate::sandbox::aimed::Aimed;
 use crate::sandbox::build::{self, BarEnd, JoinKind};
 use crate::sandbox::camera;
 use crate::sandbox::timeline::ShownStep;
@@ -28,12 +28,6 @@ const PIECES: usize = 24;
 /// In front of all bodies.
 #[derive(Default, Reflect, GizmoConfigGroup)]
 pub struct PreviewLines;
-
-pub fn set_up(mut store: ResMut<GizmoConfigStore>) {
-    let (config, _) = store.config_mut::<PreviewLines>();
-    config.line.width = 2.5;
-    config.depth_bias = -0.99;
-}
 
 /// What is drawn; places of the world, m.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
@@ -99,11 +93,13 @@ fn of_tool(world: &mut World) -> Option<Preview> {
 fn of_join(world: &World, aimed: Option<Aimed>) -> Preview {
     let first = world.resource::<Selection>().body.and_then(|first| build::place_of(world, first.entity, first.point));
     let Some(aimed) = aimed else { return Preview::default() };
+    let turned = world.get::<Rotation>(aimed.picked.entity).map_or(DQuat::IDENTITY, |rotation| rotation.0);
+    let normal = aimed.picked.normal.map(|normal| turned * normal);
     let has_axis = matches!(world.resource::<JoinKind>(), JoinKind::Hinge | JoinKind::Slider);
     Preview {
         ways: first.map(|first| (vec![first, aimed.place], false)).into_iter().collect(),
         dots: vec![aimed.place],
-        axis: aimed.normal.filter(|_| has_axis && first.is_some()).map(|normal| (aimed.place, normal)),
+        axis: normal.filter(|_| has_axis && first.is_some()).map(|normal| (aimed.place, normal)),
         ..default()
     }
 }
