@@ -55,6 +55,11 @@ pub(super) const SEQUENTIAL_IMPULSES_TURN: f64 = 0.01;
 /// The same of extended position-based dynamics, rad: what a turn θ of an arm r misses, ½ r θ², comes back as a speed.
 pub(super) const XPBD_TURN: f64 = 0.01;
 
+/// Turn of a body in a substep beyond which joints do not start from the impulses of the substep before, rad: what holds a
+/// point of a body that turns by θ turns with it, and given again as it was it is wrong by more than itself from θ = π/3 on
+/// (`impulse::tests`).
+pub(super) const WARM_START_TURN: f64 = 1.0;
+
 /// Sweeps over positions in a substep of sequential impulses (`methods`: overlaps are corrected).
 pub(super) const POSITION_SWEEPS: u32 = 3;
 

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use super::bodies::{Ends, SharedBodies};
 use super::coloring::{Color, Coloring};
-use super::constants::{CHUNK_BLOCKS, CHUNK_BODIES, IMPACT_SWEEPS};
+use super::constants::{CHUNK_BLOCKS, CHUNK_BODIES, IMPACT_SWEEPS, WARM_START_TURN};
 use super::contact::{ContactBlock, ContactImpulses, ContactInput};
 use super::group::{Group, GroupContact, GroupJoint};
 use super::impact::Restitution;
@@ -16,7 +16,7 @@ use super::stage::{GroupTerms, Stage, Sweep};
 use super::tree::TreeStep;
 use super::world::SharedWorld;
 use crate::physics::body::{RigidBody, free_flight};
-use crate::physics::joint::{BodyState, JointRow};
+use crate::physics::joint::{BodyState, Joint, JointRow};
 use crate::physics::lanes::{Lanes, READ_ONLY, WIDTH};
 use crate::physics::scalar::Scalar;
 use crate::physics::threads::{Division, Shared};
@@ -336,7 +336,8 @@ impl<L: Lanes> Walk<'_, L> {
         joint.definition.rows_at(&states, self.terms.time + passed, rows);
         let first = if part.half() == 0 { 0 } else { joint.definition.halves()[0] };
         let count = joint.definition.halves()[part.half()];
-        let trusted = joint.trusted_time(h);
+        // SAFETY: as the caller promises.
+        let trusted = unsafe { self.trusted_time(joint) };
         let of_half = |row: usize| rows.get(first + row).filter(|_| row < count).copied();
         let softness = of_half(0).and_then(|row| {
             // SAFETY: as the caller promises.
@@ -361,7 +362,24 @@ impl<L: Lanes> Walk<'_, L> {
         let (joint, offset) = unsafe { (self.world.joints.get(global as usize), self.bodies.offset(a, b)) };
         let (anchors, softness) =
             (joint.anchors(), joint.softness().map(|softness| RowSoftness::new(softness, self.terms.h)));
-        JointInput { anchors, offset, impulse: joint.force * joint.trusted_time(self.terms.h), softness }
+        // SAFETY: as the caller promises.
+        let trusted = unsafe { self.trusted_time(joint) };
+        JointInput { anchors, offset, impulse: joint.force * trusted, softness }
+    }
+
+    /// For how much of a substep, s, sweeps start from what a joint carried: none where that is doubtful, or where one of its
+    /// bodies turns so far in a substep that the force on it points elsewhere.
+    ///
+    /// # Safety
+    /// As of [`Self::work`].
+    unsafe fn trusted_time(&self, joint: &Joint) -> f64 {
+        let h = self.terms.h;
+        let turns = [joint.a, joint.b].map(|body| {
+            // SAFETY: as the caller promises.
+            unsafe { self.world.bodies.get(body as usize) }.angular.norm_squared() * h * h
+        });
+        let is_stale = turns[0].max(turns[1]) > WARM_START_TURN * WARM_START_TURN;
+        if is_stale { 0.0 } else { joint.trusted_time(h) }
     }
 
     /// # Safety
