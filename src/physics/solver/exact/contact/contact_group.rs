@@ -22,6 +22,7 @@ use super::super::stepper::StepEffort;
 use super::gap_points::{GapPoint, GapPoints, PointSearch, ReachablePair};
 use super::group_solver::{GroupSolver, GroupView};
 use super::impacts::{Impacts, approach};
+use super::joint_gaps::JointGaps;
 use super::limit_rows::LimitRows;
 use super::smooth_step::{SmoothStep, SmoothTerms, place};
 use crate::physics::body::{Bodies, Body, SurfaceMaterial};
@@ -94,6 +95,7 @@ pub(crate) struct ContactGroup {
     states: Vec<MemberState>,
     points: GapPoints,
     search: PointSearch,
+    gaps: JointGaps,
     free: Vec<bool>,
     /// The limits of joints, and which rows are some that are left free.
     limits: LimitRows,
@@ -223,6 +225,8 @@ impl ContactGroup {
     fn advance(&mut self, start: &StepStart) {
         let terms = &start.terms;
         let least = terms.restitution_speed.max(LEAST_BOUNCE);
+        let view = GroupView { members: &self.members, moving: self.moving, links: &self.links };
+        self.gaps.close(view, &mut self.states, terms.time);
         let (mut left, mut stride) = (terms.h, Stride { longest: terms.h, growth: FIRST_GROWTH });
         let mut events = 0;
         while left > 1e-12 * terms.h {

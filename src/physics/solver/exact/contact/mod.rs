@@ -1,13 +1,15 @@
 //! Contact exactly: Signorini's condition and Coulomb's cone at the end of each step, in positions and in velocities,
 //! with joints in the same system; impacts at their times.
 //!
-//! [`contact_group`] takes bodies in reach of each other through a step: contact points ([`gap_points`]), impacts
-//! ([`impacts`]) and steps between them ([`smooth_step`]), all of which solve by the cone solver ([`group_solver`]).
+//! [`contact_group`] takes bodies in reach of each other through a step: joints that somebody left apart
+//! ([`joint_gaps`]), contact points ([`gap_points`]), impacts ([`impacts`]) and steps between them ([`smooth_step`]), all
+//! of which solve by the cone solver ([`group_solver`]).
 
 mod contact_group;
 mod gap_points;
 mod group_solver;
 mod impacts;
+mod joint_gaps;
 mod limit_rows;
 mod smooth_step;
 

@@ -22,6 +22,7 @@ use super::super::mechanism::{InverseMass, MemberState, RowSpring, place_rows};
 use super::super::row_mode::RowLaw;
 use super::gap_points::{GapPoint, GapPoints, PointSearch, ReachablePair};
 use super::group_solver::{GroupSolver, GroupView};
+use super::joint_gaps::{is_apart, overlap};
 use crate::physics::body::Body;
 use crate::physics::constraint::row::{RowPair, Wrench};
 use crate::physics::joint::JointRow;
@@ -91,6 +92,7 @@ impl SmoothTerms<'_> {
     fn row_gain(&self, law: RowLaw, row: &JointRow<f64>, closed: f64) -> f64 {
         let share = closed / self.closing;
         match law {
+            _ if is_apart(law, row) => 0.0,
             RowLaw::Unbounded => row.error * share,
             RowLaw::Limit(side) if row.error * side > 0.0 => row.error / self.h,
             RowLaw::Limit(side) => side * (row.error * side * share).max(-self.correction_speed),
@@ -353,15 +355,6 @@ pub(super) fn place(bodies: &mut [Body], states: &[MemberState]) {
 /// J M⁻¹ Jᵀ of one row.
 fn mobility(row: &RowPair<f64>, [a, b]: &[InverseMass; 2]) -> f64 {
     row.dot(&a.of(&row.of_a()), &b.of(&row.of_b()))
-}
-
-/// How far a row is from where it holds, m or rad; negative of an open limit; zero of what holds no place.
-fn overlap(law: RowLaw, row: &JointRow<f64>) -> f64 {
-    match law {
-        RowLaw::Unbounded => row.error.abs(),
-        RowLaw::Limit(side) => -row.error * side,
-        RowLaw::Boxed(..) => 0.0,
-    }
 }
 
 /// The rows that are no springs, with their indices.
