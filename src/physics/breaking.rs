@@ -83,7 +83,12 @@ fn break_joints(
             continue;
         }
         let sum = |of: fn(&Joint) -> Vector3<f64>| pieces.iter().map(of).sum();
-        history.note(sum(|piece| piece.force), sum(|piece| piece.torque), settings.step(), breakable.window);
+        history.note(
+            sum(|piece| piece.load().linear),
+            sum(|piece| piece.load().angular),
+            settings.step(),
+            breakable.window,
+        );
         let [force, torque] = history.means();
         // A rounding of the time is no step too early.
         let counts = stats.time >= breakable.from - 0.5 * settings.step();

@@ -145,7 +145,11 @@ impl ContactForces {
 fn collect_joint_forces(joints: Res<Joints>, mut forces: ResMut<JointForces>) {
     let of = |pieces: &[Joint]| {
         let sum = |of: fn(&Joint) -> Vector3<f64>| pieces.iter().map(of).sum::<Vector3<f64>>().into();
-        JointForce { joint: pieces[0].entity, force: sum(|piece| piece.force), torque: sum(|piece| piece.torque) }
+        JointForce {
+            joint: pieces[0].entity,
+            force: sum(|piece| piece.load().linear),
+            torque: sum(|piece| piece.load().angular),
+        }
     };
     forces.0.refill(joints.list.chunk_by(|one, next| one.entity == next.entity).map(of));
 }

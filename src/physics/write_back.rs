@@ -119,8 +119,8 @@ pub(super) fn write_joint_loads(joints: Res<Joints>, mut loads: Query<(Entity, &
         if pieces.is_empty() {
             continue;
         }
-        let force = DVec3::from(pieces.iter().map(|piece| piece.force).sum::<Vector3<f64>>());
-        let torque = DVec3::from(pieces.iter().map(|piece| piece.torque).sum::<Vector3<f64>>());
+        let force = DVec3::from(pieces.iter().map(|piece| piece.load().linear).sum::<Vector3<f64>>());
+        let torque = DVec3::from(pieces.iter().map(|piece| piece.load().angular).sum::<Vector3<f64>>());
         let lambda = (force.length_squared() + torque.length_squared()).sqrt();
         load.set_if_neq(JointLoad { force, torque, lambda });
     }

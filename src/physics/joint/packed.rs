@@ -25,6 +25,9 @@ pub(crate) struct Joint {
     pub multipliers: [f64; 6],
     /// Whether that was found in a step in which some iterations did not end: sweeps do not start from it.
     pub is_doubtful: bool,
+    /// Force and torque at the step's end, where the exact method was asked for them: they are told then, while steps start
+    /// from the mean, so that no step depends on who reads what.
+    pub load_at_end: Option<Wrench<f64>>,
 }
 
 /// All joints, in the order in which they were made.
@@ -50,7 +53,22 @@ impl Joint {
     /// A joint that has carried nothing yet.
     pub fn new(entity: Entity, [a, b]: [u32; 2], definition: JointDefinition) -> Self {
         let zero = Vector3::zeros();
-        Self { entity, a, b, definition, force: zero, torque: zero, multipliers: [0.0; 6], is_doubtful: false }
+        Self {
+            entity,
+            a,
+            b,
+            definition,
+            force: zero,
+            torque: zero,
+            multipliers: [0.0; 6],
+            is_doubtful: false,
+            load_at_end: None,
+        }
+    }
+
+    /// Force on B and torque about B's anchor, N and N·m, as they are told.
+    pub fn load(&self) -> Wrench<f64> {
+        self.load_at_end.unwrap_or(Wrench { linear: self.force, angular: self.torque })
     }
 
     /// Takes in what one of its [halves](JointDefinition::halves) carried in `h`, s: impulse on B and moment about B's
@@ -88,7 +106,7 @@ impl Joint {
     /// known.
     pub fn set_load(&mut self, load: &Wrench<f64>, multipliers: [f64; 6]) {
         (self.force, self.torque, self.multipliers) = (load.linear, load.angular, multipliers);
-        self.is_doubtful = false;
+        (self.is_doubtful, self.load_at_end) = (false, None);
     }
 
     /// Its points on A and B, from the centres of mass, body axes.

@@ -48,6 +48,8 @@ pub(crate) struct EventStepper {
     /// At the start and at the end of a trial.
     first: Vec<ModeReading>,
     last: Vec<ModeReading>,
+    /// Each link's load at the end of the step; none where nobody reads it, or only the mean can be told.
+    loads_at_end: Vec<Wrench<f64>>,
     /// Whether a limit gave an impulse at once in the step.
     has_hit: bool,
     /// Error of joints that the last trial left, m or rad.
@@ -95,18 +97,20 @@ impl EventStepper {
         self.stepper.memory().chain(own.into_iter().filter(|number| *number != 0.0))
     }
 
-    /// Each link's load at the end of the step, or its mean over one with an impact or with parts that did not converge:
-    /// force on B, and torque about B's anchor.
-    pub fn loads(&self) -> &[Wrench<f64>] {
-        &self.stepper.loads
+    /// Mean of each link's load over the step, force on B and torque about B's anchor; and that at its end where somebody
+    /// reads it, but of a step with an impact or with parts that did not converge.
+    pub fn loads(&self) -> impl Iterator<Item = (&Wrench<f64>, Option<Wrench<f64>>)> {
+        self.stepper.loads.iter().enumerate().map(|(link, mean)| (mean, self.loads_at_end.get(link).copied()))
     }
 
     /// Takes the mechanism through a step.
     pub fn advance(&mut self, mechanism: &mut Mechanism, terms: &EventTerms) -> StepEffort {
         self.has_hit = false;
         let effort = self.advance_smoothly(mechanism, terms);
+        self.loads_at_end.clear();
         if terms.reads_loads && !self.has_hit && effort.unsettled == 0 {
-            self.stepper.find_loads(mechanism, terms.time + terms.h * f64::from(terms.substeps));
+            let end = terms.time + terms.h * f64::from(terms.substeps);
+            self.stepper.find_loads(mechanism, end, &mut self.loads_at_end);
         }
         effort
     }

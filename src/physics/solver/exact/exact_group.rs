@@ -167,8 +167,10 @@ impl ExactGroup {
             for (index, state) in piece.bodies.iter().zip(&mechanism.states).take(mechanism.moving) {
                 put(state, &mut bodies[*index as usize]);
             }
-            for (&joint, load) in piece.joints.iter().zip(piece.stepper.loads()) {
-                joints[joint as usize].set_load(load, [0.0; 6]);
+            for (&joint, (mean, at_end)) in piece.joints.iter().zip(piece.stepper.loads()) {
+                let joint = &mut joints[joint as usize];
+                joint.set_load(mean, [0.0; 6]);
+                joint.load_at_end = at_end;
             }
         }
         for group in &self.contact_groups {

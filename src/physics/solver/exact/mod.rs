@@ -55,7 +55,11 @@ use crate::physics::threads;
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<ExactGroups>().keep_resource::<ExactGroups>().add_systems(
         PhysicsSchedule,
-        solve_exactly.in_set(PhysicsSystems::Solve).run_if(|settings: Res<SolverSettings>| is_exact(&settings)),
+        (
+            solve_exactly.run_if(|settings: Res<SolverSettings>| is_exact(&settings)),
+            forget.run_if(|settings: Res<SolverSettings>| !is_exact(&settings)),
+        )
+            .in_set(PhysicsSystems::Solve),
     );
 }
 
@@ -85,6 +89,14 @@ impl ExactGroups {
     /// All that the next step depends on beside bodies, joints and what contacts carried.
     pub fn memory(&self) -> impl Iterator<Item = f64> + '_ {
         self.list[..self.used].iter().flat_map(ExactGroup::memory)
+    }
+}
+
+/// Another method takes over: what this one kept from step to step, and told of joints, is not of its steps.
+fn forget(mut groups: ResMut<ExactGroups>, mut joints: ResMut<Joints>) {
+    if groups.used > 0 {
+        *groups = ExactGroups::default();
+        joints.list.iter_mut().for_each(|joint| joint.load_at_end = None);
     }
 }
 

@@ -55,7 +55,7 @@ pub(crate) struct Stepper {
     divisions: u32,
     /// Substeps in a row that converged.
     converged: u32,
-    /// Each link's load: force on B, and torque about B's anchor. Its mean over the step, until it is found at the end.
+    /// Mean of each link's load over the step: force on B, and torque about B's anchor.
     pub loads: Vec<Wrench<f64>>,
 }
 
@@ -130,9 +130,9 @@ impl Stepper {
         }
     }
 
-    /// Sets each link's load to that at the mechanism's states and that time, s.
-    pub(super) fn find_loads(&mut self, mechanism: &Mechanism, time: f64) {
-        self.gauss.find_loads(mechanism, time, &mut self.loads);
+    /// Each link's load at the mechanism's states and that time, s.
+    pub(super) fn find_loads(&mut self, mechanism: &Mechanism, time: f64, loads: &mut Vec<Wrench<f64>>) {
+        self.gauss.find_loads(mechanism, time, loads);
     }
 
     /// Mean load of a link over the last step, of h.
