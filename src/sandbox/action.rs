@@ -24,6 +24,11 @@ pub enum SandboxAction {
         /// Parameters that differ from their defaults.
         parameters: Vec<(String, f64)>,
     },
+    /// Opens a file as what it is: a scene or a recording is put on view, a mesh is what is built with.
+    OpenFile {
+        /// Its path.
+        path: PathBuf,
+    },
     /// Reads the scene's file again, seen from the same place; done by itself when the file
     /// changes. What is wrong with it is said, and the old one stays.
     ReloadScene,
@@ -139,8 +144,21 @@ pub enum SandboxAction {
     Screenshot,
     /// Shows or hides the plots.
     TogglePlots,
+    /// Makes all that lies over the picture larger or smaller.
+    ScaleInterface(ScaleChange),
     /// Shows or hides the help.
     ToggleHelp,
     /// Measures the scene's chart of error against cost in a process of its own.
     MeasureChart,
+}
+
+/// How the interface is to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ScaleChange {
+    /// A step larger.
+    Larger,
+    /// A step smaller.
+    Smaller,
+    /// At 100 %.
+    Normal,
 }

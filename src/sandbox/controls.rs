@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy_egui::input::EguiWantsInput;
 
 use super::state::{CONTROL_KEYS, DrivingKeys, SHIFT_KEYS};
-use super::{SandboxAction, Tool};
+use super::{SandboxAction, ScaleChange, Tool};
 
 /// Keys and what they do.
 pub struct Binding {
@@ -41,6 +41,10 @@ impl Binding {
         self
     }
 }
+
+const LARGER: SandboxAction = SandboxAction::ScaleInterface(ScaleChange::Larger);
+const SMALLER: SandboxAction = SandboxAction::ScaleInterface(ScaleChange::Smaller);
+const NORMAL: SandboxAction = SandboxAction::ScaleInterface(ScaleChange::Normal);
 
 /// The keys, in the order of the help.
 pub const BINDINGS: &[Binding] = &[
@@ -77,6 +81,9 @@ pub const BINDINGS: &[Binding] = &[
     binding(&[KeyCode::KeyF], "F", "frame the scene", SandboxAction::FrameScene),
     binding(&[KeyCode::KeyV], "V", "follow the picked body, or stay", SandboxAction::Follow),
     binding(&[KeyCode::F12, KeyCode::KeyP], "F12 or P", "screenshot to plumb-N.png", SandboxAction::Screenshot),
+    binding(&[KeyCode::Equal, KeyCode::NumpadAdd], "Ctrl++", "a larger interface", LARGER).with_control(),
+    binding(&[KeyCode::Minus, KeyCode::NumpadSubtract], "Ctrl+-", "a smaller interface", SMALLER).with_control(),
+    binding(&[KeyCode::Digit0, KeyCode::Numpad0], "Ctrl+0", "the interface at 100 %", NORMAL).with_control(),
     binding(&[KeyCode::KeyH, KeyCode::F1], "H or F1", "this help", SandboxAction::ToggleHelp),
     binding(&[KeyCode::Escape], "Esc", "unpick, put the tool down, close the help", SandboxAction::Escape),
 ];

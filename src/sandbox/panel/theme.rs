@@ -27,7 +27,11 @@ pub fn apply(mut contexts: EguiContexts, mut done: Local<bool>) -> Result {
     let context = contexts.ctx_mut()?;
     context.set_theme(egui::Theme::Dark);
     // However long the button is held: a slow hand clicks too, and so does any hand where frames are slow.
-    context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
+    context.options_mut(|options| {
+        options.input_options.max_click_duration = f64::INFINITY;
+        // The sandbox has keys of its own for it.
+        options.zoom_with_keyboard = false;
+    });
     context.all_styles_mut(|style| {
         let visuals = &mut style.visuals;
         visuals.panel_fill = egui::Color32::from_rgb(27, 29, 33);
