@@ -154,7 +154,7 @@ fn open_file(world: &mut World, path: &Path) {
                 tools::put_down(world);
                 world.insert_resource(Tool::Add);
                 *world.resource_mut::<Notice>() =
-                    Notice::Info(format!("click where a {} is to be", build::stem(&file)));
+                    Notice::Info(format!("click where '{}' is to be", build::stem(&file)));
             }
         }
         Err(reason) => *world.resource_mut::<Notice>() = Notice::Error(reason),

@@ -86,7 +86,9 @@ fn show(mut contexts: EguiContexts, held: Res<Held>) -> Result {
     painter.rect_filled(screen, 0.0, egui::Color32::from_black_alpha(150));
     painter.rect_stroke(screen.shrink(10.0), 10.0, egui::Stroke::new(2.0, color), egui::StrokeKind::Inside);
     let text = painter.layout(said, egui::FontId::proportional(20.0), color, 0.8 * screen.width());
-    painter.galley(screen.center() - 0.5 * text.size(), text, color);
+    let place = egui::Rect::from_center_size(screen.center(), text.size());
+    painter.rect_filled(place.expand(14.0), 8.0, context.global_style().visuals.window_fill);
+    painter.galley(place.min, text, color);
     Ok(())
 }
 

@@ -2,9 +2,10 @@
 
 use bevy::prelude::*;
 use bevy::window::WindowResized;
+use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
 use plumb::sandbox::{InterfaceScale, Notice, Page, Playback, SandboxAction, ScaleChange, Selection, Tool};
 
-use crate::eyes::click;
+use crate::eyes::{click, point_at};
 use crate::stage::{SIZE, Stage};
 
 const SCENE: &str = r#"(
@@ -31,6 +32,13 @@ fn at(percent: u16) -> Stage {
     stage
 }
 
+/// What of the interface lies in front there, points.
+fn layer_at(stage: &mut Stage, place: Vec2) -> Option<egui::Id> {
+    let world = stage.world();
+    let mut context = world.query_filtered::<&mut EguiContext, With<PrimaryEguiContext>>().single_mut(world).unwrap();
+    context.get_mut().layer_id_at(egui::pos2(place.x, place.y)).map(|layer| layer.id)
+}
+
 #[test]
 fn buttons_and_bodies_are_where_they_are_seen_at_any_scale() {
     for percent in [75, 150, 200] {
@@ -40,6 +48,12 @@ fn buttons_and_bodies_are_where_they_are_seen_at_any_scale() {
         assert!(stage.world().resource::<Playback>().paused, "{percent} %");
         click(&mut stage, Vec2::new(SIZE.x, 0.0) + scale * BUILD);
         assert_eq!(*stage.world().resource::<Page>(), Page::Build, "{percent} %");
+
+        // Nothing of the strip lies over the panel, however narrow the picture is.
+        let strip = Vec2::new(SIZE.x - scale * (PANEL - 20.0), SIZE.y - scale * 33.0);
+        point_at(&mut stage, strip);
+        let panel = egui::Id::new("panel").with("area");
+        assert_eq!(layer_at(&mut stage, strip / scale), Some(panel), "{percent} %");
 
         // The body is in the middle of what the panel leaves free.
         let body = stage.body("box");
@@ -97,8 +111,8 @@ fn it_grows_no_larger_than_the_window_has_room_for() {
     stage.world().entity_mut(window).get_mut::<Window>().unwrap().resolution.set(640.0, 360.0);
     stage.world().write_message(WindowResized { window, width: 640.0, height: 360.0 });
     stage.frames(5);
-    // All of it is there, at 100 %.
-    click(&mut stage, Vec2::new(0.0, 360.0) + PAUSE);
+    // All of it is there, at 100 %, but for what the strip leaves out where it is narrow: a button before this one.
+    click(&mut stage, Vec2::new(0.0, 360.0) + PAUSE - Vec2::new(32.0, 0.0));
     assert!(stage.world().resource::<Playback>().paused);
     stage.act(SandboxAction::ScaleInterface(ScaleChange::Larger));
     assert!(matches!(stage.world().resource::<Notice>(), Notice::Error(said) if said.contains("no room")));

@@ -65,13 +65,16 @@ pub(super) fn show(
     if !is_searched {
         shelves(ui, &mut form.shelf);
     }
+    ui.add_space(2.0);
     let is_shown = |info: &&SceneInfo| match form.shelf {
         _ if is_searched => has_all(&searched(info), &words),
         Shelf::Of(subject) => info.subject == subject,
         Shelf::All => true,
         Shelf::Yours => false,
     };
-    let scenes: Vec<&'static SceneInfo> = catalog().iter().filter(is_shown).collect();
+    let mut scenes: Vec<&'static SceneInfo> = catalog().iter().filter(is_shown).collect();
+    // What is called so comes before what has something to do with it.
+    scenes.sort_by_key(|info| !has_all(&names(info), &words));
     let files: Vec<&String> = match form.shelf {
         _ if is_searched => recent.0.iter().filter(|file| has_all(&file.to_lowercase(), &words)).collect(),
         Shelf::Yours => recent.0.iter().collect(),
@@ -147,13 +150,17 @@ fn shelves(ui: &mut egui::Ui, shelf: &mut Shelf) {
             }
         }
     });
-    ui.add_space(2.0);
+}
+
+/// What a scene is called, in small letters.
+fn names(info: &SceneInfo) -> String {
+    format!("{} {}", info.title, info.name).to_lowercase()
 }
 
 /// All that a scene is found by, in small letters.
 fn searched(info: &SceneInfo) -> String {
     let subject = Subject::ALL.iter().find(|(subject, _)| *subject == info.subject).map_or("", |(_, title)| title);
-    format!("{} {} {} {subject}", info.title, info.name, info.about).to_lowercase()
+    format!("{} {} {subject}", names(info), info.about).to_lowercase()
 }
 
 fn has_all(text: &str, words: &[String]) -> bool {

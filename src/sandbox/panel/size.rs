@@ -20,7 +20,7 @@ pub(super) fn show(
         {
             let action = SandboxAction::ScaleInterface(change);
             let width = if change == ScaleChange::Normal { 56.0 } else { 28.0 };
-            let button = egui::Button::new(label).min_size(egui::vec2(width, 24.0));
+            let button = egui::Button::new(label).min_size(egui::vec2(width, 0.0));
             if ui.add(button).on_hover_text(tooltip(&action)).clicked() {
                 actions.write(action);
             }

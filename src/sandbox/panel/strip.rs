@@ -19,6 +19,9 @@ const BAR: f32 = 18.0;
 const CLOCK: f32 = 86.0;
 /// Marks that are nearer than this to the pointer, points, draw the head to them.
 const SNAP: f32 = 5.0;
+/// Widths below which it leaves out what is said at its end, the time and what is done more rarely, points.
+const SAYS: f32 = 600.0;
+const TELLS_TIME: f32 = 520.0;
 /// What is said at the end of the strip at most.
 const LONGEST: &str = "8888.88 s ago";
 const ABOUT: &str = "what happened: drag the head to go there; orange: what was done; yellow: marks; with a point on top: where a ghost of \
@@ -50,28 +53,33 @@ pub(super) fn show(
                 ui.set_width((width - 12.0).max(1.0));
                 ui.set_height(STRIP_HEIGHT - 2.0 * MARGIN - 12.0);
                 ui.horizontal_centered(|ui| {
-                    buttons(ui, &timeline, &playback, shows_plots.0, &mut actions);
-                    let room = egui::vec2(CLOCK, ui.available_height());
-                    ui.allocate_ui_with_layout(room, egui::Layout::top_down(egui::Align::Center), |ui| {
-                        ui.set_width(CLOCK);
-                        ui.spacing_mut().item_spacing.y = 1.0;
-                        clock.show(ui);
-                    });
+                    buttons(ui, &timeline, &playback, (shows_plots.0, width < TELLS_TIME), &mut actions);
+                    if width >= TELLS_TIME {
+                        let room = egui::vec2(CLOCK, ui.available_height());
+                        ui.allocate_ui_with_layout(room, egui::Layout::top_down(egui::Align::Center), |ui| {
+                            ui.set_width(CLOCK);
+                            ui.spacing_mut().item_spacing.y = 1.0;
+                            clock.show(ui);
+                        });
+                    }
                     let said = said(head, reach, &settings);
                     // The bar is as long whatever is said: the head stays under the pointer.
                     let longest =
                         egui::WidgetText::from(LONGEST).into_galley(ui, None, f32::INFINITY, egui::TextStyle::Body);
-                    let room = ui.available_width() - longest.size().x - ui.spacing().item_spacing.x;
+                    let says = if width < SAYS { 0.0 } else { longest.size().x + ui.spacing().item_spacing.x };
+                    let room = ui.available_width() - says;
                     let is_shown_alone = shown.step.is_some();
                     let bar =
                         Bar { head, is_shown_alone, reach, history: &history, timeline: &timeline, ghosts: &ghosts };
                     if let Some(step) = bar.show(ui, room.max(40.0)) {
                         actions.write(SandboxAction::LookAt { step });
                     }
-                    ui.label(said).on_hover_ui(|ui| {
-                        let takes = Quantity::text((history.bytes() + track.bytes()) as f64, "B");
-                        ui.label(format!("{takes} of {} MiB; what is older thins out and goes", LIMIT >> 20));
-                    });
+                    if width >= SAYS {
+                        ui.label(said).on_hover_ui(|ui| {
+                            let takes = Quantity::text((history.bytes() + track.bytes()) as f64, "B");
+                            ui.label(format!("{takes} of {} MiB; what is older thins out and goes", LIMIT >> 20));
+                        });
+                    }
                 });
             });
         },
@@ -79,12 +87,13 @@ pub(super) fn show(
     Ok(())
 }
 
-/// Play is the largest; before it what goes back, after it what goes on.
+/// Play is the largest; before it what goes back, after it what goes on. Where there is little room, what has a key and is used
+/// rarely is left out.
 fn buttons(
     ui: &mut egui::Ui,
     timeline: &Timeline,
     playback: &Playback,
-    shows_plots: bool,
+    (shows_plots, is_narrow): (bool, bool),
     actions: &mut MessageWriter<SandboxAction>,
 ) {
     let play = if playback.paused { "▶" } else { "⏸" };
@@ -101,6 +110,17 @@ fn buttons(
         ("🔁", SandboxAction::ToggleLoop, timeline.looped.is_some()),
         ("📈", SandboxAction::TogglePlots, shows_plots),
     ] {
+        let is_rare = matches!(
+            action,
+            SandboxAction::GoToStart
+                | SandboxAction::GoToNow
+                | SandboxAction::ToggleSlowMotion
+                | SandboxAction::ToggleMark
+                | SandboxAction::ToggleLoop
+        );
+        if is_narrow && is_rare {
+            continue;
+        }
         let is_play = action == SandboxAction::TogglePause;
         let (size, text) = match is_play {
             true => (egui::vec2(46.0, 36.0), egui::RichText::new(label).size(22.0)),

@@ -7,6 +7,7 @@ use bevy_egui::{EguiContexts, egui};
 use super::buttons::tooltip;
 use super::icons::{self, Icon};
 use super::strip::STRIP_HEIGHT;
+use crate::sandbox::state::Covered;
 use crate::sandbox::{Blueprint, CurrentScene, JoinKind, SandboxAction, Tool};
 use crate::scene::ShapeSpec;
 
@@ -79,6 +80,7 @@ pub(super) fn show(
     tool: Res<Tool>,
     mut blueprint: ResMut<Blueprint>,
     mut kind: ResMut<JoinKind>,
+    covered: Res<Covered>,
     mut actions: MessageWriter<SandboxAction>,
 ) -> Result {
     if scene.is_none() {
@@ -86,7 +88,8 @@ pub(super) fn show(
     }
     let context = contexts.ctx_mut()?;
     let entries = entries();
-    let room = context.content_rect().height() - TOP - STRIP_HEIGHT - 3.0 * MARGIN;
+    let plots = covered.bottom / context.zoom_factor();
+    let room = context.content_rect().height() - TOP - STRIP_HEIGHT - plots - 3.0 * MARGIN;
     let rows = ((room / (BUTTON + SPACING)) as usize).clamp(1, entries.len().div_ceil(2));
     let area = egui::Area::new(egui::Id::new("tools")).fixed_pos([MARGIN, TOP]).constrain(false);
     area.show(context, |ui| {
