@@ -55,6 +55,7 @@ mod tools;
 mod watch;
 mod why;
 mod window;
+mod without_ground;
 
 pub use action::SandboxAction;
 pub use build::{Blueprint, JoinKind, JointChange, Weight};

@@ -7,6 +7,7 @@ use bevy_panorbit_camera::PanOrbitCameraPlugin;
 use super::{
     build, camera, carry_out, controls, drag, follow, ghost, gizmos, ground, help, highlight, joint_readings, light,
     meshes, motor_keys, panel, playback, plots, probe, quality, reload, screenshot, sky, state, timeline, tools, why,
+    without_ground,
 };
 use crate::physics::PhysicsPlugin;
 
@@ -35,7 +36,7 @@ impl Plugin for SandboxPlugin {
                 reload::plugin,
                 motor_keys::plugin,
             ))
-            .add_plugins(timeline::plugin)
+            .add_plugins((timeline::plugin, without_ground::plugin))
             .add_plugins((
                 panel::plugin,
                 joint_readings::plugin,
