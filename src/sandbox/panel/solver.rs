@@ -1,7 +1,7 @@
 //! Every field of [`SolverSettings`], applied at once.
 //!
-//! [`USUAL`] and [`RARE`] say how each is shown; the widget follows from its type, what it is and whether it is grey from
-//! [`SETTINGS`]. A unit test holds the two lists equal.
+//! [`FIELDS`] and [`RARE_FIELDS`] say how each is shown; the widget follows from its type, what it is and whether it is grey
+//! from [`SETTINGS`]. A unit test holds the lists and the table equal.
 
 use std::ops::RangeInclusive;
 
@@ -108,7 +108,7 @@ impl Field {
 type Group = (&'static str, &'static [Field]);
 
 /// Groups of fields that are changed often, in the order of the panel.
-const USUAL: &[Group] = &[
+const FIELDS: &[Group] = &[
     (
         "Step",
         &[
@@ -131,7 +131,7 @@ const USUAL: &[Group] = &[
 ];
 
 /// Groups of those that are changed rarely.
-const RARE: &[Group] = &[
+const RARE_FIELDS: &[Group] = &[
     (
         "All methods",
         &[
@@ -188,15 +188,15 @@ pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut settings: ResMut<SolverSettin
     let mut edited = *settings;
     let preset = base.follow(&settings);
     presets(ui, preset, &mut edited);
-    USUAL.iter().for_each(|group| show_group(ui, group, preset, &mut edited));
+    FIELDS.iter().for_each(|group| show_group(ui, group, preset, &mut edited));
     ui.add_space(6.0);
-    let changed = fields(RARE).filter(|field| field.differs(&edited, &preset.1())).count();
+    let changed = fields(RARE_FIELDS).filter(|field| field.differs(&edited, &preset.1())).count();
     let title = match changed {
         0 => "Advanced".to_owned(),
         _ => format!("Advanced ({changed} changed)"),
     };
     egui::CollapsingHeader::new(title).id_salt("advanced").show_unindented(ui, |ui| {
-        RARE.iter().for_each(|group| show_group(ui, group, preset, &mut edited));
+        RARE_FIELDS.iter().for_each(|group| show_group(ui, group, preset, &mut edited));
     });
     settings.set_if_neq(edited);
 }
@@ -375,7 +375,7 @@ mod tests {
     use crate::physics::Integrator;
 
     fn all_fields() -> impl Iterator<Item = &'static Field> {
-        fields(USUAL).chain(fields(RARE))
+        fields(FIELDS).chain(fields(RARE_FIELDS))
     }
 
     #[test]
