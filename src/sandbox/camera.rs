@@ -77,7 +77,7 @@ impl Framing {
 }
 
 /// The box around all bodies but the ground.
-fn bounds(spec: &SceneSpec) -> (DVec3, DVec3) {
+pub(super) fn bounds(spec: &SceneSpec) -> (DVec3, DVec3) {
     let spheres = spec.bodies.iter().filter_map(|body| {
         let radius = match &body.shape {
             Some(ShapeSpec::HalfSpace) => return None,

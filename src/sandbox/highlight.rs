@@ -13,7 +13,7 @@ use bevy_panorbit_camera::PanOrbitCamera;
 use super::Selection;
 use super::any_joint::{AnyJoint, IsJoint};
 use super::in_front::in_front;
-use super::meshes::{mesh_of, picture_of};
+use super::meshes::{mesh_of, picture_of, picture_size};
 use crate::physics::{Collider, RigidBody, Shape};
 use crate::scene::{PictureMesh, SceneEntity};
 
@@ -70,6 +70,8 @@ fn outline_selection(
             NotShadowCaster,
             NotShadowReceiver,
             Mesh3d(meshes.add(mesh)),
+            // It is as large as it is, however its body's picture is scaled.
+            Transform::from_scale(picture_size(collider.shape()).recip()),
             MeshMaterial3d(materials.add(StandardMaterial {
                 base_color: color,
                 unlit: true,

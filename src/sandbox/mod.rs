@@ -59,6 +59,7 @@ mod watch;
 mod why;
 mod window;
 mod window_memory;
+mod without_ground;
 
 pub use action::{SandboxAction, ScaleChange};
 pub use build::{Blueprint, JoinKind, JointChange, Weight};

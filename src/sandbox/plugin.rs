@@ -7,7 +7,7 @@ use bevy_panorbit_camera::PanOrbitCameraPlugin;
 use super::{
     build, camera, carry_out, controls, drag, dropping, follow, ghost, gizmos, ground, help, highlight, joint_readings,
     light, meshes, motor_keys, panel, playback, plots, probe, quality, recent, reload, scale, screenshot, sky, state,
-    timeline, tools, why,
+    timeline, tools, why, without_ground,
 };
 use crate::physics::PhysicsPlugin;
 
@@ -37,7 +37,7 @@ impl Plugin for SandboxPlugin {
                 motor_keys::plugin,
             ))
             .add_plugins((dropping::plugin, recent::plugin, scale::plugin))
-            .add_plugins(timeline::plugin)
+            .add_plugins((timeline::plugin, without_ground::plugin))
             .add_plugins((
                 panel::plugin,
                 joint_readings::plugin,

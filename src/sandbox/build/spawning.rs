@@ -137,9 +137,15 @@ fn find_room(
     };
 
     let up = (-gravity.0).normalize_or(DVec3::Y);
+    // What lies on the way up, of thousands of bodies.
+    let may_touch = |collider: &Collider, center: &Position| {
+        let beside = (center.0 - position).reject_from(up).length();
+        !(beside > size + collider.bounding_radius()) // of the ground's radius nothing is less
+    };
     let others: Vec<_> = bodies
         .iter()
         .filter(|(.., layers)| layers.is_none_or(|layers| layers.interact(CollisionLayers::ALL)))
+        .filter(|(collider, center, ..)| may_touch(collider, center))
         .map(|(collider, position, rotation, _)| PlacedCollider { collider, position: *position, rotation: *rotation })
         .collect();
     for _ in 0..MOST_LIFTS {

@@ -5,7 +5,7 @@ use bevy_egui::egui;
 
 use super::super::build::{UndoStack, stem};
 use super::super::{Blueprint, JoinKind, SandboxAction, Selection, Weight};
-use super::buttons::{ActionButton, button_row, tooltip};
+use super::buttons::{ActionButton, button_row, tooltip, wide_button};
 use super::entry::{Entered, Left};
 use super::theme::Quantity;
 use super::toolbar::{SHAPES, is_alike};
@@ -100,7 +100,8 @@ pub(super) fn show(
         for (column, (label, what, action)) in columns.iter_mut().zip(both) {
             let text = what.map_or_else(|| label.to_owned(), |what| format!("{label} {what}"));
             let button = egui::Button::new(text).truncate();
-            if column.add_enabled(what.is_some(), button).on_hover_text(tooltip(&action)).clicked() {
+            let shown = wide_button(column, 24.0, what.is_some(), button);
+            if shown.on_hover_text(tooltip(&action)).clicked() {
                 actions.write(action);
             }
         }

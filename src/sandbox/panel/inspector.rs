@@ -8,9 +8,10 @@ use bevy::prelude::*;
 use bevy::window::PrimaryWindow;
 use bevy_egui::egui;
 
+use super::body::{self, Described};
 use super::run::run;
+use super::selection;
 use super::strip::STRIP_HEIGHT;
-use super::{body, selection};
 use crate::sandbox::Selection;
 use crate::sandbox::held::Drag;
 use crate::sandbox::joint_readings::ReadJoints;
@@ -94,7 +95,9 @@ pub(super) fn show(context: &egui::Context, world: &mut World) -> Result {
         ui.set_width(WIDTH);
         egui::ScrollArea::vertical().max_height((free.height() - 60.0).max(80.0)).show(ui, |ui| {
             ui.set_width(WIDTH - 10.0);
-            drawn = contents(ui, world);
+            // What lies where another body's lay is another thing.
+            let body = world.resource::<Selection>().entity();
+            drawn = ui.push_id(body, |ui| contents(ui, world)).inner;
         });
     });
     if !stays {
@@ -105,11 +108,12 @@ pub(super) fn show(context: &egui::Context, world: &mut World) -> Result {
 
 /// Its name, what holds it, and what it is.
 fn contents(ui: &mut egui::Ui, world: &mut World) -> Result {
-    run(ui, world, body::show_name)?;
+    let Some(described) = Described::picked(world) else { return Ok(()) };
+    world.run_system_cached_with(body::show_name, (&mut *ui, &described))?;
     run(ui, world, selection::show)?;
     // What is joined is looked at for its joints.
     let is_open = world.resource::<ReadJoints>().open.is_empty();
-    let body = world.resource::<Selection>().entity();
-    let section = egui::CollapsingHeader::new("body").id_salt(("body", body)).default_open(is_open);
-    section.show_unindented(ui, |ui| run(ui, world, body::show)).body_returned.unwrap_or(Ok(()))
+    let section = egui::CollapsingHeader::new("body").default_open(is_open);
+    let shown = section.show_unindented(ui, |ui| world.run_system_cached_with(body::show, (&mut *ui, &described)));
+    Ok(shown.body_returned.transpose().map(drop)?)
 }

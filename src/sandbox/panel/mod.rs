@@ -168,33 +168,38 @@ fn sections(ui: &mut egui::Ui, world: &mut World) -> Result {
         .show(ui, |ui| {
             // The scroll bar floats over the contents.
             ui.set_max_width(ui.available_width() - SCROLL_BAR);
-            match page {
-                Page::Play => {
-                    section(ui, world, "Scene", true, scenes::show)?;
-                    section(ui, world, "Gallery", true, gallery::show)?;
-                    section(ui, world, "Files", true, files::show)?;
-                    section(ui, world, "World", true, world::show)?;
-                    section(ui, world, "Interface", true, size::show)?;
-                }
-                Page::Build => {
-                    section(ui, world, "Build", true, build::show)?;
-                }
-                Page::Analyse => {
-                    section(ui, world, "Gizmos", true, gizmos::show)?;
-                    section(ui, world, "Probes", true, probe::show)?;
-                    section(ui, world, "Why", false, why::show)?;
-                    section(ui, world, "Side by side", false, ghost::show)?;
-                    section(ui, world, "Read-outs", true, readouts::show)?;
-                }
-                Page::Solver => {
-                    section(ui, world, "Solver", true, solver::show)?;
-                    section(ui, world, "Chart", false, chart::show)?;
-                    section(ui, world, "Sweep", false, sweep::show)?;
-                }
-            }
-            Ok(())
+            // What lies where another page's section lay is another one.
+            ui.push_id(page, |ui| show_page(ui, world, page)).inner
         })
         .inner
+}
+
+fn show_page(ui: &mut egui::Ui, world: &mut World, page: Page) -> Result {
+    match page {
+        Page::Play => {
+            section(ui, world, "Scene", true, scenes::show)?;
+            section(ui, world, "Gallery", true, gallery::show)?;
+            section(ui, world, "Files", true, files::show)?;
+            section(ui, world, "World", true, world::show)?;
+            section(ui, world, "Interface", true, size::show)?;
+        }
+        Page::Build => {
+            section(ui, world, "Build", true, build::show)?;
+        }
+        Page::Analyse => {
+            section(ui, world, "Gizmos", true, gizmos::show)?;
+            section(ui, world, "Probes", true, probe::show)?;
+            section(ui, world, "Why", false, why::show)?;
+            section(ui, world, "Side by side", false, ghost::show)?;
+            section(ui, world, "Read-outs", true, readouts::show)?;
+        }
+        Page::Solver => {
+            section(ui, world, "Solver", true, solver::show)?;
+            section(ui, world, "Chart", false, chart::show)?;
+            section(ui, world, "Sweep", false, sweep::show)?;
+        }
+    }
+    Ok(())
 }
 
 /// What is built with is on view once a tool that builds is in hand.
@@ -209,10 +214,9 @@ fn pages(InMut(ui): InMut<egui::Ui>, mut page: ResMut<Page>) {
     ui.add_space(4.0);
     ui.columns(Page::ALL.len(), |columns| {
         for (column, (own, name, about)) in columns.iter_mut().zip(Page::ALL) {
-            let text = egui::RichText::new(name).size(15.0);
-            let size = egui::vec2(column.available_width(), 28.0);
-            let button = egui::Button::selectable(*page == own, text).min_size(size);
-            if column.add(button).on_hover_text(about).clicked() {
+            let text = egui::RichText::new(name).size(theme::HEADER);
+            let shown = buttons::wide_button(column, 28.0, true, egui::Button::selectable(*page == own, text));
+            if shown.on_hover_text(about).clicked() {
                 page.set_if_neq(own);
             }
         }
@@ -224,12 +228,13 @@ fn section<M, S>(ui: &mut egui::Ui, world: &mut World, title: &str, open: bool, 
 where
     S: IntoSystem<InMut<'static, egui::Ui>, (), M> + 'static,
 {
-    let shown =
-        egui::CollapsingHeader::new(egui::RichText::new(title).strong()).default_open(open).show_unindented(ui, |ui| {
-            let result = run(ui, world, contents);
-            ui.add_space(6.0);
-            result
-        });
+    let title = egui::RichText::new(title).size(theme::HEADER).strong();
+    let shown = egui::CollapsingHeader::new(title).default_open(open).show_unindented(ui, |ui| {
+        ui.add_space(2.0);
+        let result = run(ui, world, contents);
+        ui.add_space(8.0);
+        result
+    });
     let is_open = shown.body_returned.is_some();
     shown.body_returned.transpose()?;
     Ok(is_open)

@@ -44,15 +44,11 @@ pub(super) fn show(
             show_body(ui, &selection, body, &bodies, &mut probes, &mut actions);
             let own = joints_of(body, &joints);
             for (entity, joint) in own.iter().take(LISTED) {
-                let (change, cut) = show_joint(
-                    ui,
-                    body,
-                    (*entity, own.len() <= OPEN),
-                    joint,
-                    (&bodies, &stats, &reader),
-                    &mut now,
-                    &mut probes,
-                );
+                let of_whom = (*entity, own.len() <= OPEN);
+                let shown = ui.push_id(entity, |ui| {
+                    show_joint(ui, body, of_whom, joint, (&bodies, &stats, &reader), &mut now, &mut probes)
+                });
+                let (change, cut) = shown.inner;
                 if cut {
                     actions.write(SandboxAction::Cut(*entity));
                 }

@@ -7,6 +7,7 @@ use super::buttons::{toggle, tooltip};
 use super::playback::Clock;
 use super::theme::{Quantity, palette};
 use crate::physics::{History, SolverSettings, StepStats};
+use crate::sandbox::build::UndoStack;
 use crate::sandbox::state::{Covered, ShowsPlots};
 use crate::sandbox::timeline::{LIMIT, PoseTrack, ShownStep, head_and_reach};
 use crate::sandbox::{CurrentScene, GhostReadings, Playback, SandboxAction, Timeline};
@@ -36,7 +37,7 @@ pub(super) fn show(
     settings: Res<SolverSettings>,
     timeline: Res<Timeline>,
     (track, shown): (Res<PoseTrack>, Res<ShownStep>),
-    ghosts: Res<GhostReadings>,
+    (ghosts, undo): (Res<GhostReadings>, Res<UndoStack>),
     playback: Res<Playback>,
     (covered, clock, shows_plots): (Res<Covered>, Clock, Res<ShowsPlots>),
     mut actions: MessageWriter<SandboxAction>,
@@ -68,9 +69,15 @@ pub(super) fn show(
                         egui::WidgetText::from(LONGEST).into_galley(ui, None, f32::INFINITY, egui::TextStyle::Body);
                     let says = if width < SAYS { 0.0 } else { longest.size().x + ui.spacing().item_spacing.x };
                     let room = ui.available_width() - says;
-                    let is_shown_alone = shown.step.is_some();
-                    let bar =
-                        Bar { head, is_shown_alone, reach, history: &history, timeline: &timeline, ghosts: &ghosts };
+                    let bar = Bar {
+                        head,
+                        is_shown_alone: shown.step.is_some(),
+                        reach,
+                        history: &history,
+                        undo: &undo,
+                        timeline: &timeline,
+                        ghosts: &ghosts,
+                    };
                     if let Some(step) = bar.show(ui, room.max(40.0)) {
                         actions.write(SandboxAction::LookAt { step });
                     }
@@ -145,6 +152,7 @@ struct Bar<'a> {
     is_shown_alone: bool,
     reach: [u64; 2],
     history: &'a History,
+    undo: &'a UndoStack,
     timeline: &'a Timeline,
     ghosts: &'a GhostReadings,
 }
@@ -166,9 +174,12 @@ impl Bar<'_> {
             let looped = egui::Rect::from_x_y_ranges(x(from)..=x(to), rect.bottom() - 4.0..=rect.bottom());
             painter.rect_filled(looped, 0.0, color(palette::GREEN));
         }
-        // Of deeds in a row one line.
+        // Of deeds in a row one line, and none of one that was undone on the spot.
         let mut drawn = f32::NEG_INFINITY;
-        for at in self.history.acts().filter(|step| *step > first).map(x) {
+        let nothing = self.undo.came_to_nothing();
+        let is_something =
+            |step: &u64| nothing.get(step).is_none_or(|entities| !self.history.acts_are_about(*step, entities));
+        for at in self.history.acts().filter(|step| *step > first).filter(is_something).map(x) {
             if at - drawn >= 1.0 {
                 painter.vline(at, rect.top()..=rect.center().y, (1.0, color(palette::ORANGE)));
                 drawn = at;

@@ -1,5 +1,7 @@
 //! The tools beside the picture.
 
+use std::sync::LazyLock;
+
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
@@ -41,6 +43,9 @@ struct Entry {
     name: &'static str,
     choice: Choice,
 }
+
+/// The buttons, in the order of the toolbar.
+static ENTRIES: LazyLock<Vec<Entry>> = LazyLock::new(entries);
 
 fn entries() -> Vec<Entry> {
     let tool = |tool: Tool, icon| {
@@ -87,7 +92,7 @@ pub(super) fn show(
         return Ok(());
     }
     let context = contexts.ctx_mut()?;
-    let entries = entries();
+    let entries = &*ENTRIES;
     let plots = covered.bottom / context.zoom_factor();
     let room = context.content_rect().height() - TOP - STRIP_HEIGHT - plots - 3.0 * MARGIN;
     let rows = ((room / (BUTTON + SPACING)) as usize).clamp(1, entries.len().div_ceil(2));
@@ -169,7 +174,7 @@ fn button(ui: &mut egui::Ui, entry: &Entry, is_chosen: bool) -> egui::Response {
     ui.painter().rect_filled(square, 4.0, visuals.weak_bg_fill);
     icons::paint(ui.painter(), entry.icon, square.shrink(4.0), visuals.text_color());
     response.widget_info(|| egui::WidgetInfo::selected(egui::WidgetType::Button, true, is_chosen, entry.name));
-    response.on_hover_text(about(entry))
+    response.on_hover_ui(|ui| _ = ui.label(about(entry)))
 }
 
 fn about(entry: &Entry) -> String {
