@@ -16,8 +16,8 @@ use super::state::{SceneProblem, ShowsPlots, report};
 use super::timeline::{self, Timeline};
 use super::watch::Watch;
 use super::{
-    CurrentScene, Notice, Playback, SandboxAction, Selection, Tool, build, files, panel, probe, recordings, scale,
-    screenshot, tools,
+    CurrentScene, Notice, Playback, SandboxAction, Selection, Tool, box_select, build, files, panel, probe, recordings,
+    scale, screenshot, tools,
 };
 use crate::lab::recording::is_recording;
 use crate::physics::{ContactForces, write_now};
@@ -78,6 +78,14 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         }
         SandboxAction::ThrowBall => build::throw_ball(world),
         SandboxAction::DeletePicked => build::delete_picked(world),
+        SandboxAction::SelectBox { from, to, adds } => box_select::select_box(world, from, to, adds),
+        SandboxAction::SelectAll => box_select::select_all(world),
+        SandboxAction::PickJoint(joint) => world.insert_resource(Selection::of_joint(joint)),
+        SandboxAction::Duplicate => build::duplicate(world),
+        SandboxAction::Copy => build::copy(world),
+        SandboxAction::CutOut => build::cut_out(world),
+        SandboxAction::Paste => build::paste(world),
+        SandboxAction::PlaceBodies { placements, continues } => build::place_bodies(world, &placements, continues),
         SandboxAction::SpawnBody => build::spawn_body(world),
         SandboxAction::ChooseMesh { file, scale } => _ = build::choose_mesh(world, &file, scale),
         SandboxAction::JoinPicked => build::join_picked(world),
@@ -94,6 +102,7 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         SandboxAction::Escape => {
             world.insert_resource(Selection::default());
             probe::escape(world);
+            box_select::give_up(world);
             tools::put_down(world);
         }
         SandboxAction::ChooseTool(tool) => {

@@ -8,6 +8,7 @@ use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::window::{WindowResizeConstraints, WindowResolution};
 
+use super::clipboard::Clipboard;
 use super::motor_keys::check_keys;
 use super::scale::LEAST_WINDOW;
 use super::window_memory::{MemoryFile, users_file};
@@ -89,6 +90,7 @@ fn run(launch: Launch) -> AppExit {
             .set(LogPlugin { filter: LOG_FILTER.into(), ..default() }),
     )
     .insert_resource(launch.settings)
+    .insert_resource(Clipboard::of_system())
     .add_plugins(SandboxPlugin)
     .add_systems(Startup, move |mut actions: MessageWriter<SandboxAction>| {
         let (scene, parameters) = (launch.scene.clone(), launch.parameters.clone());

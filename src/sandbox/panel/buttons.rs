@@ -85,6 +85,10 @@ mod tests {
             SandboxAction::Undo,
             SandboxAction::Redo,
             SandboxAction::DeletePicked,
+            SandboxAction::Duplicate,
+            SandboxAction::Copy,
+            SandboxAction::CutOut,
+            SandboxAction::Paste,
             SandboxAction::Screenshot,
             SandboxAction::ToggleHelp,
         ] {

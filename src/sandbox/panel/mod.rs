@@ -16,6 +16,7 @@ mod graphs;
 mod icons;
 mod inspector;
 mod joint;
+mod many;
 mod measuring;
 mod pane;
 mod pictures;

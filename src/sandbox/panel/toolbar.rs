@@ -63,6 +63,9 @@ fn entries() -> Vec<Entry> {
     };
     let mut all = vec![
         tool(Tool::Drag, icons::DRAG),
+        tool(Tool::Move, icons::MOVE),
+        tool(Tool::Turn, icons::TURN),
+        tool(Tool::Scale, icons::SCALE),
         tool(Tool::Push, icons::PUSH),
         tool(Tool::Throw, icons::THROW),
         tool(Tool::Bar, icons::BAR),
