@@ -99,4 +99,4 @@ pub use state_hash::hash_state;
 pub use stats::StepStats;
 pub use step_details::{BodyDetails, ContactDetails, JointDetails, body_details, contact_details, joint_details};
 pub(crate) use threads::{Shared, for_each_of};
-pub use transform::{stand_still, write_now};
+pub use transform::{place, stand_still, write_now};

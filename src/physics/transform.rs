@@ -5,9 +5,13 @@
 //! that differs in any bit is the user's and teleports the body (velocity kept, no
 //! interpolation).
 
+use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 
 use super::{PoseHistory, Position, RenderOrigin, RigidBody, Rotation, Sleeping, bits};
+
+/// What is written of a body that is put somewhere else.
+type Placed = (&'static mut Position, &'static mut Rotation, &'static mut PoseHistory, &'static mut Transform);
 
 /// What a transform is written from and to.
 type Written = (
@@ -33,6 +37,25 @@ pub(super) fn write_interpolated(
 /// The world has no [`PhysicsPlugin`](super::PhysicsPlugin).
 pub fn write_now(world: &mut World) -> Result {
     Ok(world.run_system_cached(write_interpolated)?)
+}
+
+/// Puts a body somewhere else between two steps, with its velocity: the centre of mass, m, and its orientation. It is drawn
+/// there at once, and not on the way. Tells whether there is such a body.
+pub fn place(world: &mut World, body: Entity, position: DVec3, rotation: DQuat) -> bool {
+    let origin = world.get_resource::<RenderOrigin>().copied().unwrap_or_default();
+    let mut bodies = world.query_filtered::<Placed, With<RigidBody>>();
+    let Ok((mut own_position, mut own_rotation, mut history, mut transform)) = bodies.get_mut(world, body) else {
+        return false;
+    };
+    own_position.set_if_neq(Position(position));
+    own_rotation.set_if_neq(Rotation(rotation));
+    *transform = Transform {
+        translation: (position - origin.0).as_vec3(),
+        rotation: rotation.as_quat(),
+        scale: transform.scale,
+    };
+    *history.bypass_change_detection() = PoseHistory { previous: None, written: Some(*transform) };
+    true
 }
 
 /// Has transforms be those of the last poses until the next step, and not between two: for a world that [`go_to`](super::go_to)

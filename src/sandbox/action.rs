@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use bevy::prelude::*;
 
-use super::build::JointChange;
+use super::build::{JointChange, Placement};
 use super::tool::Tool;
 use crate::scene::BodySpec;
 
@@ -23,6 +23,11 @@ pub enum SandboxAction {
         scene: String,
         /// Parameters that differ from their defaults.
         parameters: Vec<(String, f64)>,
+    },
+    /// Opens a file as what it is: a scene or a recording is put on view, a mesh is what is built with.
+    OpenFile {
+        /// Its path.
+        path: PathBuf,
     },
     /// Reads the scene's file again, seen from the same place; done by itself when the file
     /// changes. What is wrong with it is said, and the old one stays.
@@ -98,8 +103,37 @@ pub enum SandboxAction {
         /// Whether it goes on with the last change, as a value does that is dragged: both are undone together.
         continues: bool,
     },
-    /// Deletes the picked body and its joints.
+    /// Deletes the picked bodies and their joints, or the picked joint.
     DeletePicked,
+    /// Picks the bodies whose centres of mass are seen in a box.
+    SelectBox {
+        /// A corner of it, logical pixels.
+        from: Vec2,
+        /// The corner across.
+        to: Vec2,
+        /// Whether what is picked already stays so.
+        adds: bool,
+    },
+    /// Picks all bodies but the ground.
+    SelectAll,
+    /// Picks that joint alone.
+    PickJoint(Entity),
+    /// Makes the picked bodies once more, beside them, with the joints among them and to the world.
+    Duplicate,
+    /// Copies them to the [`super::Clipboard`], as the text of a scene file.
+    Copy,
+    /// Copies them and deletes them.
+    CutOut,
+    /// Adds the scene that the clipboard has the text of: at the pointer; with the pointer off the picture, where its
+    /// bodies were, or beside that.
+    Paste,
+    /// Puts bodies somewhere else, turned or of another size; while time runs they stand still there.
+    PlaceBodies {
+        /// Where each is to be.
+        placements: Vec<Placement>,
+        /// Whether it goes on with the last change, as a drag does: both are undone together.
+        continues: bool,
+    },
     /// Takes back what was added, joined, pinned, changed, cut or deleted last.
     Undo,
     /// Has what was undone last come again.
@@ -139,8 +173,21 @@ pub enum SandboxAction {
     Screenshot,
     /// Shows or hides the plots.
     TogglePlots,
+    /// Makes all that lies over the picture larger or smaller.
+    ScaleInterface(ScaleChange),
     /// Shows or hides the help.
     ToggleHelp,
     /// Measures the scene's chart of error against cost in a process of its own.
     MeasureChart,
+}
+
+/// How the interface is to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ScaleChange {
+    /// A step larger.
+    Larger,
+    /// A step smaller.
+    Smaller,
+    /// At 100 %.
+    Normal,
 }

@@ -77,7 +77,7 @@ impl Framing {
 }
 
 /// The box around all bodies but the ground.
-fn bounds(spec: &SceneSpec) -> (DVec3, DVec3) {
+pub(super) fn bounds(spec: &SceneSpec) -> (DVec3, DVec3) {
     let spheres = spec.bodies.iter().filter_map(|body| {
         let radius = match &body.shape {
             Some(ShapeSpec::HalfSpace) => return None,
@@ -179,6 +179,7 @@ pub(super) fn keep_origin_near(
 }
 
 /// A ray from the camera, world, m.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Aim {
     pub origin: DVec3,
     /// Unit.
@@ -187,6 +188,16 @@ pub(super) struct Aim {
     pub distance: f64,
     /// Whether it goes through the pointer.
     pub by_pointer: bool,
+}
+
+/// Where in the window a point of the world is seen, logical pixels.
+pub(super) fn seen_at(
+    In(point): In<DVec3>,
+    camera: Single<(&Camera, &GlobalTransform), With<Camera3d>>,
+    origin: Res<RenderOrigin>,
+) -> Option<Vec2> {
+    let (camera, transform) = *camera;
+    camera.world_to_viewport(transform, (point - origin.0).as_vec3()).ok()
 }
 
 /// Through the pointer, or through the middle of what the panel leaves free of the picture where

@@ -1,18 +1,23 @@
 //! Carrying out what a user asks for.
 
+use std::path::Path;
+
 use bevy::app::FixedMain;
 use bevy::prelude::*;
 
 use super::action::CarryOut;
 use super::camera::{self, Framing};
+use super::dropping::FileKind;
 use super::follow::{self, Followed};
 use super::joint_readings::ReadJoints;
 use super::motor_keys::check_keys;
+use super::recent::RecentFiles;
 use super::state::{SceneProblem, ShowsPlots, report};
 use super::timeline::{self, Timeline};
 use super::watch::Watch;
 use super::{
-    CurrentScene, Notice, Playback, SandboxAction, Selection, build, files, panel, probe, recordings, screenshot, tools,
+    CurrentScene, Notice, Playback, SandboxAction, Selection, Tool, box_select, build, files, panel, probe, recordings,
+    scale, screenshot, tools,
 };
 use crate::lab::recording::is_recording;
 use crate::physics::{ContactForces, write_now};
@@ -44,6 +49,7 @@ pub(super) fn carry_out_actions(
 fn carry_out(world: &mut World, action: SandboxAction) {
     match action {
         SandboxAction::LoadScene { scene, parameters } => load_scene(world, scene, parameters),
+        SandboxAction::OpenFile { path } => open_file(world, &path),
         SandboxAction::ReloadScene => reload_scene(world),
         SandboxAction::Reset => reset(world),
         SandboxAction::SaveScene { path, overwrite } => files::save_scene(world, &path, overwrite),
@@ -72,8 +78,16 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         }
         SandboxAction::ThrowBall => build::throw_ball(world),
         SandboxAction::DeletePicked => build::delete_picked(world),
+        SandboxAction::SelectBox { from, to, adds } => box_select::select_box(world, from, to, adds),
+        SandboxAction::SelectAll => box_select::select_all(world),
+        SandboxAction::PickJoint(joint) => world.insert_resource(Selection::of_joint(joint)),
+        SandboxAction::Duplicate => build::duplicate(world),
+        SandboxAction::Copy => build::copy(world),
+        SandboxAction::CutOut => build::cut_out(world),
+        SandboxAction::Paste => build::paste(world),
+        SandboxAction::PlaceBodies { placements, continues } => build::place_bodies(world, &placements, continues),
         SandboxAction::SpawnBody => build::spawn_body(world),
-        SandboxAction::ChooseMesh { file, scale } => build::choose_mesh(world, &file, scale),
+        SandboxAction::ChooseMesh { file, scale } => _ = build::choose_mesh(world, &file, scale),
         SandboxAction::JoinPicked => build::join_picked(world),
         SandboxAction::PinPicked => build::pin_picked(world),
         SandboxAction::CutPicked => build::cut_picked(world),
@@ -88,6 +102,7 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         SandboxAction::Escape => {
             world.insert_resource(Selection::default());
             probe::escape(world);
+            box_select::give_up(world);
             tools::put_down(world);
         }
         SandboxAction::ChooseTool(tool) => {
@@ -109,6 +124,7 @@ fn carry_out(world: &mut World, action: SandboxAction) {
             let mut shows = world.resource_mut::<ShowsPlots>();
             shows.0 = !shows.0;
         }
+        SandboxAction::ScaleInterface(change) => scale::change(world, change),
         SandboxAction::ToggleHelp => {} // the help's own
     }
 }
@@ -130,10 +146,28 @@ fn load_scene(world: &mut World, scene: String, parameters: Vec<(String, f64)>) 
         Err(problem) => {
             *world.resource_mut::<SceneProblem>() = SceneProblem(Some(problem.clone()));
             *world.resource_mut::<Notice>() = Notice::Error(problem);
+            world.resource_mut::<RecentFiles>().forget_missing();
             return;
         }
     }
     *world.resource_mut::<SceneProblem>() = SceneProblem(None);
+}
+
+/// Opens a file as what it is.
+fn open_file(world: &mut World, path: &Path) {
+    let file = path.to_string_lossy().into_owned();
+    match FileKind::of(path) {
+        Ok(FileKind::Scene | FileKind::Recording) => load_scene(world, file, Vec::new()),
+        Ok(FileKind::Mesh) => {
+            if build::choose_mesh(world, &file, 1.0) {
+                tools::put_down(world);
+                world.insert_resource(Tool::Add);
+                *world.resource_mut::<Notice>() =
+                    Notice::Info(format!("click where '{}' is to be", build::stem(&file)));
+            }
+        }
+        Err(reason) => *world.resource_mut::<Notice>() = Notice::Error(reason),
+    }
 }
 
 /// Spawns a scene in the place of the present one. The name of that where it is kept as it was built.
@@ -164,6 +198,9 @@ fn play_recording(world: &mut World, file: String) {
         recordings::play(world, &recording, &file)
     });
     *world.resource_mut::<SceneProblem>() = SceneProblem(played.as_ref().err().cloned());
+    if played.is_err() {
+        world.resource_mut::<RecentFiles>().forget_missing();
+    }
     report(world, played);
 }
 

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy_egui::input::EguiWantsInput;
 
 use super::state::{CONTROL_KEYS, DrivingKeys, SHIFT_KEYS};
-use super::{SandboxAction, Tool};
+use super::{SandboxAction, ScaleChange, Tool};
 
 /// Keys and what they do.
 pub struct Binding {
@@ -42,6 +42,10 @@ impl Binding {
     }
 }
 
+const LARGER: SandboxAction = SandboxAction::ScaleInterface(ScaleChange::Larger);
+const SMALLER: SandboxAction = SandboxAction::ScaleInterface(ScaleChange::Smaller);
+const NORMAL: SandboxAction = SandboxAction::ScaleInterface(ScaleChange::Normal);
+
 /// The keys, in the order of the help.
 pub const BINDINGS: &[Binding] = &[
     binding(&[KeyCode::Space], "Space", "play or pause", SandboxAction::TogglePause),
@@ -64,12 +68,20 @@ pub const BINDINGS: &[Binding] = &[
     binding(&[KeyCode::Digit7], "7", "pin: what is clicked, to the world", SandboxAction::ChooseTool(Tool::Pin)),
     binding(&[KeyCode::Digit8], "8", "cut: the joint that is clicked", SandboxAction::ChooseTool(Tool::Cut)),
     binding(&[KeyCode::Digit9], "9", "measure: two clicks", SandboxAction::ChooseTool(Tool::Measure)),
+    binding(&[KeyCode::KeyT], "T", "move what is picked, by handles", SandboxAction::ChooseTool(Tool::Move)),
+    binding(&[KeyCode::KeyE], "E", "turn it, by rings", SandboxAction::ChooseTool(Tool::Turn)),
+    binding(&[KeyCode::KeyS], "S", "scale it, by boxes", SandboxAction::ChooseTool(Tool::Scale)),
     binding(&[KeyCode::KeyB], "B", "throw a ball at the pointer", SandboxAction::ThrowBall),
     binding(&[KeyCode::KeyA], "A", "add a body at the pointer", SandboxAction::SpawnBody),
     binding(&[KeyCode::KeyJ], "J", "join the two picked bodies", SandboxAction::JoinPicked),
     binding(&[KeyCode::KeyW], "W", "pin the picked body to the world", SandboxAction::PinPicked),
     binding(&[KeyCode::KeyC], "C", "cut the joint at the pointer", SandboxAction::CutPicked),
-    binding(&[KeyCode::Delete, KeyCode::KeyX], "Del or X", "delete the picked body", SandboxAction::DeletePicked),
+    binding(&[KeyCode::Delete, KeyCode::KeyX], "Del or X", "delete what is picked", SandboxAction::DeletePicked),
+    binding(&[KeyCode::KeyD], "Ctrl+D", "duplicate what is picked", SandboxAction::Duplicate).with_control(),
+    binding(&[KeyCode::KeyC], "Ctrl+C", "copy it, as text of a scene file", SandboxAction::Copy).with_control(),
+    binding(&[KeyCode::KeyX], "Ctrl+X", "copy it and delete it", SandboxAction::CutOut).with_control(),
+    binding(&[KeyCode::KeyV], "Ctrl+V", "paste at the pointer", SandboxAction::Paste).with_control(),
+    binding(&[KeyCode::KeyA], "Ctrl+A", "pick all bodies", SandboxAction::SelectAll).with_control(),
     binding(&[KeyCode::KeyZ], "Ctrl+Z", "undo what was built, changed or cut", SandboxAction::Undo).with_control(),
     binding(&[KeyCode::KeyY], "Ctrl+Y", "redo what was undone", SandboxAction::Redo).with_control(),
     binding(&[KeyCode::KeyZ], "Ctrl+Shift+Z", "the same", SandboxAction::Redo).with_control().with_shift(),
@@ -77,6 +89,9 @@ pub const BINDINGS: &[Binding] = &[
     binding(&[KeyCode::KeyF], "F", "frame the scene", SandboxAction::FrameScene),
     binding(&[KeyCode::KeyV], "V", "follow the picked body, or stay", SandboxAction::Follow),
     binding(&[KeyCode::F12, KeyCode::KeyP], "F12 or P", "screenshot to plumb-N.png", SandboxAction::Screenshot),
+    binding(&[KeyCode::Equal, KeyCode::NumpadAdd], "Ctrl++", "a larger interface", LARGER).with_control(),
+    binding(&[KeyCode::Minus, KeyCode::NumpadSubtract], "Ctrl+-", "a smaller interface", SMALLER).with_control(),
+    binding(&[KeyCode::Digit0, KeyCode::Numpad0], "Ctrl+0", "the interface at 100 %", NORMAL).with_control(),
     binding(&[KeyCode::KeyH, KeyCode::F1], "H or F1", "this help", SandboxAction::ToggleHelp),
     binding(&[KeyCode::Escape], "Esc", "unpick, put the tool down, close the help", SandboxAction::Escape),
 ];
@@ -84,8 +99,11 @@ pub const BINDINGS: &[Binding] = &[
 /// What the mouse does, as the help says it.
 pub const MOUSE: &[(&str, &str)] = &[
     ("left button", "pick a body and drag it"),
-    ("Shift + left button", "pick a second one"),
+    ("left button beside all", "draw a box around bodies to pick them"),
+    ("left click on a joint", "pick it, where its body is picked or joints are shown"),
+    ("Shift + left button", "pick more"),
     ("wheel while dragging", "farther or nearer"),
+    ("Ctrl with a handle", "to the grid, or not where that is switched on"),
     ("right button", "orbit"),
     ("right click", "plot, trail or measure what is there"),
     ("middle button", "pan"),

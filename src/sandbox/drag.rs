@@ -1,4 +1,5 @@
-//! Picking and dragging with the left button; with Shift held a second body is picked.
+//! Picking and dragging with the left button; with Shift held more bodies are picked. A press beside all bodies draws a box
+//! around those that it is to pick.
 //!
 //! The body is held at the very point that was hit, by a soft ball joint to a body without a
 //! shape: the *handle*. The handle goes where the pointer is, in the plane through the held point
@@ -16,8 +17,9 @@ use super::any_joint::{AnyJoint, IsJoint};
 use super::held::{Drag, DragPart, Held};
 use super::in_front::in_front;
 use super::probe::TapeStart;
+use super::state::SHIFT_KEYS;
 use super::timeline::ShownStep;
-use super::{Picked, Playback, Selection, Tool};
+use super::{Picked, Playback, Selection, Tool, box_select, joint_click};
 use crate::physics::{
     BallJoint, BrokenJoint, Collider, Damping, History, Mass, Position, Quarantined, RenderOrigin, RigidBody, Rotation,
     Shape, Softness, SolverSettings, StepStats, bury,
@@ -87,28 +89,25 @@ fn pick(
     if !picture.is_pressed(&press) {
         return;
     }
-    let adds = selection.body.is_some() && keys.any_pressed([KeyCode::ShiftLeft, KeyCode::ShiftRight]);
+    let adds = keys.any_pressed(SHIFT_KEYS);
     let aimed = targets.aimed(press.entity, &press.hit).filter(|aimed| !aimed.is_ground);
+    let (pointer, place, before) = (press.pointer_id, press.pointer_location.position, selection.clone());
+    commands.queue(move |world: &mut World| joint_click::press(world, pointer, place, &before));
     let Some(Aimed { picked: aimed, place: target, .. }) = aimed else {
         if !adds {
             selection.set_if_neq(Selection::default());
         }
+        commands.queue(move |world: &mut World| box_select::begin(world, pointer, place, adds));
         return;
     };
     let (Some(hit), Ok(camera)) = (press.hit.position, cameras.get(press.hit.camera)) else { return };
     let Ok((kind, damping, quarantined)) = bodies.get(aimed.entity) else { return };
     let Picked { entity: body, point: anchor, .. } = aimed;
-    let picked = Some(aimed);
+    let adds = adds && selection.body.is_some();
+    selection.pick(aimed, adds);
     if adds {
-        let is_first = selection.entity() == Some(body);
-        *selection = if is_first {
-            Selection { body: picked, ..*selection }
-        } else {
-            Selection { partner: picked, ..*selection }
-        };
         return; // picked to be joined, not dragged
     }
-    *selection = Selection { body: picked, partner: None };
     if *kind != RigidBody::Dynamic || quarantined {
         return;
     }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
+use super::recent::RecentFiles;
 use super::state::report;
 use super::watch::Watch;
 use super::{CurrentScene, camera};
@@ -14,6 +15,9 @@ use crate::scene::SceneSpec;
 /// Saves the scene as it stands now, seen from where the camera is.
 pub(super) fn save_scene(world: &mut World, path: &Path, overwrite: bool) {
     let outcome = scene_now(world, path).and_then(|text| save(path, overwrite, &text));
+    if let Ok(path) = &outcome {
+        world.resource_mut::<RecentFiles>().add(path);
+    }
     if let Ok(path) = &outcome
         && world.get_resource::<CurrentScene>().is_some_and(|current| Path::new(&current.scene) == path)
     {

@@ -8,6 +8,7 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_egui::egui;
 
+use super::Selection;
 use super::any_joint::{IsJoint, WholeJoint, WholeJointItem};
 use super::glyphs::Placed;
 use super::in_front::in_front;
@@ -15,7 +16,7 @@ use super::panel::{Quantity, palette, toggle};
 use super::probe::reads_contact_forces;
 use super::why::Painted;
 use crate::physics::{Collider, ContactForces, Gravity, Mass, RenderOrigin, RigidBody, StepStats, Velocity};
-use crate::scene::{JointComponent, Probes};
+use crate::scene::{JointComponent, Probes, SceneEntity};
 
 /// What is drawn over the picture.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -51,7 +52,9 @@ pub(super) fn plugin(app: &mut App) {
         PostUpdate,
         (
             draw_contacts.run_if(|shown: Res<ShownGizmos>| shown.contacts),
-            draw_joints.run_if(|shown: Res<ShownGizmos>, painted: Res<Painted>| shown.joints || painted.has_joints()),
+            draw_joints.run_if(|shown: Res<ShownGizmos>, painted: Res<Painted>, selection: Res<Selection>| {
+                shown.joints || painted.has_joints() || selection.joint.is_some()
+            }),
             draw_bounds.run_if(|shown: Res<ShownGizmos>| shown.bounds),
             draw_velocities.run_if(|shown: Res<ShownGizmos>| shown.velocities),
         ),
@@ -219,7 +222,7 @@ const LEVEL: f64 = 1e-3;
 fn draw_joints(
     (mut gizmos, mut rims, mut glyphs): (Gizmos<Overlay>, Gizmos<Rims>, Gizmos<Glyphs>),
     joints: Query<(Entity, WholeJoint), IsJoint>,
-    painted: Res<Painted>,
+    (painted, shown, selection): (Res<Painted>, Res<ShownGizmos>, Res<Selection>),
     poses: Query<(&RigidBody, &Transform, Option<&Collider>)>,
     gravity: Res<Gravity>,
     stats: Res<StepStats>,
@@ -227,7 +230,11 @@ fn draw_joints(
 ) {
     let measure = Measure::of(&bodies, &gravity);
     let down = gravity.0.normalize_or(DVec3::NEG_Y).as_vec3();
+    let are_all_drawn = shown.joints || painted.has_joints();
     for (entity, joint) in &joints {
+        if !are_all_drawn && selection.joint != Some(entity) {
+            continue;
+        }
         let Some(component) = joint.joint.component() else { continue };
         let Ok(ends) = poses.get_many(component.bodies()) else { continue };
         let size = measure.glyph_size(ends.map(|(.., collider)| collider));
@@ -259,6 +266,39 @@ fn draw_joints(
             }
         }
     }
+}
+
+/// The lines that each joint is drawn as, its points first; of bodies alone whose joints are drawn as dots, those.
+pub(super) fn strokes_of_joints(
+    In(bodies): In<Vec<Entity>>,
+    joints: Query<(Entity, WholeJoint), (IsJoint, With<SceneEntity>)>,
+    (shown, selection): (Res<ShownGizmos>, Res<Selection>),
+    poses: Query<(&Transform, Option<&Collider>)>,
+    gravity: Res<Gravity>,
+    stats: Res<StepStats>,
+    all: Query<(&RigidBody, &Collider, &Mass)>,
+) -> Vec<(Entity, Vec<Vec<Vec3>>)> {
+    let measure = Measure::of(&all, &gravity);
+    let down = gravity.0.normalize_or(DVec3::NEG_Y).as_vec3();
+    let mut seen = Vec::new();
+    for (entity, joint) in &joints {
+        let Some(component) = joint.joint.component() else { continue };
+        let has_glyph = shown.joints || selection.joint == Some(entity);
+        if !has_glyph && !component.bodies().iter().any(|end| bodies.contains(end)) {
+            continue;
+        }
+        let Ok(ends) = poses.get_many(component.bodies()) else { continue };
+        let size = measure.glyph_size(ends.map(|(_, collider)| collider));
+        let (poses, tint, time) = (ends.map(|(pose, _)| *pose), Color::WHITE, stats.time);
+        let placed = Placed { joint: &joint, poses, size, tint, down, time };
+        let Some(points) = placed.anchors() else { continue };
+        let mut strokes: Vec<Vec<Vec3>> = points.into_iter().map(|point| vec![point]).collect();
+        if has_glyph {
+            strokes.extend(placed.strokes().into_iter().map(|(points, _)| points));
+        }
+        seen.push((entity, strokes));
+    }
+    seen
 }
 
 /// Of a joint that holds no longer, and of one whose load no step has told yet.

@@ -1,7 +1,7 @@
 //! What is picked: each body wears an outline (its picture, a little larger, seen from the inside),
 //! the place that was clicked a dot, and its joints are drawn.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use bevy::light::{NotShadowCaster, NotShadowReceiver};
 use bevy::math::DVec3;
@@ -13,11 +13,11 @@ use bevy_panorbit_camera::PanOrbitCamera;
 use super::Selection;
 use super::any_joint::{AnyJoint, IsJoint};
 use super::in_front::in_front;
-use super::meshes::{mesh_of, picture_of};
+use super::meshes::{mesh_of, picture_of, picture_size};
 use crate::physics::{Collider, RigidBody, Shape};
 use crate::scene::{PictureMesh, SceneEntity};
 
-/// Of the body that was clicked, and of the one it may be joined to.
+/// Of bodies that are picked, and of the one that the first may be joined to.
 const COLORS: [Color; 2] = [Color::srgb(1.0, 0.85, 0.1), Color::srgb(0.34, 0.71, 0.91)];
 /// Radius of a dot, of the camera's distance.
 const DOT: f32 = 0.006;
@@ -37,7 +37,7 @@ fn outline_selection(
     mut commands: Commands,
     mut selection: ResMut<Selection>,
     camera: Single<&PanOrbitCamera>,
-    bodies: Query<(&Collider, Option<&PictureMesh>)>,
+    bodies: Query<(Ref<Collider>, Option<&PictureMesh>)>,
     outlines: Query<Entity, With<Outline>>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
@@ -46,37 +46,53 @@ fn outline_selection(
     if selection.partner.is_some_and(|picked| !bodies.contains(picked.entity)) {
         selection.partner = None;
     }
-    if selection.body.is_some_and(|picked| !bodies.contains(picked.entity)) {
-        *selection = Selection::default();
+    if selection.others.iter().any(|other| !bodies.contains(*other)) {
+        selection.others.retain(|other| bodies.contains(*other));
     }
-    if !selection.is_changed() {
+    if selection.body.is_some_and(|picked| !bodies.contains(picked.entity)) {
+        let left: Vec<Entity> = selection.bodies().skip(1).collect();
+        *selection = Selection::of_bodies(left);
+    }
+    let is_new = |body| bodies.get(body).is_ok_and(|(collider, _)| collider.is_changed());
+    if !selection.is_changed() && !selection.bodies().any(is_new) {
         return;
     }
     for outline in &outlines {
         commands.entity(outline).try_despawn();
     }
     let thickness = THICKNESS * camera.radius.unwrap_or(10.0);
-    for (picked, color) in selection.picks().zip(COLORS) {
-        let Ok((collider, picture)) = bodies.get(picked.entity) else { continue };
-        let mesh = match collider.shape() {
-            shape @ Shape::Hull(_) => picture_of(shape, picture).map(|mesh| inflated(mesh, thickness)),
-            shape => mesh_of(&grown(shape, f64::from(thickness))),
+    let partner = selection.partner.map(|picked| picked.entity);
+    let materials = COLORS.map(|base_color| {
+        let cull_mode = Some(Face::Front);
+        materials.add(StandardMaterial { base_color, unlit: true, fog_enabled: false, cull_mode, ..default() })
+    });
+    // Bodies of one shape, one after the other, share their outline.
+    let mut last: Option<(Shape, Handle<Mesh>)> = None;
+    for entity in selection.bodies() {
+        let Ok((collider, picture)) = bodies.get(entity) else { continue };
+        let shape = collider.shape();
+        let mesh = match last.as_ref().filter(|(other, _)| other == shape && picture.is_none()) {
+            Some((_, mesh)) => mesh.clone(),
+            None => {
+                let mesh = match shape {
+                    Shape::Hull(_) => picture_of(shape, picture).map(|mesh| inflated(mesh, thickness)),
+                    shape => mesh_of(&grown(shape, f64::from(thickness))),
+                };
+                let Some(mesh) = mesh else { continue };
+                meshes.add(mesh)
+            }
         };
-        let Some(mesh) = mesh else { continue };
+        last = Some((shape.clone(), mesh.clone()));
         commands.spawn((
             Outline,
-            ChildOf(picked.entity),
+            ChildOf(entity),
             Pickable::IGNORE,
             NotShadowCaster,
             NotShadowReceiver,
-            Mesh3d(meshes.add(mesh)),
-            MeshMaterial3d(materials.add(StandardMaterial {
-                base_color: color,
-                unlit: true,
-                fog_enabled: false,
-                cull_mode: Some(Face::Front),
-                ..default()
-            })),
+            Mesh3d(mesh),
+            // It is as large as it is, however its body's picture is scaled.
+            Transform::from_scale(picture_size(shape).recip()),
+            MeshMaterial3d(materials[usize::from(partner == Some(entity))].clone()),
         ));
     }
 }
@@ -90,7 +106,7 @@ struct Marks;
 fn draw_marks(
     selection: Res<Selection>,
     poses: Query<(&RigidBody, &Transform)>,
-    joints: Query<AnyJoint, (IsJoint, With<SceneEntity>)>,
+    joints: Query<(Entity, AnyJoint), (IsJoint, With<SceneEntity>)>,
     camera: Single<&GlobalTransform, With<Camera3d>>,
     mut gizmos: Gizmos<Marks>,
 ) {
@@ -100,15 +116,24 @@ fn draw_marks(
         let Ok((_, pose)) = poses.get(picked.entity) else { continue };
         let clicked = place(pose, picked.point);
         gizmos.sphere(clicked, DOT * clicked.distance(eye), color).resolution(16);
-        let joints = joints.iter().filter_map(|joint| joint.component());
-        for joint in joints.filter(|joint| joint.bodies().contains(&picked.entity)) {
-            for (body, anchor) in joint.ends() {
-                let Ok((kind, pose)) = poses.get(body) else { continue };
-                let end = place(pose, anchor);
-                gizmos.sphere(end, 0.7 * DOT * end.distance(eye), Color::WHITE).resolution(12);
-                if *kind == RigidBody::Dynamic {
-                    gizmos.line(pose.translation, end, Color::WHITE);
-                }
+    }
+    let bodies: HashSet<Entity> = selection.bodies().collect();
+    if bodies.is_empty() && selection.joint.is_none() {
+        return;
+    }
+    for (entity, joint) in &joints {
+        let Some(joint) = joint.component() else { continue };
+        let is_picked = selection.joint == Some(entity);
+        if !is_picked && !joint.bodies().iter().any(|body| bodies.contains(body)) {
+            continue;
+        }
+        let (color, size) = if is_picked { (COLORS[0], 1.4) } else { (Color::WHITE, 0.7) };
+        for (body, anchor) in joint.ends() {
+            let Ok((kind, pose)) = poses.get(body) else { continue };
+            let end = place(pose, anchor);
+            gizmos.sphere(end, size * DOT * end.distance(eye), color).resolution(12);
+            if *kind == RigidBody::Dynamic {
+                gizmos.line(pose.translation, end, color);
             }
         }
     }

@@ -1,18 +1,24 @@
 //! What bodies look like. A mesh sits on the body's own entity, so that picking finds the body.
+//!
+//! Balls, boxes and cones of one proportion share a mesh, and the scale of the body's transform, which physics neither reads
+//! nor writes, makes it as large as the body: ten thousand boxes of as many sizes have one mesh.
 
 use std::collections::HashMap;
 use std::f32::consts::FRAC_PI_2;
 
 use bevy::asset::RenderAssetUsages;
+use bevy::camera::visibility::NoCpuCulling;
 use bevy::ecs::entity::EntityHashMap;
+use bevy::math::DVec3;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::picking::mesh_picking::ray_cast::RayCastBackfaces;
 use bevy::prelude::*;
 use bevy::render::render_resource::Face;
 
 use super::action::CarryOut;
+use super::quality::Quality;
 use super::state::CurrentScene;
-use crate::physics::{Collider, ConvexHull, RigidBody, Shape};
+use crate::physics::{Collider, ConvexHull, Keep, RigidBody, Shape};
 use crate::scene::{BodyColor, MeshSpec, PictureMesh};
 
 /// Shades of dynamic bodies without a color, sRGB, one row a shape: spheres, cuboids, cones, hulls. Neighbors in a
@@ -27,7 +33,24 @@ const STATIC_COLOR: Color = Color::srgb(0.48, 0.50, 0.53);
 const KINEMATIC_COLOR: Color = Color::srgb(0.55, 0.48, 0.62);
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<SharedAssets>().add_systems(Update, dress_bodies.after(CarryOut));
+    app.keep_look::<PictureSize>()
+        .init_resource::<SharedAssets>()
+        .add_systems(Update, (dress_bodies, size_pictures).chain().after(CarryOut));
+}
+
+/// What a body's mesh is scaled with.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub(super) struct PictureSize(Vec3);
+
+/// Gives transforms their scale, and again where a scene has gone back to where they had none.
+pub(super) fn size_pictures(
+    mut bodies: Query<(&mut Transform, &PictureSize), Or<(Changed<Transform>, Changed<PictureSize>)>>,
+) {
+    for (mut transform, size) in &mut bodies {
+        if transform.scale != size.0 {
+            transform.scale = size.0;
+        }
+    }
 }
 
 /// Bodies alike share mesh and material, and are drawn in one batch.
@@ -46,6 +69,7 @@ pub(super) fn dress_bodies(
         (Entity, &RigidBody, &Collider, Option<&PictureMesh>, Option<&BodyColor>),
         Or<(Changed<Collider>, Changed<PictureMesh>, Changed<BodyColor>)>,
     >,
+    quality: Res<Quality>,
     mut shared: ResMut<SharedAssets>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
@@ -84,9 +108,13 @@ pub(super) fn dress_bodies(
                 })
             })
             .clone();
-        commands.entity(entity).insert((Mesh3d(mesh), MeshMaterial3d(material)));
+        let size = PictureSize(picture_size(collider.shape()));
+        commands.entity(entity).insert((Mesh3d(mesh), MeshMaterial3d(material), size));
         if has_insides {
             commands.entity(entity).insert(RayCastBackfaces);
+        }
+        if quality.draws_what_it_sees {
+            commands.entity(entity).insert(NoCpuCulling);
         }
     }
 }
@@ -111,29 +139,40 @@ impl SharedAssets {
     }
 }
 
-/// The same for bodies that look the same.
+/// What the picture of a shape is scaled with: what [`picture_of`] makes is of size 1 where shapes of other sizes are as it is.
+pub(super) fn picture_size(shape: &Shape) -> Vec3 {
+    match shape {
+        Shape::HalfSpace | Shape::Hull(_) => Vec3::ONE,
+        Shape::Sphere { radius } => Vec3::splat(*radius as f32),
+        Shape::Cuboid { size } => size.as_vec3(),
+        // By one factor, so that its normals stay normals for whoever casts a ray at it.
+        Shape::Cone { height, .. } => Vec3::splat(*height as f32),
+    }
+}
+
+/// The same for bodies whose pictures differ in no more than their size.
 fn picture_key(shape: &Shape, picture: Option<&PictureMesh>) -> Vec<u64> {
     if let Some(PictureMesh(mesh)) = picture {
         return vec![5, mesh.mesh().fingerprint, mesh.scale().to_bits()];
     }
     let (kind, sizes) = match shape {
         Shape::HalfSpace => (0, vec![]),
-        Shape::Sphere { radius } => (1, vec![*radius]),
-        Shape::Cuboid { size } => (2, size.to_array().to_vec()),
-        Shape::Cone { radius, height } => (3, vec![*radius, *height]),
+        Shape::Sphere { .. } => (1, vec![]),
+        Shape::Cuboid { .. } => (2, vec![]),
+        Shape::Cone { radius, height } => (3, vec![radius / height]),
         Shape::Hull(hull) => (4, hull.vertices().flat_map(|vertex| vertex.to_array()).collect()),
     };
     std::iter::once(kind).chain(sizes.into_iter().map(f64::to_bits)).collect()
 }
 
-/// What a body looks like, about its centre of mass in its own axes; none for the ground, which is
-/// drawn elsewhere.
+/// What a body looks like, about its centre of mass in its own axes, before it is scaled by its [`picture_size`]; none for the
+/// ground, which is drawn elsewhere.
 pub(super) fn picture_of(shape: &Shape, picture: Option<&PictureMesh>) -> Option<Mesh> {
     match (shape, picture) {
         (Shape::Hull(_), Some(PictureMesh(mesh))) => Some(mesh_of_file(mesh)),
-        (Shape::Sphere { radius }, _) => {
-            Some(ball(*radius as f32).with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, ball_shades()))
-        }
+        (Shape::Sphere { .. }, _) => Some(ball(1.0).with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, ball_shades())),
+        (Shape::Cuboid { .. }, _) => mesh_of(&Shape::Cuboid { size: DVec3::ONE }),
+        (Shape::Cone { radius, height }, _) => mesh_of(&Shape::Cone { radius: radius / height, height: 1.0 }),
         _ => mesh_of(shape),
     }
 }

@@ -393,7 +393,7 @@ impl Chart<'_> {
             ui.spacing_mut().item_spacing.x = 6.0;
             for (name, color, value) in curves {
                 let text = newest.map_or_else(|| "–".into(), |sample| scale.number(value(sample)));
-                let text = egui::RichText::new(format!("{name} {text}")).size(11.0).color(color32(*color));
+                let text = egui::RichText::new(format!("{name} {text}")).small().color(color32(*color));
                 ui.add(egui::Label::new(text).truncate());
             }
         });

@@ -5,8 +5,9 @@ use bevy_egui::EguiPlugin;
 use bevy_panorbit_camera::PanOrbitCameraPlugin;
 
 use super::{
-    build, camera, carry_out, controls, drag, follow, ghost, gizmos, ground, help, highlight, joint_readings, light,
-    meshes, motor_keys, panel, playback, plots, probe, quality, reload, screenshot, sky, state, timeline, tools, why,
+    box_select, build, camera, carry_out, clipboard, controls, drag, dropping, follow, ghost, gizmos, ground, handles,
+    help, highlight, joint_click, joint_readings, light, meshes, motor_keys, panel, playback, plots, probe, quality,
+    recent, reload, scale, screenshot, sky, snap, state, timeline, tools, why, without_ground,
 };
 use crate::physics::PhysicsPlugin;
 
@@ -35,7 +36,9 @@ impl Plugin for SandboxPlugin {
                 reload::plugin,
                 motor_keys::plugin,
             ))
-            .add_plugins(timeline::plugin)
+            .add_plugins((dropping::plugin, recent::plugin, scale::plugin))
+            .add_plugins((box_select::plugin, clipboard::plugin, handles::plugin, joint_click::plugin, snap::plugin))
+            .add_plugins((timeline::plugin, without_ground::plugin))
             .add_plugins((
                 panel::plugin,
                 joint_readings::plugin,

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use bevy::prelude::*;
 
+use super::recent::RecentFiles;
 use super::screenshot::next_free_path;
 use super::state::report;
 use super::{CurrentScene, drag, timeline};
@@ -20,6 +21,7 @@ pub(super) fn record(world: &mut World) {
         let bytes =
             recording.write(&path).map_err(|error| format!("{}: cannot be written: {error}", path.display()))?;
         let shown = std::path::absolute(&path).unwrap_or(path);
+        world.resource_mut::<RecentFiles>().add(&shown);
         let kilobytes = bytes.div_ceil(1000);
         Ok(format!("recorded {} steps to {}, {kilobytes} kB", recording.steps(), shown.display()))
     });

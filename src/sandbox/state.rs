@@ -31,13 +31,17 @@ impl CurrentScene {
     }
 }
 
-/// The bodies that are picked.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+/// What is picked: bodies, or one joint.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct Selection {
     /// By a click.
     pub body: Option<Picked>,
-    /// By a click with Shift held: what [`Self::body`] is to be joined to.
+    /// By the last click with Shift held: what [`Self::body`] is to be joined to.
     pub partner: Option<Picked>,
+    /// Beside these: by a box that was drawn around them, or by earlier clicks with Shift held.
+    pub others: Vec<Entity>,
+    /// By a click on its glyph; no body is picked then.
+    pub joint: Option<Entity>,
 }
 
 /// A body, and the place of it that was clicked.
@@ -51,10 +55,57 @@ pub struct Picked {
     pub normal: Option<DVec3>,
 }
 
+impl Picked {
+    /// A body, as if its centre of mass had been clicked.
+    pub fn at_centre(entity: Entity) -> Self {
+        Self { entity, point: DVec3::ZERO, normal: None }
+    }
+}
+
 impl Selection {
     /// That body alone, picked at its centre of mass.
     pub fn of(entity: Entity) -> Self {
-        Self { body: Some(Picked { entity, point: DVec3::ZERO, normal: None }), partner: None }
+        Self { body: Some(Picked::at_centre(entity)), ..default() }
+    }
+
+    /// Those bodies, the first as if it had been clicked at its centre of mass.
+    pub fn of_bodies(bodies: impl IntoIterator<Item = Entity>) -> Self {
+        let mut bodies = bodies.into_iter();
+        Self { body: bodies.next().map(Picked::at_centre), others: bodies.collect(), ..default() }
+    }
+
+    /// That joint alone.
+    pub fn of_joint(joint: Entity) -> Self {
+        Self { joint: Some(joint), ..default() }
+    }
+
+    /// A click on a body: it is picked alone, or beside what is picked already, of which the first stays what the last is to be
+    /// joined to.
+    pub fn pick(&mut self, picked: Picked, adds: bool) {
+        match self.body {
+            Some(first) if adds && first.entity == picked.entity => self.body = Some(picked),
+            Some(_) if adds => {
+                let before = self.partner.replace(picked).map(|before| before.entity);
+                self.others.extend(before);
+                self.others.retain(|other| *other != picked.entity);
+            }
+            _ => *self = Self { body: Some(picked), ..default() },
+        }
+    }
+
+    /// Picks those bodies, too.
+    pub fn add(&mut self, bodies: impl IntoIterator<Item = Entity>) {
+        let mut all: Vec<Entity> = self.bodies().collect();
+        let known = all.len();
+        for body in bodies {
+            if !all.contains(&body) {
+                all.push(body);
+            }
+        }
+        match self.body {
+            Some(_) => self.others.extend(&all[known..]),
+            None => *self = Self::of_bodies(all),
+        }
     }
 
     /// The body picked by a click.
@@ -62,9 +113,14 @@ impl Selection {
         self.body.map(|picked| picked.entity)
     }
 
-    /// All that is picked.
+    /// The bodies that were clicked.
     pub fn picks(&self) -> impl Iterator<Item = Picked> {
         self.body.into_iter().chain(self.partner)
+    }
+
+    /// All bodies that are picked.
+    pub fn bodies(&self) -> impl Iterator<Item = Entity> {
+        self.picks().map(|picked| picked.entity).chain(self.others.iter().copied())
     }
 }
 

@@ -8,6 +8,12 @@ pub enum Tool {
     /// Picks a body and drags it.
     #[default]
     Drag,
+    /// Moves what is picked, by arrows and squares.
+    Move,
+    /// Turns it, by rings.
+    Turn,
+    /// Makes it larger or smaller, by boxes.
+    Scale,
     /// Gives a body a kick, away from the eye.
     Push,
     /// Throws a ball.
@@ -28,8 +34,11 @@ pub enum Tool {
 
 impl Tool {
     /// All of them, with what each is called and what it does.
-    pub const ALL: [(Self, &str, &str); 9] = [
-        (Self::Drag, "drag", "pick a body and drag it; with Shift held pick a second one"),
+    pub const ALL: [(Self, &str, &str); 12] = [
+        (Self::Drag, "drag", "pick a body and drag it; with Shift held pick more; draw a box around bodies"),
+        (Self::Move, "move", "drag an arrow, a square or the middle; click a body to pick it"),
+        (Self::Turn, "turn", "drag a ring; click a body to pick it"),
+        (Self::Scale, "scale", "drag a box: along an axis, or the middle one for all; meshes keep their size"),
         (Self::Push, "push", "kick a body where you click it"),
         (Self::Throw, "throw", "throw a ball at what you click"),
         (Self::Add, "add", "put a body where you click"),
@@ -43,6 +52,11 @@ impl Tool {
         (Self::Cut, "cut", "cut the joint that you click"),
         (Self::Measure, "measure", "click two points: a tape tells how far they are apart"),
     ];
+
+    /// Whether it puts what is picked by handles.
+    pub fn has_handles(self) -> bool {
+        matches!(self, Self::Move | Self::Turn | Self::Scale)
+    }
 
     /// What it does.
     pub fn about(self) -> &'static str {

@@ -8,7 +8,10 @@ use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::window::{WindowResizeConstraints, WindowResolution};
 
+use super::clipboard::Clipboard;
 use super::motor_keys::check_keys;
+use super::scale::LEAST_WINDOW;
+use super::window_memory::{MemoryFile, users_file};
 use super::{SandboxAction, SandboxPlugin};
 use crate::lab::recording::is_recording;
 use crate::physics::SolverSettings;
@@ -66,28 +69,38 @@ pub fn launch(launch: Launch) -> Result<(), LaunchError> {
 pub(super) const LOG_FILTER: &str = "error,wgpu_hal::vulkan::instance=off";
 
 fn run(launch: Launch) -> AppExit {
+    let remembered = users_file().map(|file| MemoryFile::read(&file));
+    let [width, height] = remembered.as_ref().map_or([1280.0, 720.0], |file| file.memory().size);
     let window = Window {
         title: "Plumb".into(),
         name: Some("plumb".into()),
-        resolution: WindowResolution::new(1280, 720),
+        resolution: WindowResolution::new(width as u32, height as u32),
         // Beside the panel there is still a picture, and the playback buttons are all there.
-        resize_constraints: WindowResizeConstraints { min_width: 640.0, min_height: 360.0, ..default() },
+        resize_constraints: WindowResizeConstraints {
+            min_width: LEAST_WINDOW.x,
+            min_height: LEAST_WINDOW.y,
+            ..default()
+        },
         ..default()
     };
-    App::new()
-        .add_plugins(
-            DefaultPlugins
-                .set(WindowPlugin { primary_window: Some(window), ..default() })
-                .set(LogPlugin { filter: LOG_FILTER.into(), ..default() }),
-        )
-        .insert_resource(launch.settings)
-        .add_plugins(SandboxPlugin)
-        .add_systems(Startup, move |mut actions: MessageWriter<SandboxAction>| {
-            let (scene, parameters) = (launch.scene.clone(), launch.parameters.clone());
-            actions.write(SandboxAction::LoadScene { scene, parameters });
-        })
-        .add_systems(Last, || STARTED.store(true, Ordering::Relaxed))
-        .run()
+    let mut app = App::new();
+    app.add_plugins(
+        DefaultPlugins
+            .set(WindowPlugin { primary_window: Some(window), ..default() })
+            .set(LogPlugin { filter: LOG_FILTER.into(), ..default() }),
+    )
+    .insert_resource(launch.settings)
+    .insert_resource(Clipboard::of_system())
+    .add_plugins(SandboxPlugin)
+    .add_systems(Startup, move |mut actions: MessageWriter<SandboxAction>| {
+        let (scene, parameters) = (launch.scene.clone(), launch.parameters.clone());
+        actions.write(SandboxAction::LoadScene { scene, parameters });
+    })
+    .add_systems(Last, || STARTED.store(true, Ordering::Relaxed));
+    if let Some(file) = remembered {
+        file.put_in(&mut app);
+    }
+    app.run()
 }
 
 /// Whether the first frame has been reached.

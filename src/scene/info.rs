@@ -6,6 +6,10 @@ use super::{MAX_BODIES, SceneError, SceneSpec};
 pub struct SceneInfo {
     /// Its name on the command line.
     pub name: &'static str,
+    /// Its name to people, no other scene's.
+    pub title: &'static str,
+    /// What it is looked at for.
+    pub subject: Subject,
     /// What it is, in one line.
     pub about: &'static str,
     /// What is known of its answer, in one line.
@@ -19,6 +23,35 @@ pub struct SceneInfo {
     /// Builds it from one value per parameter, in order, each in its range;
     /// [`make`](Self::make) checks first.
     pub build: fn(&[f64]) -> SceneSpec,
+}
+
+/// What a scene is looked at for before all else.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Subject {
+    /// What joints hold, limit and bear.
+    Joints,
+    /// What touches, bounces and is stacked.
+    Contacts,
+    /// What slides, sticks and stands by it.
+    Friction,
+    /// What spins.
+    Rotation,
+    /// What is driven, and linkages.
+    Machines,
+    /// Hundreds of bodies, or large distances.
+    Large,
+}
+
+impl Subject {
+    /// All of them, with what each is called.
+    pub const ALL: [(Self, &str); 6] = [
+        (Self::Joints, "Joints"),
+        (Self::Contacts, "Contacts"),
+        (Self::Friction, "Friction"),
+        (Self::Rotation, "Rotation"),
+        (Self::Machines, "Machines"),
+        (Self::Large, "Large"),
+    ];
 }
 
 /// A number that a built-in scene depends on.

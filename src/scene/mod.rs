@@ -26,7 +26,7 @@ pub use catalog::{catalog, find, is_path, load};
 pub use error::SceneError;
 pub use format::MAX_FILE_BYTES;
 pub use hull::HullSpec;
-pub use info::{Parameter, SceneInfo};
+pub use info::{Parameter, SceneInfo, Subject};
 #[cfg(feature = "sandbox")]
 pub(crate) use joint::JointComponent;
 pub(crate) use joint::JointParts;

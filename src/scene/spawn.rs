@@ -41,6 +41,16 @@ impl SceneSpec {
     /// A joint names a body that the scene does not have, or a hull has no volume.
     pub fn spawn(&self, world: &mut World) -> SpawnedScene {
         world.insert_resource(Gravity(self.gravity));
+        let spawned = self.spawn_beside(world);
+        world.insert_resource(Probes::of_specs(&self.probes, &self.bodies, [&spawned.bodies, &spawned.joints]));
+        spawned
+    }
+
+    /// Spawns its bodies and joints beside what is there: gravity and probes stay as they are. The scene must be valid.
+    ///
+    /// # Panics
+    /// As [`spawn`](Self::spawn).
+    pub fn spawn_beside(&self, world: &mut World) -> SpawnedScene {
         let origin = world.get_resource::<RenderOrigin>().copied().unwrap_or_default();
         let spawn = |body: &BodySpec| {
             let mut entity = world.spawn_empty();
@@ -51,9 +61,7 @@ impl SceneSpec {
         let by_name: HashMap<&str, (Entity, &BodySpec)> =
             self.bodies.iter().zip(&bodies).map(|(body, &entity)| (body.name.as_str(), (entity, body))).collect();
         let joints = self.joints.iter().map(|joint| spawn_joint(joint, &by_name, world)).collect();
-        let spawned = SpawnedScene { bodies, joints };
-        world.insert_resource(Probes::of_specs(&self.probes, &self.bodies, [&spawned.bodies, &spawned.joints]));
-        spawned
+        SpawnedScene { bodies, joints }
     }
 }
 

@@ -11,8 +11,8 @@ use plumb::physics::{
     Velocity,
 };
 use plumb::scene::{
-    BodySpec, JointKindSpec, JointSpec, MAX_BODIES, MaterialSpec, SceneEntity, SceneInfo, SceneSpec, catalog, find,
-    load,
+    BodySpec, JointKindSpec, JointSpec, MAX_BODIES, MaterialSpec, SceneEntity, SceneInfo, SceneSpec, Subject, catalog,
+    find, load,
 };
 
 /// A built-in scene with some parameters given.
@@ -55,6 +55,19 @@ fn all_scenes_are_there_the_start_scene_first() {
         for parameter in scene.parameters {
             assert!(parameter.allows(parameter.default), "{} {}", scene.name, parameter.name);
         }
+    }
+}
+
+#[test]
+fn every_scene_has_a_title_of_its_own_and_every_subject_some_scenes() {
+    for info in catalog() {
+        let same = catalog().iter().filter(|other| other.title.to_lowercase() == info.title.to_lowercase());
+        assert_eq!(same.count(), 1, "{}: {}", info.name, info.title);
+        assert!(info.title.starts_with(char::is_uppercase) && !info.title.contains('_'), "{}", info.title);
+        assert!(info.title.len() <= 24, "{} is too long for two lines below a picture", info.title);
+    }
+    for (subject, title) in Subject::ALL {
+        assert!(catalog().iter().any(|info| info.subject == subject), "nothing about {title}");
     }
 }
 

@@ -215,7 +215,8 @@ fn every_body_has_a_mesh_about_its_centre_of_mass() {
     let mesh = world.get::<Mesh3d>(cone).expect("a mesh on the body itself").0.clone();
     let mesh = world.resource::<Assets<Mesh>>().get(&mesh).unwrap();
     let positions = mesh.attribute(Mesh::ATTRIBUTE_POSITION).unwrap().as_float3().unwrap();
-    let heights = positions.iter().map(|p| p[1]);
+    let scale = world.get::<Transform>(cone).unwrap().scale;
+    let heights = positions.iter().map(|p| scale.y * p[1]);
     assert_eq!(heights.clone().fold(f32::MAX, f32::min), -0.5, "the base is a quarter of the height below");
     assert_eq!(heights.fold(f32::MIN, f32::max), 1.5);
 }

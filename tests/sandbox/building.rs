@@ -72,7 +72,7 @@ fn paused(scene: &str) -> Stage {
 }
 
 fn pick(stage: &mut Stage, a: Picked, b: Option<Picked>) {
-    *stage.world().resource_mut::<Selection>() = Selection { body: Some(a), partner: b };
+    *stage.world().resource_mut::<Selection>() = Selection { body: Some(a), partner: b, ..default() };
 }
 
 fn at(entity: Entity, x: f64, y: f64, z: f64) -> Picked {
@@ -196,7 +196,7 @@ fn two_picked_bodies_are_joined_where_the_second_was_clicked() {
     stage.press();
     stage.release();
     stage.let_go(KeyCode::ShiftLeft);
-    let selection = *stage.world().resource::<Selection>();
+    let selection = stage.world().resource::<Selection>().clone();
     assert_eq!(selection.picks().map(|picked| picked.entity).collect::<Vec<_>>(), [left, right]);
     assert_eq!(counts(&mut stage).1, 0, "nothing is dragged");
 

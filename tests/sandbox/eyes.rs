@@ -19,6 +19,9 @@ const HEIGHT: f32 = 3000.0;
 struct Painted {
     texts: Vec<(String, Vec2)>,
     discs: Vec<(egui::Color32, Vec2)>,
+    lines: Vec<egui::Color32>,
+    /// Red frames, which egui draws in debug builds around what has got another id, since eyes were opened.
+    alarms: usize,
 }
 
 impl Painted {
@@ -29,6 +32,8 @@ impl Painted {
                 let middle = text.visual_bounding_rect().center();
                 self.texts.push((text.galley.text().to_owned(), Vec2::new(middle.x, middle.y)));
             }
+            Shape::Rect(frame) if frame.stroke == egui::Stroke::new(2.0, egui::Color32::RED) => self.alarms += 1,
+            Shape::LineSegment { stroke, .. } => self.lines.push(stroke.color),
             Shape::Circle(disc) => self.discs.push((disc.fill, Vec2::new(disc.center.x, disc.center.y))),
             _ => {}
         }
@@ -37,7 +42,7 @@ impl Painted {
 
 fn look(output: Single<&EguiFullOutput, With<PrimaryEguiContext>>, mut painted: ResMut<Painted>) {
     if let Some(output) = &output.0 {
-        *painted = Painted::default();
+        *painted = Painted { alarms: painted.alarms, ..default() };
         output.shapes.iter().for_each(|clipped| painted.take(&clipped.shape));
     }
 }
@@ -71,6 +76,11 @@ pub fn text_with(stage: &mut Stage, part: &str) -> Option<String> {
     texts(stage).into_iter().map(|(text, _)| text).find(|text| text.contains(part))
 }
 
+/// How often egui has drawn a red frame: something is in the place of another thing, and egui takes it for that one.
+pub fn alarms(stage: &mut Stage) -> usize {
+    stage.world().resource::<Painted>().alarms
+}
+
 /// Where that very text is, below another one if it is on view more than once.
 pub fn seen(stage: &mut Stage, text: &str, below: &str) -> Vec2 {
     let texts = texts(stage);
@@ -81,6 +91,12 @@ pub fn seen(stage: &mut Stage, text: &str, below: &str) -> Vec2 {
     let from = at(below, 0.0).map_or(0.0, |place| place.y);
     at(text, from)
         .unwrap_or_else(|| panic!("no '{text}' among {:?}", texts.iter().map(|(text, _)| text).collect::<Vec<_>>()))
+}
+
+/// How many straight lines of a colour there are.
+pub fn lines(stage: &mut Stage, [r, g, b]: [u8; 3]) -> usize {
+    let color = egui::Color32::from_rgb(r, g, b);
+    stage.world().resource::<Painted>().lines.iter().filter(|line| **line == color).count()
 }
 
 /// Middles of the discs of a colour, from left to right.

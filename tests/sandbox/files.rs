@@ -253,7 +253,7 @@ fn a_scene_is_saved_as_it_stands_and_goes_on_from_there() {
     let [red, ball] = ["red", "ball"].map(|name| stage.body(name));
     let hand = |entity, point| Some(Picked { entity, point, normal: None });
     *stage.world().resource_mut::<Selection>() =
-        Selection { body: hand(ball, DVec3::ZERO), partner: hand(red, DVec3::new(0.5, 0.5, 0.0)) };
+        Selection { body: hand(ball, DVec3::ZERO), partner: hand(red, DVec3::new(0.5, 0.5, 0.0)), ..default() };
     stage.act(SandboxAction::JoinPicked);
     stage.act(SandboxAction::PinPicked);
     stage.act(SandboxAction::ChooseMesh { file: "plumb:gem.obj".into(), scale: 0.5 });

@@ -88,13 +88,15 @@ fn a_ball_is_round_closed_and_of_two_shades_by_which_it_is_seen_to_turn() {
     let ball = stage.body("ball");
     let handle = stage.world().get::<Mesh3d>(ball).expect("a picture").0.clone();
     let mesh = stage.world().resource::<Assets<Mesh>>().get(&handle).expect("its mesh").clone();
-    let corners = mesh.attribute(Mesh::ATTRIBUTE_POSITION).and_then(VertexAttributeValues::as_float3).unwrap().to_vec();
-    assert!(corners.iter().all(|corner| (Vec3::from(*corner).length() - RADIUS).abs() < 1e-6));
+    let scale = stage.world().get::<Transform>(ball).expect("placed").scale;
+    let corners = mesh.attribute(Mesh::ATTRIBUTE_POSITION).and_then(VertexAttributeValues::as_float3).unwrap();
+    let corners: Vec<Vec3> = corners.iter().map(|corner| scale * Vec3::from(*corner)).collect();
+    assert!(corners.iter().all(|corner| (corner.length() - RADIUS).abs() < 1e-6));
 
     let indices: Vec<usize> = mesh.indices().expect("faces").iter().collect();
     let mut volume = 0.0;
     for face in indices.chunks_exact(3) {
-        let [a, b, c] = [0, 1, 2].map(|corner| Vec3::from(corners[face[corner]]));
+        let [a, b, c] = [0, 1, 2].map(|corner| corners[face[corner]]);
         assert!((b - a).cross(c - a).dot(a + b + c) > 0.0, "{a}, {b}, {c} is seen from within");
         volume += a.cross(b).dot(c) / 6.0;
     }

@@ -68,6 +68,7 @@ fn without_a_graphics_driver_one_line_says_so() {
     let display = Display::open();
     let output = Command::new(env!("CARGO_BIN_EXE_plumb"))
         .env("DISPLAY", &display.name)
+        .env("XDG_CONFIG_HOME", "/nonexistent")
         .env("VK_DRIVER_FILES", "/nonexistent")
         .env("VK_ICD_FILENAMES", "/nonexistent")
         .env_remove("WAYLAND_DISPLAY")
@@ -131,6 +132,8 @@ impl<'a> Sandbox<'a> {
             .arg("scene.ron")
             .current_dir(folder)
             .env("DISPLAY", &display.name)
+            // What the user's own window is like is nobody's business here.
+            .env("XDG_CONFIG_HOME", folder)
             .env("VK_DRIVER_FILES", software_driver().unwrap())
             .env("VK_ICD_FILENAMES", software_driver().unwrap())
             .env("WINIT_X11_SCALE_FACTOR", "1")

@@ -20,7 +20,7 @@ fn listing(scenes: &[SceneInfo]) -> String {
     let mut text = String::new();
     for scene in scenes {
         // Writing to a string does not fail.
-        let _ = writeln!(text, "{:name_width$}{}", scene.name, scene.about);
+        let _ = writeln!(text, "{:name_width$}{}: {}", scene.name, scene.title, scene.about);
         let _ = writeln!(text, "{:name_width$}known: {}", "", scene.truth);
         for parameter in scene.parameters {
             let values = values(parameter);

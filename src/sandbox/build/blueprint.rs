@@ -69,14 +69,16 @@ pub fn stem(file: &str) -> &str {
     name.strip_suffix(".obj").unwrap_or(name)
 }
 
-/// Makes the next body a mesh: one that comes with Plumb, or an OBJ file.
-pub fn choose_mesh(world: &mut World, file: &str, scale: f64) {
+/// Makes the next body a mesh: one that comes with Plumb, or an OBJ file. Whether it is one now.
+pub fn choose_mesh(world: &mut World, file: &str, scale: f64) -> bool {
     let outcome = load_mesh(file, scale).map(|mesh| {
         world.resource_mut::<Blueprint>().shape = ShapeSpec::Mesh(mesh);
     });
+    let is_chosen = outcome.is_ok();
     if let Err(reason) = outcome {
         report(world, Err(reason));
     }
+    is_chosen
 }
 
 fn load_mesh(file: &str, scale: f64) -> Result<MeshSpec, String> {

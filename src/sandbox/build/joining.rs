@@ -25,7 +25,7 @@ pub fn join_picked(world: &mut World) {
 }
 
 fn try_join(world: &mut World) -> Result<String, String> {
-    let Selection { body: Some(a), partner: Some(b) } = *world.resource::<Selection>() else {
+    let &Selection { body: Some(a), partner: Some(b), .. } = world.resource::<Selection>() else {
         return Err("pick two bodies to join: click one, then another with Shift held".into());
     };
     let (name_a, name_b) = (name_of(world, a.entity), name_of(world, b.entity));
@@ -98,7 +98,7 @@ pub fn cut_picked(world: &mut World) {
 }
 
 fn meant_joint(world: &mut World) -> Result<Entity, String> {
-    let selection = *world.resource::<Selection>();
+    let selection = world.resource::<Selection>().clone();
     let all = joints(world);
     let mut candidates = all.clone();
     candidates.retain(|(_, joint)| match (selection.body, selection.partner) {

@@ -16,11 +16,6 @@ pub fn joints(world: &mut World) -> Vec<(Entity, JointComponent)> {
     joints.into_iter().filter_map(|joint| Some((joint, JointParts::of_entity(world, joint)?.joint))).collect()
 }
 
-/// A body's own.
-pub fn joints_of(world: &mut World, body: Entity) -> Vec<Entity> {
-    joints(world).into_iter().filter(|(_, joint)| joint.bodies().contains(&body)).map(|(entity, _)| entity).collect()
-}
-
 /// The pins that would hold nothing without these joints.
 pub fn idle_without(world: &mut World, cut: &[Entity]) -> Vec<Entity> {
     let (cut, kept): (Vec<_>, Vec<_>) = joints(world).into_iter().partition(|(joint, _)| cut.contains(joint));

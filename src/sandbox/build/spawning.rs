@@ -13,6 +13,7 @@ use crate::physics::{
 use crate::sandbox::CurrentScene;
 use crate::sandbox::camera::{self, Aim};
 use crate::sandbox::ground::GroundOf;
+use crate::sandbox::snap::snap_of;
 use crate::sandbox::state::report;
 use crate::scene::{BodyColor, BodySpec, SceneEntity, SceneSpec};
 
@@ -52,8 +53,10 @@ pub fn next_body(world: &mut World) -> Result<BodySpec, String> {
     alone.validate().map_err(|error| error.to_string())?;
     let aim = world.run_system_cached(camera::aim).ok().flatten().ok_or("there is no picture to put a body into")?;
     let collider = blueprint.shape.collider();
+    let surface = world.run_system_cached_with(surface, aim).ok().flatten();
+    let surface = surface.map(|(point, normal)| (on_grid(world, point, normal), normal));
     let position = world
-        .run_system_cached_with(find_room, (aim, collider, body.principal_rotation()))
+        .run_system_cached_with(find_room, (aim, surface, collider, body.principal_rotation()))
         .map_err(|error| error.to_string())?
         .ok_or("there is no room for a body")?;
     Ok(BodySpec { position, ..body })
@@ -96,14 +99,43 @@ fn size_of_bodies(world: &World) -> f64 {
     radii.iter().sum::<f64>() / radii.len().max(1) as f64
 }
 
-/// Where a body of that shape and orientation rests just above what is aimed at, clear of all that
-/// it would touch. None: everything for a long way up is full.
-fn find_room(
-    In((aim, collider, rotation)): In<(Aim, Collider, DQuat)>,
+/// The point of a surface nearest to which its coordinates are on the grid, where that is snapped to: along the axes across the
+/// surface.
+fn on_grid(world: &World, point: DVec3, normal: DVec3) -> DVec3 {
+    let Some(grid) = snap_of(world) else { return point };
+    let up = normal.abs().max_position();
+    let mut snapped = grid.place(point);
+    snapped[up] = point[up] - ((snapped - point) * (DVec3::ONE - DVec3::AXES[up])).dot(normal) / normal[up];
+    snapped
+}
+
+/// The surface that is aimed at: a point, and the unit normal there, towards the camera.
+pub fn surface(
+    In(aim): In<Aim>,
     mut rays: MeshRayCast,
     grounds: Query<(), With<GroundOf>>,
-    bodies: Query<(&Collider, &Position, &Rotation, Option<&CollisionLayers>), With<RigidBody>>,
+    bodies: Query<(), (With<Collider>, With<RigidBody>)>,
     origin: Res<RenderOrigin>,
+) -> Option<(DVec3, DVec3)> {
+    let solid = |entity| bodies.contains(entity) || grounds.contains(entity);
+    // What was spawned in this frame has not been found visible yet.
+    let settings = MeshRayCastSettings::default().with_filter(&solid).with_visibility(RayCastVisibility::Any);
+    let from = (aim.origin - origin.0).as_vec3();
+    let direction = Dir3::new(aim.direction.as_vec3()).ok()?;
+    let (_, hit) = rays.cast_ray(Ray3d::new(from, direction), &settings).first()?;
+    if f64::from(hit.distance) >= FARTHEST * aim.distance {
+        return None;
+    }
+    let normal = hit.normal.as_dvec3().normalize_or(DVec3::Y);
+    let normal = if normal.dot(aim.direction) > 0.0 { -normal } else { normal }; // an open mesh's inside
+    Some((origin.0 + hit.point.as_dvec3(), normal))
+}
+
+/// Where a body of that shape and orientation rests just above the surface that is aimed at, clear of all that
+/// it would touch. None: everything for a long way up is full.
+fn find_room(
+    In((aim, surface, collider, rotation)): In<(Aim, Option<(DVec3, DVec3)>, Collider, DQuat)>,
+    bodies: Query<(&Collider, &Position, &Rotation, Option<&CollisionLayers>), With<RigidBody>>,
     gravity: Res<Gravity>,
 ) -> Option<DVec3> {
     let size = collider.bounding_radius();
@@ -112,18 +144,8 @@ fn find_room(
         position: Position(position),
         rotation: Rotation(rotation),
     };
-
-    let solid = |entity| bodies.contains(entity) || grounds.contains(entity);
-    // What was spawned in this frame has not been found visible yet.
-    let settings = MeshRayCastSettings::default().with_filter(&solid).with_visibility(RayCastVisibility::Any);
-    let from = (aim.origin - origin.0).as_vec3();
-    let direction = Dir3::new(aim.direction.as_vec3()).ok()?;
-    let hit = rays.cast_ray(Ray3d::new(from, direction), &settings).first();
-    let mut position = match hit.map(|(_, hit)| hit) {
-        Some(hit) if f64::from(hit.distance) < FARTHEST * aim.distance => {
-            let normal = hit.normal.as_dvec3().normalize_or(DVec3::Y);
-            let normal = if normal.dot(aim.direction) > 0.0 { -normal } else { normal }; // an open mesh's inside
-            let point = origin.0 + hit.point.as_dvec3();
+    let mut position = match surface {
+        Some((point, normal)) => {
             // A plane through the point says how far the shape reaches below its centre.
             let plane = PlacedCollider {
                 collider: &Collider::half_space(),
@@ -133,13 +155,19 @@ fn find_room(
             let reach = at(point).overlap(&plane).unwrap_or(size);
             point + normal * (reach + GAP * size)
         }
-        _ => aim.origin + aim.direction * aim.distance,
+        None => aim.origin + aim.direction * aim.distance,
     };
 
     let up = (-gravity.0).normalize_or(DVec3::Y);
+    // What lies on the way up, of thousands of bodies.
+    let may_touch = |collider: &Collider, center: &Position| {
+        let beside = (center.0 - position).reject_from(up).length();
+        !(beside > size + collider.bounding_radius()) // of the ground's radius nothing is less
+    };
     let others: Vec<_> = bodies
         .iter()
         .filter(|(.., layers)| layers.is_none_or(|layers| layers.interact(CollisionLayers::ALL)))
+        .filter(|(collider, center, ..)| may_touch(collider, center))
         .map(|(collider, position, rotation, _)| PlacedCollider { collider, position: *position, rotation: *rotation })
         .collect();
     for _ in 0..MOST_LIFTS {

@@ -1,21 +1,22 @@
 //! Taking back what was built, cut or deleted, the last first, and having it come again.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 use bevy::prelude::*;
 
 use super::joint_change::JointChange;
-use super::joints::{Pin, idle_without, joints_of};
+use super::joints::Pin;
 use super::kept::KeptScene;
 use super::names::name_of;
+use super::place::Place;
 use super::rewriting::write_body;
 use crate::physics::{
     History, Mark, RenderOrigin, RigidBody, StepStats, bury, go_to, is_empty, swap_cut, take_back_since,
 };
+use crate::sandbox::drag;
 use crate::sandbox::held::Drag;
 use crate::sandbox::state::report;
 use crate::sandbox::timeline::change_places;
-use crate::sandbox::{Selection, drag};
 use crate::scene::{BodySpec, JointParts, SceneEntity};
 
 /// How many deeds are remembered.
@@ -92,6 +93,8 @@ pub enum Deed {
         /// Whether it is to be as fast as it was, too.
         velocity: bool,
     },
+    /// These bodies are elsewhere.
+    Placed(Vec<Place>),
     /// Something was done in the past: what was to come will not, by the count of such cuts, nor these deeds.
     Cut(u64, Ahead),
     /// A scene in which something was built is on view no longer.
@@ -118,6 +121,22 @@ impl UndoStack {
         self.undone.back().map(|undone| undone.done.what.as_str())
     }
 
+    /// The moments, as steps, at which something was added or deleted and that was undone at once: what it was about.
+    pub fn came_to_nothing(&self) -> BTreeMap<u64, Vec<Entity>> {
+        let mut all: BTreeMap<u64, Vec<Entity>> = BTreeMap::new();
+        for Undone { done, .. } in self.undone.iter().filter(|undone| undone.step == undone.done.step) {
+            let about = all.entry(done.step).or_default();
+            match &done.deed {
+                Deed::Added(entities) => about.extend(entities),
+                Deed::Removed { bodies, joints } => {
+                    about.extend(bodies.iter().map(|(body, _)| body).chain(joints.iter().map(|(joint, ..)| joint)));
+                }
+                _ => {}
+            }
+        }
+        all
+    }
+
     /// Whether a change would be one more like the last deed.
     fn goes_on(&self, change: &Deed) -> bool {
         match (self.deeds.back().map(|done| &done.deed), change) {
@@ -125,6 +144,9 @@ impl UndoStack {
                 last == joint && back.is_alike(change)
             }
             (Some(Deed::Rebuilt { body: last, .. }), Deed::Rebuilt { body, .. }) => last == body,
+            (Some(Deed::Placed(last)), Deed::Placed(places)) => {
+                last.iter().map(Place::key).eq(places.iter().map(Place::key))
+            }
             _ => false,
         }
     }
@@ -182,20 +204,6 @@ pub fn remember_change(world: &mut World, what: String, change: Deed, continues:
     if !(continues && world.resource::<UndoStack>().goes_on(&change)) {
         remember(world, what, change);
     }
-}
-
-/// Deletes the picked body and its joints.
-pub fn delete_picked(world: &mut World) {
-    let Some(body) = world.resource::<Selection>().entity() else { return };
-    world.insert_resource(Selection::default());
-    drag::release(world); // a hand's drag is not the body's own
-    let name = name_of(world, body);
-    let joints = joints_of(world, body);
-    let mut bodies = idle_without(world, &joints);
-    bodies.push(body);
-    let deed = remove(world, bodies, &joints);
-    remember(world, format!("deleting {name}"), deed);
-    report(world, Ok(format!("deleted {name}")));
 }
 
 /// Despawns bodies and joints, and tells what they were.
@@ -348,6 +356,10 @@ fn take_back(world: &mut World, deed: Deed) -> Option<Deed> {
             }
             let was = write_body(world, body, &back)?;
             Some(Deed::Rebuilt { body, back: Box::new(was), velocity })
+        }
+        Deed::Placed(places) => {
+            let were: Vec<Place> = places.iter().filter_map(|place| place.write(world)).collect();
+            (!were.is_empty()).then_some(Deed::Placed(were))
         }
         Deed::Left(_) | Deed::Cut(..) => None, // not one thing of the running scene
     }

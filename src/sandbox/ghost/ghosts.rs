@@ -12,7 +12,7 @@ use crate::physics::{
     SolverSettings, StepStats,
 };
 use crate::sandbox::CurrentScene;
-use crate::sandbox::meshes::dress_bodies;
+use crate::sandbox::meshes::size_pictures;
 use crate::sandbox::panel::palette;
 use crate::scene::SceneSpec;
 
@@ -71,7 +71,7 @@ pub fn plugin(app: &mut App) {
         .insert_non_send(Running::default())
         .add_systems(PhysicsSchedule, follow.after(PhysicsSystems::Diagnose))
         // With the bodies that are new: no ghost outlives its scene, not by a frame.
-        .add_systems(Update, (restart, dress).chain().after(dress_bodies))
+        .add_systems(Update, (restart, dress).chain().after(size_pictures))
         .add_systems(PostUpdate, place.before(TransformSystems::Propagate));
 }
 
@@ -188,7 +188,7 @@ fn dress(
     mut commands: Commands,
     running: NonSend<Running>,
     readings: Res<GhostReadings>,
-    meshes: Query<&Mesh3d>,
+    meshes: Query<(&Mesh3d, &Transform)>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut glass: Local<[Option<Handle<StandardMaterial>>; MOST_GHOSTS]>,
 ) {
@@ -198,7 +198,7 @@ fn dress(
             if meshes.contains(pair.ghost) {
                 continue;
             }
-            let Ok(mesh) = meshes.get(pair.body) else { continue };
+            let Ok((mesh, pose)) = meshes.get(pair.body) else { continue };
             let material = glass[kind].get_or_insert_with(|| {
                 let [red, green, blue] = reading.color;
                 materials.add(StandardMaterial {
@@ -210,7 +210,8 @@ fn dress(
                 })
             });
             // Body and ghost in nearly one place would mottle each other with their shadows.
-            let look = (mesh.clone(), MeshMaterial3d(material.clone()), NotShadowCaster, NotShadowReceiver);
+            let size = Transform::from_scale(pose.scale);
+            let look = (mesh.clone(), size, MeshMaterial3d(material.clone()), NotShadowCaster, NotShadowReceiver);
             commands.entity(pair.ghost).insert(look);
         }
     }

@@ -179,14 +179,14 @@ fn type_for(
 /// A column for the scene and one for each ghost.
 fn table(ui: &mut egui::Ui, readings: &GhostReadings, settings: &SolverSettings, stats: &StepStats) {
     let color = |[r, g, b]: [u8; 3]| egui::Color32::from_rgb(r, g, b);
-    let text = |ui: &mut egui::Ui, text: String| ui.label(egui::RichText::new(text).size(11.0));
+    let text = |ui: &mut egui::Ui, text: String| ui.label(egui::RichText::new(text).small());
     let readings_of =
         || std::iter::once(Some(&readings.scene)).chain(readings.ghosts.iter().map(|ghost| ghost.reading.as_ref()));
     egui::Grid::new("ghosts").striped(true).spacing([6.0, 2.0]).min_col_width(58.0).show(ui, |ui| {
         text(ui, String::new());
         text(ui, "the scene".into());
         for ghost in &readings.ghosts {
-            let head = egui::RichText::new(format!("■ {}", ghost.short_name())).size(11.0);
+            let head = egui::RichText::new(format!("■ {}", ghost.short_name())).small();
             ui.label(head.color(color(ghost.color))).on_hover_text(&ghost.name);
         }
         ui.end_row();
@@ -226,7 +226,7 @@ fn table(ui: &mut egui::Ui, readings: &GhostReadings, settings: &SolverSettings,
         for reading in readings_of() {
             match reading.and_then(|reading| reading.failed.as_ref()) {
                 Some((time, why)) => {
-                    let said = egui::RichText::new(format!("at {time:.2} s")).size(11.0);
+                    let said = egui::RichText::new(format!("at {time:.2} s")).small();
                     ui.colored_label(ui.visuals().error_fg_color, said).on_hover_text(why)
                 }
                 None => text(ui, "no".into()),

@@ -1,16 +1,19 @@
 //! What a monkey does.
 
+use std::collections::HashSet;
 use std::path::Path;
 
-use bevy::math::DVec3;
+use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use crate::physics::{Breakable, Collider, History, Method, RigidBody, SolverSettings, StepStats, Velocity};
+use crate::physics::{
+    Breakable, Collider, History, Method, Position, RigidBody, Rotation, SolverSettings, StepStats, Velocity,
+};
 use crate::sandbox::any_joint::IsJoint;
 use crate::sandbox::timeline::head_and_reach;
-use crate::sandbox::{Blueprint, Hands, JoinKind, JointChange, Picked, Playback, SandboxAction, Selection};
+use crate::sandbox::{Blueprint, Hands, JoinKind, JointChange, Picked, Placement, Playback, SandboxAction, Selection};
 use crate::scene::{MeshSpec, ShapeSpec};
 
 /// How far one goes back at most, steps.
@@ -19,11 +22,13 @@ const BACK: u64 = 40;
 pub(super) const SIZE: UVec2 = UVec2::new(1280, 720);
 /// What panel and strip take of it at the right and at the bottom.
 const COVERED: Vec2 = Vec2::new(350.0, 80.0);
+/// Of bodies that are picked beside the first two, as many are duplicated.
+const MOST_COPIED: usize = 4;
 /// What a joint that is made brittle bears, N.
 const BRITTLE: f64 = 200.0;
 
 /// Kinds of deeds, and how often each comes.
-const KINDS: [(Kind, u32); 18] = [
+const KINDS: [(Kind, u32); 22] = [
     (Kind::Drag, 4),
     (Kind::Throw, 2),
     (Kind::Add, 2),
@@ -41,6 +46,10 @@ const KINDS: [(Kind, u32); 18] = [
     (Kind::MakeBrittle, 1),
     (Kind::Teleport, 1),
     (Kind::Mark, 1),
+    (Kind::SelectBox, 2),
+    (Kind::Duplicate, 2),
+    (Kind::Paste, 2),
+    (Kind::Place, 3),
     (Kind::Wait, 1),
 ];
 
@@ -63,6 +72,10 @@ enum Kind {
     MakeBrittle,
     Teleport,
     Mark,
+    SelectBox,
+    Duplicate,
+    Paste,
+    Place,
     Wait,
 }
 
@@ -157,6 +170,23 @@ pub(super) fn do_something(
             hands.act(SandboxAction::ToggleMark);
             "marked a moment".into()
         }
+        Kind::SelectBox => select_box(hands, random, place),
+        Kind::Duplicate => {
+            if random.random_bool(0.5) {
+                select_box(hands, random, place);
+            } else {
+                pick(hands, random, true);
+            }
+            thin_out(hands);
+            hands.act(SandboxAction::Duplicate);
+            "duplicated what was picked".into()
+        }
+        Kind::Paste => {
+            pick(hands, random, true);
+            hands.act(if random.random_bool(0.3) { SandboxAction::CutOut } else { SandboxAction::Copy });
+            at(hands, place, SandboxAction::Paste, "pasted two bodies")
+        }
+        Kind::Place => put(hands, random),
         Kind::Wait => {
             hands.act(SandboxAction::Escape);
             hands.frames(random.random_range(1..30));
@@ -193,6 +223,40 @@ fn drag(hands: &mut Hands, random: &mut Pcg64Mcg, place: Vec2) -> String {
     format!("dragged from {place} for {held} frames")
 }
 
+fn select_box(hands: &mut Hands, random: &mut Pcg64Mcg, from: Vec2) -> String {
+    let to = from + Vec2::new(random.random_range(-300.0..300.0), random.random_range(-300.0..300.0));
+    hands.act(SandboxAction::SelectBox { from, to, adds: random.random_bool(0.3) });
+    format!("drew a box from {from} to {to}")
+}
+
+/// Of many that are picked, few stay so: the scene is not to double with each deed.
+fn thin_out(hands: &mut Hands) {
+    let mut selection = hands.world().resource_mut::<Selection>();
+    selection.others.truncate(MOST_COPIED);
+}
+
+/// Puts a body and another somewhere else, as by a handle: at once, or over some frames.
+fn put(hands: &mut Hands, random: &mut Pcg64Mcg) -> String {
+    pick(hands, random, true);
+    let bodies: HashSet<Entity> = hands.world().resource::<Selection>().bodies().collect();
+    let mut bodies: Vec<Entity> = bodies.into_iter().collect();
+    bodies.sort_unstable();
+    let [x, z] = [0, 1].map(|_| random.random_range(-0.5..0.5));
+    let (way, frames) = (DVec3::new(x, random.random_range(0.0..1.0), z), random.random_range(1..10));
+    let turn = DQuat::from_scaled_axis(DVec3::new(x, 0.5, z));
+    for frame in 0..frames {
+        let world = hands.world();
+        let placements = bodies.iter().filter_map(|&body| {
+            let (position, rotation) = (world.get::<Position>(body)?.0, world.get::<Rotation>(body)?.0);
+            let position = position + way / f64::from(frames);
+            Some(Placement { body, position, rotation: (turn * rotation).normalize(), shape: None })
+        });
+        let placements = placements.collect();
+        hands.act(SandboxAction::PlaceBodies { placements, continues: frame > 0 });
+    }
+    format!("put {} bodies elsewhere in {frames} frames", bodies.len())
+}
+
 fn at(hands: &mut Hands, place: Vec2, action: SandboxAction, said: &str) -> String {
     hands.jump_to(place);
     hands.act(action);
@@ -224,7 +288,7 @@ fn pick(hands: &mut Hands, random: &mut Pcg64Mcg, two: bool) {
     };
     let body = one(hands);
     let partner = if two { one(hands) } else { None };
-    hands.world().insert_resource(Selection { body, partner });
+    hands.world().insert_resource(Selection { body, partner, ..default() });
 }
 
 /// A body that moves.

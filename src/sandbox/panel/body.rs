@@ -21,28 +21,53 @@ const SPEEDS: std::ops::RangeInclusive<f64> = -1000.0..=1000.0;
 pub(super) struct Typed(Option<String>);
 
 /// The picked body, as it is.
-fn picked(world: &World) -> Option<(Entity, BodySpec)> {
-    let entity = world.resource::<Selection>().entity()?;
-    Some((entity, BodySpec::of_entity(world, entity)?))
+pub(super) struct Described {
+    entity: Entity,
+    was: BodySpec,
+}
+
+impl Described {
+    pub fn picked(world: &World) -> Option<Self> {
+        let entity = world.resource::<Selection>().entity()?;
+        Some(Self { entity, was: BodySpec::of_entity(world, entity)? })
+    }
+
+    /// Asks for what it is to be.
+    fn ask(&self, now: BodySpec, continues: bool, actions: &mut MessageWriter<SandboxAction>) {
+        actions.write(SandboxAction::ChangeBody { body: self.entity, asked: Box::new(now), continues });
+    }
 }
 
 /// Its name, kind and color.
-pub(super) fn show_name(InMut(ui): InMut<egui::Ui>, world: &mut World, mut typed: Local<Typed>) {
-    let Some((entity, was)) = picked(world) else { return };
-    let mut now = was.clone();
-    name_and_kind(ui, &mut now, &mut typed);
-    if now != was {
-        world.write_message(SandboxAction::ChangeBody { body: entity, asked: Box::new(now), continues: false });
+pub(super) fn show_name(
+    (InMut(ui), InRef(body)): (InMut<egui::Ui>, InRef<Described>),
+    drawn: Query<&MeshMaterial3d<StandardMaterial>>,
+    materials: Res<Assets<StandardMaterial>>,
+    mut typed: Local<Typed>,
+    mut actions: MessageWriter<SandboxAction>,
+) {
+    let mut now = body.was.clone();
+    let material = drawn.get(body.entity).ok().and_then(|material| materials.get(&material.0));
+    name_and_kind(ui, &mut now, material.map(|material| material.base_color), &mut typed);
+    if now != body.was {
+        body.ask(now, false, &mut actions);
     }
 }
 
 /// The other fields. What is changed is asked for.
-pub(super) fn show(InMut(ui): InMut<egui::Ui>, world: &mut World, mut changing: Local<bool>) {
-    let Some((entity, was)) = picked(world) else { return };
-    let mass = world.get::<Mass>(entity).map_or(0.0, |mass| mass.0);
+pub(super) fn show(
+    (InMut(ui), InRef(body)): (InMut<egui::Ui>, InRef<Described>),
+    masses: Query<&Mass>,
+    mut changing: Local<bool>,
+    mut actions: MessageWriter<SandboxAction>,
+) {
+    let was = &body.was;
+    let mass = masses.get(body.entity).map_or(0.0, |mass| mass.0);
     *changing &= ui.input(|input| input.pointer.any_down());
     let mut now = was.clone();
-    egui::Grid::new("body").num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
+    // Other rows, another grid.
+    let rows = (was.kind, was.shape.is_some(), matches!(was.shape, Some(ShapeSpec::Hull(_) | ShapeSpec::Mesh(_))));
+    egui::Grid::new(("body", rows)).num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
         if let Some(shape @ (ShapeSpec::Sphere { .. } | ShapeSpec::Cuboid { .. } | ShapeSpec::Cone { .. })) =
             &mut now.shape
         {
@@ -92,13 +117,14 @@ pub(super) fn show(InMut(ui): InMut<egui::Ui>, world: &mut World, mut changing: 
             layers(ui, "touches", "layers that it touches", &mut now.layers.filters);
         }
     });
-    if now != was {
-        world.write_message(SandboxAction::ChangeBody { body: entity, asked: Box::new(now), continues: *changing });
+    if now != *was {
+        body.ask(now, *changing, &mut actions);
         *changing = ui.input(|input| input.pointer.any_down());
     }
 }
 
-fn name_and_kind(ui: &mut egui::Ui, now: &mut BodySpec, typed: &mut Typed) {
+/// `drawn`: the color that it is drawn with.
+fn name_and_kind(ui: &mut egui::Ui, now: &mut BodySpec, drawn: Option<Color>, typed: &mut Typed) {
     ui.horizontal(|ui| {
         let mut text = typed.0.clone().unwrap_or_else(|| now.name.clone());
         let line = ui.add(egui::TextEdit::singleline(&mut text).desired_width(118.0)).on_hover_text("its name");
@@ -113,7 +139,8 @@ fn name_and_kind(ui: &mut egui::Ui, now: &mut BodySpec, typed: &mut Typed) {
             }
         });
         if now.shape.is_some() {
-            let mut color = now.color.unwrap_or([0.6; 3]).map(|part| (part * 255.0).round() as u8);
+            let shown = now.color.or_else(|| drawn.map(|color| color.to_srgba().to_f32_array_no_alpha()));
+            let mut color = shown.unwrap_or([0.6; 3]).map(|part| (part * 255.0).round() as u8);
             if ui.color_edit_button_srgb(&mut color).on_hover_text("its color").changed() {
                 now.color = Some(color.map(|part| f32::from(part) / 255.0));
             }

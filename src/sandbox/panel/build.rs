@@ -4,8 +4,8 @@ use bevy::prelude::*;
 use bevy_egui::egui;
 
 use super::super::build::{UndoStack, stem};
-use super::super::{Blueprint, JoinKind, SandboxAction, Selection, Weight};
-use super::buttons::{ActionButton, button_row, tooltip};
+use super::super::{Blueprint, JoinKind, SandboxAction, Selection, Snap, Weight};
+use super::buttons::{ActionButton, button_row, toggle, tooltip, wide_button};
 use super::entry::{Entered, Left};
 use super::theme::Quantity;
 use super::toolbar::{SHAPES, is_alike};
@@ -33,7 +33,7 @@ pub(super) fn show(
     InMut(ui): InMut<egui::Ui>,
     mut blueprint: ResMut<Blueprint>,
     mut form: Local<BuildForm>,
-    mut join: ResMut<JoinKind>,
+    (mut join, mut snap): (ResMut<JoinKind>, ResMut<Snap>),
     selection: Res<Selection>,
     undo: Res<UndoStack>,
     mut actions: MessageWriter<SandboxAction>,
@@ -84,6 +84,7 @@ pub(super) fn show(
     ui.horizontal(|ui| weight(ui, &mut edited));
     blueprint.set_if_neq(edited);
     join_kind(ui, &mut join);
+    grid(ui, &mut snap);
 
     button_row(
         ui,
@@ -100,11 +101,28 @@ pub(super) fn show(
         for (column, (label, what, action)) in columns.iter_mut().zip(both) {
             let text = what.map_or_else(|| label.to_owned(), |what| format!("{label} {what}"));
             let button = egui::Button::new(text).truncate();
-            if column.add_enabled(what.is_some(), button).on_hover_text(tooltip(&action)).clicked() {
+            let shown = wide_button(column, 24.0, what.is_some(), button);
+            if shown.on_hover_text(tooltip(&action)).clicked() {
                 actions.write(action);
             }
         }
     });
+}
+
+/// The grid for what is put by hand.
+fn grid(ui: &mut egui::Ui, snap: &mut ResMut<Snap>) {
+    let mut edited = **snap;
+    ui.horizontal(|ui| {
+        let about = "handles, new bodies and bars go to multiples of these; Ctrl turns it round while it is held";
+        if ui.add(toggle(ui, edited.is_on, "snap")).on_hover_text(about).clicked() {
+            edited.is_on = !edited.is_on;
+        }
+        let grid = egui::DragValue::new(&mut edited.grid).suffix(" m").speed(0.005).range(Snap::GRIDS).max_decimals(3);
+        ui.add(grid).on_hover_text("places and sizes");
+        let turns = egui::DragValue::new(&mut edited.degrees).suffix("°").speed(0.2).range(Snap::TURNS).max_decimals(1);
+        ui.add(turns).on_hover_text("turns");
+    });
+    snap.set_if_neq(edited);
 }
 
 /// What joints are made as.

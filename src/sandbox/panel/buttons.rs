@@ -5,9 +5,7 @@ use bevy_egui::egui;
 
 use super::super::SandboxAction;
 use super::super::controls::BINDINGS;
-
-/// Behind what is switched on.
-const ON: egui::Color32 = egui::Color32::from_rgb(20, 108, 82);
+use super::theme::ON;
 
 /// A button and what it asks for.
 pub(super) struct ActionButton {
@@ -32,14 +30,20 @@ impl ActionButton {
 pub(super) fn button_row(ui: &mut egui::Ui, actions: &mut MessageWriter<SandboxAction>, buttons: [ActionButton; 4]) {
     ui.columns(4, |columns| {
         for (column, ActionButton { label, action, enabled }) in columns.iter_mut().zip(buttons) {
-            let button = egui::Button::new(label).min_size(egui::vec2(column.available_width(), 24.0));
             let tooltip = tooltip(&action);
-            let shown = column.add_enabled(enabled, button);
+            let shown = wide_button(column, 24.0, enabled, egui::Button::new(label));
             if shown.on_hover_text(&tooltip).on_disabled_hover_text(tooltip).clicked() {
                 actions.write(action);
             }
         }
     });
+}
+
+/// A button over the whole width, with its text in the middle.
+pub(super) fn wide_button(ui: &mut egui::Ui, height: f32, enabled: bool, button: egui::Button) -> egui::Response {
+    let place = egui::Layout::centered_and_justified(egui::Direction::LeftToRight);
+    let size = egui::vec2(ui.available_width(), height);
+    ui.allocate_ui_with_layout(size, place, |ui| ui.add_enabled(enabled, button)).inner
 }
 
 /// A button that switches something: one that is on is not of the color of what is chosen.
@@ -81,6 +85,10 @@ mod tests {
             SandboxAction::Undo,
             SandboxAction::Redo,
             SandboxAction::DeletePicked,
+            SandboxAction::Duplicate,
+            SandboxAction::Copy,
+            SandboxAction::CutOut,
+            SandboxAction::Paste,
             SandboxAction::Screenshot,
             SandboxAction::ToggleHelp,
         ] {

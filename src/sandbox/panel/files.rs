@@ -1,10 +1,12 @@
-//! Where the scene and the settings are saved.
+//! Where a scene of the user's is opened from, and where the scene and the settings are saved.
 
 use bevy::prelude::*;
 use bevy_egui::egui;
 
 use super::super::files::file_path;
 use super::super::{CurrentScene, SandboxAction};
+use super::entry::{Entered, Left};
+use crate::scene::find;
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<FilesForm>().add_systems(PreUpdate, follow_scene);
@@ -17,6 +19,9 @@ pub(super) struct FilesForm {
     settings: PathField,
     /// The scene whose name was offered last.
     offered: String,
+    /// What is to be opened.
+    opened: String,
+    entered: Entered,
 }
 
 /// A path, and whether the user was told that something is there.
@@ -29,22 +34,45 @@ struct PathField {
 impl Default for FilesForm {
     fn default() -> Self {
         let settings = PathField { text: "settings.ron".into(), warned: false };
-        Self { scene: PathField::default(), settings, offered: String::new() }
+        Self {
+            scene: PathField::default(),
+            settings,
+            offered: String::new(),
+            opened: String::new(),
+            entered: Entered::default(),
+        }
     }
 }
 
 /// Offers a built-in scene's name, or the file that the scene came from.
 fn follow_scene(scene: Option<Res<CurrentScene>>, mut form: ResMut<FilesForm>) {
-    if let Some(scene) = scene.filter(|scene| scene.is_changed() && scene.scene != form.offered) {
+    let Some(scene) = scene.filter(|scene| scene.is_changed()) else { return };
+    if find(&scene.scene).is_none() {
+        form.opened.clone_from(&scene.scene);
+    }
+    if scene.scene != form.offered {
         let text = file_path(&scene.scene).display().to_string();
         form.scene = PathField { text, warned: false };
         form.offered.clone_from(&scene.scene);
     }
 }
 
-pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut form: ResMut<FilesForm>, mut actions: MessageWriter<SandboxAction>) {
-    let FilesForm { scene, settings, .. } = &mut *form;
+pub(super) fn show(
+    InMut(ui): InMut<egui::Ui>,
+    current: Option<Res<CurrentScene>>,
+    mut form: ResMut<FilesForm>,
+    mut actions: MessageWriter<SandboxAction>,
+) {
+    let FilesForm { scene, settings, opened, entered, .. } = &mut *form;
     egui::Grid::new("files").num_columns(2).spacing([8.0, 4.0]).show(ui, |ui| {
+        ui.label("open").on_hover_text("path of a scene in RON, the README describes the format; or of a recording");
+        ui.horizontal(|ui| {
+            let is_loaded = current.is_some_and(|scene| scene.is_changed());
+            if let Some(scene) = open(ui, opened, entered, is_loaded) {
+                actions.write(SandboxAction::LoadScene { scene, parameters: Vec::new() });
+            }
+        });
+        ui.end_row();
         ui.label("scene").on_hover_text("the scene as it stands now, in RON; the README describes the format");
         ui.horizontal(|ui| {
             scene.edit(ui, 92.0);
@@ -65,6 +93,20 @@ pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut form: ResMut<FilesForm>, mut 
         });
         ui.end_row();
     });
+}
+
+/// A line for a path, and a button; the path that is to be opened. The line is left once a scene came of it.
+fn open(ui: &mut egui::Ui, path: &mut String, entered: &mut Entered, is_loaded: bool) -> Option<String> {
+    let id = egui::Id::new("scene file");
+    if is_loaded {
+        entered.accept(ui.ctx(), id);
+    }
+    let line = egui::TextEdit::singleline(path).hint_text("my_scene.ron").desired_width(ui.available_width() - 92.0);
+    let is_entered = entered.show(ui, id, line) == Some(Left::ByEnter);
+    let given = !path.trim().is_empty();
+    let button = egui::Button::new("Open").min_size(egui::vec2(SAVE_WIDTH, 0.0));
+    let is_clicked = ui.add_enabled(given, button).clicked();
+    ((is_clicked || is_entered) && given).then(|| path.trim().to_owned())
 }
 
 impl PathField {

@@ -27,6 +27,36 @@ pub const DRAG: Icon = &[Way(&[
     [0.76, 0.57],
     [0.3, 0.14],
 ])];
+pub const MOVE: Icon = &[
+    Way(&[[0.5, 0.08], [0.5, 0.92]]),
+    Way(&[[0.08, 0.5], [0.92, 0.5]]),
+    Way(&[[0.4, 0.2], [0.5, 0.08], [0.6, 0.2]]),
+    Way(&[[0.4, 0.8], [0.5, 0.92], [0.6, 0.8]]),
+    Way(&[[0.2, 0.4], [0.08, 0.5], [0.2, 0.6]]),
+    Way(&[[0.8, 0.4], [0.92, 0.5], [0.8, 0.6]]),
+];
+pub const TURN: Icon = &[
+    Way(&[
+        [0.84, 0.5],
+        [0.79, 0.68],
+        [0.67, 0.79],
+        [0.5, 0.84],
+        [0.33, 0.79],
+        [0.21, 0.67],
+        [0.16, 0.5],
+        [0.21, 0.33],
+        [0.33, 0.21],
+        [0.5, 0.16],
+        [0.67, 0.21],
+        [0.76, 0.29],
+    ]),
+    Way(&[[0.58, 0.3], [0.77, 0.3], [0.77, 0.11]]),
+];
+pub const SCALE: Icon = &[
+    Way(&[[0.12, 0.56], [0.44, 0.56], [0.44, 0.88], [0.12, 0.88], [0.12, 0.56]]),
+    Way(&[[0.52, 0.48], [0.86, 0.14]]),
+    Way(&[[0.64, 0.14], [0.86, 0.14], [0.86, 0.36]]),
+];
 pub const PUSH: Icon = &[
     Way(&[[0.08, 0.5], [0.48, 0.5]]),
     Way(&[[0.34, 0.36], [0.48, 0.5], [0.34, 0.64]]),
@@ -139,8 +169,8 @@ mod tests {
     #[test]
     fn pictures_fill_their_square_and_stay_in_it() {
         for icon in [
-            DRAG, PUSH, THROW, BALL, BOX, CONE, GEM, BAR, BALL_JOINT, HINGE, SLIDER, FIXED, ROD, ROPE, SPRING, PIN,
-            CUT, MEASURE,
+            DRAG, MOVE, TURN, SCALE, PUSH, THROW, BALL, BOX, CONE, GEM, BAR, BALL_JOINT, HINGE, SLIDER, FIXED, ROD,
+            ROPE, SPRING, PIN, CUT, MEASURE,
         ] {
             let points = icon.iter().flat_map(|stroke| match stroke {
                 Way(points) => points.to_vec(),

@@ -1,6 +1,7 @@
-//! The inspector: what the picked body is and what holds it, over the picture.
+//! The inspector: what the picked body is and what holds it, or what the picked joint is, over the picture; of several bodies,
+//! what can be done with all of them.
 //!
-//! It opens where a click picks a body, in the other half of the picture, so that what is near stays in reach, and stays until
+//! It opens where a click picks a body or a joint, in the other half of the picture, so that what is near stays in reach, and stays until
 //! another is picked or none; while Shift is held, which picks a second, it gives way. A body that is dragged is played with, and
 //! not inspected.
 
@@ -8,16 +9,16 @@ use bevy::prelude::*;
 use bevy::window::PrimaryWindow;
 use bevy_egui::egui;
 
+use super::body::{self, Described};
 use super::run::run;
 use super::strip::STRIP_HEIGHT;
-use super::{body, selection};
+use super::{many, selection};
 use crate::sandbox::Selection;
 use crate::sandbox::held::Drag;
 use crate::sandbox::joint_readings::ReadJoints;
+use crate::sandbox::pointer::SLACK;
 use crate::sandbox::state::{Covered, SHIFT_KEYS};
 
-/// How far the pointer may move in a click, logical pixels.
-const SLACK: f32 = 5.0;
 /// How wide it is, and what is left free at the edges and of the tools, points.
 const WIDTH: f32 = 304.0;
 const MARGIN: f32 = 8.0;
@@ -27,6 +28,8 @@ const TOOLS: f32 = 80.0;
 #[derive(Resource, Default)]
 pub(super) struct Inspector {
     of: Option<Entity>,
+    /// How many bodies are picked.
+    count: usize,
     /// Where the pointer was when it opened; until it is drawn.
     opened_at: Option<Vec2>,
     is_hidden: bool,
@@ -43,8 +46,9 @@ pub(super) fn follow(
 ) {
     let pointer = window.cursor_position().unwrap_or(Vec2::new(0.5 * window.width(), 0.3 * window.height()));
     let inspector = inspector.bypass_change_detection();
-    if selection.entity() != inspector.of {
-        *inspector = Inspector { of: selection.entity(), opened_at: Some(pointer), ..default() };
+    let (of, count) = (selection.entity().or(selection.joint), selection.bodies().count());
+    if (of, count) != (inspector.of, inspector.count) {
+        *inspector = Inspector { of, count, opened_at: Some(pointer), ..default() };
     }
     match (&mut inspector.drag, drag.is_active()) {
         (None, true) => inspector.drag = Some((pointer, false)),
@@ -94,7 +98,9 @@ pub(super) fn show(context: &egui::Context, world: &mut World) -> Result {
         ui.set_width(WIDTH);
         egui::ScrollArea::vertical().max_height((free.height() - 60.0).max(80.0)).show(ui, |ui| {
             ui.set_width(WIDTH - 10.0);
-            drawn = contents(ui, world);
+            // What lies where another body's lay is another thing.
+            let body = world.resource::<Selection>().entity();
+            drawn = ui.push_id(body, |ui| contents(ui, world)).inner;
         });
     });
     if !stays {
@@ -103,13 +109,21 @@ pub(super) fn show(context: &egui::Context, world: &mut World) -> Result {
     drawn
 }
 
-/// Its name, what holds it, and what it is.
+/// Its name, what holds it, and what it is; or the joint, or all bodies.
 fn contents(ui: &mut egui::Ui, world: &mut World) -> Result {
-    run(ui, world, body::show_name)?;
+    let selected = world.resource::<Selection>();
+    if selected.joint.is_some() {
+        return run(ui, world, selection::show_picked_joint);
+    }
+    if !selected.others.is_empty() {
+        return run(ui, world, many::show);
+    }
+    let Some(described) = Described::picked(world) else { return Ok(()) };
+    world.run_system_cached_with(body::show_name, (&mut *ui, &described))?;
     run(ui, world, selection::show)?;
     // What is joined is looked at for its joints.
     let is_open = world.resource::<ReadJoints>().open.is_empty();
-    let body = world.resource::<Selection>().entity();
-    let section = egui::CollapsingHeader::new("body").id_salt(("body", body)).default_open(is_open);
-    section.show_unindented(ui, |ui| run(ui, world, body::show)).body_returned.unwrap_or(Ok(()))
+    let section = egui::CollapsingHeader::new("body").default_open(is_open);
+    let shown = section.show_unindented(ui, |ui| world.run_system_cached_with(body::show, (&mut *ui, &described)));
+    Ok(shown.body_returned.transpose().map(drop)?)
 }

@@ -11,17 +11,21 @@ mod buttons;
 mod chart;
 mod entry;
 mod files;
+mod gallery;
 mod graphs;
 mod icons;
 mod inspector;
 mod joint;
+mod many;
 mod measuring;
 mod pane;
+mod pictures;
 mod playback;
 mod readouts;
 mod run;
 mod scenes;
 mod selection;
+mod size;
 mod solver;
 mod strip;
 mod sweep;
@@ -34,12 +38,14 @@ mod world;
 pub(super) use buttons::toggle;
 pub use chart::measure_chart;
 pub(super) use entry::Entered;
+pub use graphs::PlotsHeight;
 pub use measuring::ChartSource;
 pub(super) use strip::STRIP_HEIGHT;
 pub(super) use theme::{Quantity, name_of, palette, without_negative_zero};
 
 use bevy::prelude::*;
 use bevy_egui::{EguiContext, EguiPrimaryContextPass, PrimaryEguiContext, egui};
+use serde::{Deserialize, Serialize};
 
 use self::pane::Edge;
 use self::run::run;
@@ -52,8 +58,18 @@ use crate::scene::Probes;
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PanelOpen(pub bool);
 
+/// How wide the panel is, points.
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+pub struct PanelWidth(pub f32);
+
+impl Default for PanelWidth {
+    fn default() -> Self {
+        Self(334.0)
+    }
+}
+
 /// What the panel shows.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Page {
     /// Scenes.
     #[default]
@@ -79,12 +95,15 @@ impl Page {
 pub(super) fn plugin(app: &mut App) {
     app.insert_resource(PanelOpen(true))
         .init_resource::<Page>()
+        .init_resource::<PanelWidth>()
+        .init_resource::<PlotsHeight>()
         .init_resource::<inspector::Inspector>()
         .add_systems(PreUpdate, turn_with_tool)
         .add_systems(Update, inspector::follow.after(CarryOut))
         .add_plugins((
             playback::plugin,
             scenes::plugin,
+            gallery::plugin,
             files::plugin,
             measuring::plugin,
             chart::plugin,
@@ -94,7 +113,6 @@ pub(super) fn plugin(app: &mut App) {
         .add_systems(EguiPrimaryContextPass, (theme::apply, show, strip::show, toolbar::show).chain());
 }
 
-const DEFAULT_WIDTH: f32 = 334.0;
 const WIDTHS: std::ops::RangeInclusive<f32> = 280.0..=560.0;
 /// Share of the least width at which it closes.
 const CLOSES: f32 = 0.6;
@@ -112,7 +130,7 @@ fn show(world: &mut World) -> Result {
     if open {
         let id = egui::Id::new("panel");
         let screen = context.content_rect();
-        let asked = context.data(|data| data.get_temp::<f32>(id)).unwrap_or(DEFAULT_WIDTH);
+        let PanelWidth(asked) = *world.resource::<PanelWidth>();
         let width = asked.clamp(*WIDTHS.start(), *WIDTHS.end());
         let place = egui::Rect::from_min_max(egui::pos2(screen.right() - width, screen.top()), screen.max);
         let frame = egui::Frame::side_top_panel(&context.global_style());
@@ -120,7 +138,7 @@ fn show(world: &mut World) -> Result {
         // Dragged far beyond its least width, it goes.
         open = asked + by > CLOSES * WIDTHS.start();
         let kept = if let_go || !open { width } else { asked + by };
-        context.data_mut(|data| data.insert_temp(id, kept));
+        world.resource_mut::<PanelWidth>().set_if_neq(PanelWidth(kept));
         covered = if open { width * context.zoom_factor() } else { 0.0 };
     }
     if !open {
@@ -151,31 +169,38 @@ fn sections(ui: &mut egui::Ui, world: &mut World) -> Result {
         .show(ui, |ui| {
             // The scroll bar floats over the contents.
             ui.set_max_width(ui.available_width() - SCROLL_BAR);
-            match page {
-                Page::Play => {
-                    section(ui, world, "Scene", true, scenes::show)?;
-                    section(ui, world, "Files", true, files::show)?;
-                    section(ui, world, "World", true, world::show)?;
-                }
-                Page::Build => {
-                    section(ui, world, "Build", true, build::show)?;
-                }
-                Page::Analyse => {
-                    section(ui, world, "Gizmos", true, gizmos::show)?;
-                    section(ui, world, "Probes", true, probe::show)?;
-                    section(ui, world, "Why", false, why::show)?;
-                    section(ui, world, "Side by side", false, ghost::show)?;
-                    section(ui, world, "Read-outs", true, readouts::show)?;
-                }
-                Page::Solver => {
-                    section(ui, world, "Solver", true, solver::show)?;
-                    section(ui, world, "Chart", false, chart::show)?;
-                    section(ui, world, "Sweep", false, sweep::show)?;
-                }
-            }
-            Ok(())
+            // What lies where another page's section lay is another one.
+            ui.push_id(page, |ui| show_page(ui, world, page)).inner
         })
         .inner
+}
+
+fn show_page(ui: &mut egui::Ui, world: &mut World, page: Page) -> Result {
+    match page {
+        Page::Play => {
+            section(ui, world, "Scene", true, scenes::show)?;
+            section(ui, world, "Gallery", true, gallery::show)?;
+            section(ui, world, "Files", true, files::show)?;
+            section(ui, world, "World", true, world::show)?;
+            section(ui, world, "Interface", true, size::show)?;
+        }
+        Page::Build => {
+            section(ui, world, "Build", true, build::show)?;
+        }
+        Page::Analyse => {
+            section(ui, world, "Gizmos", true, gizmos::show)?;
+            section(ui, world, "Probes", true, probe::show)?;
+            section(ui, world, "Why", false, why::show)?;
+            section(ui, world, "Side by side", false, ghost::show)?;
+            section(ui, world, "Read-outs", true, readouts::show)?;
+        }
+        Page::Solver => {
+            section(ui, world, "Solver", true, solver::show)?;
+            section(ui, world, "Chart", false, chart::show)?;
+            section(ui, world, "Sweep", false, sweep::show)?;
+        }
+    }
+    Ok(())
 }
 
 /// What is built with is on view once a tool that builds is in hand.
@@ -190,10 +215,9 @@ fn pages(InMut(ui): InMut<egui::Ui>, mut page: ResMut<Page>) {
     ui.add_space(4.0);
     ui.columns(Page::ALL.len(), |columns| {
         for (column, (own, name, about)) in columns.iter_mut().zip(Page::ALL) {
-            let text = egui::RichText::new(name).size(15.0);
-            let size = egui::vec2(column.available_width(), 28.0);
-            let button = egui::Button::selectable(*page == own, text).min_size(size);
-            if column.add(button).on_hover_text(about).clicked() {
+            let text = egui::RichText::new(name).size(theme::HEADER);
+            let shown = buttons::wide_button(column, 28.0, true, egui::Button::selectable(*page == own, text));
+            if shown.on_hover_text(about).clicked() {
                 page.set_if_neq(own);
             }
         }
@@ -205,12 +229,13 @@ fn section<M, S>(ui: &mut egui::Ui, world: &mut World, title: &str, open: bool, 
 where
     S: IntoSystem<InMut<'static, egui::Ui>, (), M> + 'static,
 {
-    let shown =
-        egui::CollapsingHeader::new(egui::RichText::new(title).strong()).default_open(open).show_unindented(ui, |ui| {
-            let result = run(ui, world, contents);
-            ui.add_space(6.0);
-            result
-        });
+    let title = egui::RichText::new(title).size(theme::HEADER).strong();
+    let shown = egui::CollapsingHeader::new(title).default_open(open).show_unindented(ui, |ui| {
+        ui.add_space(2.0);
+        let result = run(ui, world, contents);
+        ui.add_space(8.0);
+        result
+    });
     let is_open = shown.body_returned.is_some();
     shown.body_returned.transpose()?;
     Ok(is_open)

@@ -96,7 +96,7 @@ impl Clock<'_> {
             true => "paused".into(),
             false => format!("{:.2}× real time", self.pace.factor),
         };
-        ui.label(egui::RichText::new(speed).size(11.0).weak()).on_hover_text(format!(
+        ui.label(egui::RichText::new(speed).small().weak()).on_hover_text(format!(
             "simulated seconds per second of the clock: below 1 where steps take longer than they last\n{frames:.0} frames a \
              second, physics takes {share:.0} % of the time; the rest goes into the picture, or is spare"
         ));

@@ -1,4 +1,6 @@
-//! The built-in scenes with their parameters, and scenes from files.
+//! The scene on view, with its parameters.
+
+use std::path::Path;
 
 use bevy::prelude::*;
 use bevy_egui::egui;
@@ -6,43 +8,31 @@ use bevy_egui::egui;
 use super::super::state::SceneProblem;
 use super::super::watch::Watch;
 use super::super::{CurrentScene, SandboxAction};
-use super::entry::{Entered, Left};
-use crate::scene::{Parameter, SceneInfo, catalog, find};
+use crate::scene::{Parameter, SceneInfo, find};
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<SceneForm>().add_systems(PreUpdate, follow_scene);
 }
 
-/// What the section's widgets hold. Parameters are edited here first, so that a large scene is
+/// One value per parameter of the scene on view, in order. Parameters are edited here first, so that a large scene is
 /// built once, when the value is let go, and not at every movement of the mouse.
 #[derive(Resource, Default)]
-pub(super) struct SceneForm {
-    /// One value per parameter of the scene on view, in order.
-    values: Vec<f64>,
-    /// Path of a file.
-    path: String,
-    entered: Entered,
-}
+pub(super) struct SceneForm(Vec<f64>);
 
 impl SceneForm {
-    fn of(scene: &CurrentScene) -> Self {
-        let values = find(&scene.scene).map_or_else(Vec::new, |info| {
-            info.parameters.iter().map(|parameter| value_of(parameter, &scene.parameters)).collect()
-        });
-        let path = if find(&scene.scene).is_none() { scene.scene.clone() } else { String::new() };
-        Self { values, path, entered: Entered::default() }
-    }
-
     /// The parameters that differ from their defaults.
     fn changed(&self, info: &SceneInfo) -> Vec<(String, f64)> {
         info.parameters
             .iter()
-            .zip(&self.values)
+            .zip(&self.0)
             .filter(|(parameter, value)| **value != parameter.default)
             .map(|(parameter, value)| (parameter.name.into(), *value))
             .collect()
     }
 }
+
+/// Size of the letters of the scene's name.
+const TITLE: f32 = 16.0;
 
 fn value_of(parameter: &Parameter, given: &[(String, f64)]) -> f64 {
     given.iter().find(|(name, _)| name == parameter.name).map_or(parameter.default, |(_, value)| *value)
@@ -50,11 +40,9 @@ fn value_of(parameter: &Parameter, given: &[(String, f64)]) -> f64 {
 
 fn follow_scene(scene: Option<Res<CurrentScene>>, mut form: ResMut<SceneForm>) {
     if let Some(scene) = scene.filter(|scene| scene.is_changed()) {
-        let SceneForm { path, entered, .. } = std::mem::take(&mut *form);
-        *form = SceneForm { entered, ..SceneForm::of(&scene) };
-        if form.path.is_empty() {
-            form.path = path;
-        }
+        form.0 = find(&scene.scene).map_or_else(Vec::new, |info| {
+            info.parameters.iter().map(|parameter| value_of(parameter, &scene.parameters)).collect()
+        });
     }
 }
 
@@ -67,37 +55,19 @@ pub(super) fn show(
     mut actions: MessageWriter<SandboxAction>,
 ) {
     let current = scene.as_ref().map_or("", |scene| &scene.scene);
-    ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing = egui::vec2(2.0, 2.0);
-        for info in catalog() {
-            let about = format!("{}\n\nWhat is known of its answer: {}", info.about, info.truth);
-            if ui.selectable_label(info.name == current, info.name).on_hover_text(about).clicked() {
-                actions.write(SandboxAction::LoadScene { scene: info.name.into(), parameters: Vec::new() });
-            }
-        }
-    });
     if let Some(info) = find(current) {
-        ui.add_space(2.0);
-        ui.weak(info.about);
-        if parameters(ui, info, &mut form.values) {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(egui::RichText::new(info.title).size(TITLE).strong());
+            ui.weak(egui::RichText::new(info.name).monospace()).on_hover_text("its name on the command line");
+        });
+        ui.weak(info.about).on_hover_text(format!("What is known of its answer: {}", info.truth));
+        if parameters(ui, info, &mut form.0) {
             actions.write(SandboxAction::LoadScene { scene: info.name.into(), parameters: form.changed(info) });
         }
+    } else if let Some(name) = Path::new(current).file_name() {
+        let title = egui::RichText::new(name.to_string_lossy()).size(TITLE).strong();
+        ui.add(egui::Label::new(title).truncate()).on_hover_text(current);
     }
-    ui.horizontal(|ui| {
-        ui.label("file").on_hover_text("path of a scene in RON; the README describes the format");
-        let width = ui.available_width() - 56.0;
-        let SceneForm { path, entered, .. } = &mut *form;
-        let id = egui::Id::new("scene file");
-        if scene.as_ref().is_some_and(|scene| scene.is_changed()) {
-            entered.accept(ui.ctx(), id);
-        }
-        let field = egui::TextEdit::singleline(path).hint_text("my_scene.ron").desired_width(width);
-        let entered = entered.show(ui, id, field) == Some(Left::ByEnter);
-        let given = !form.path.trim().is_empty();
-        if (ui.add_enabled(given, egui::Button::new("Open")).clicked() || entered) && given {
-            actions.write(SandboxAction::LoadScene { scene: form.path.trim().into(), parameters: Vec::new() });
-        }
-    });
     // The running file's own problem stays until the file is mended.
     for error in watch.problem.iter().chain(&problem.0) {
         ui.colored_label(ui.visuals().error_fg_color, error);

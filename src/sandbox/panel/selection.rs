@@ -44,15 +44,11 @@ pub(super) fn show(
             show_body(ui, &selection, body, &bodies, &mut probes, &mut actions);
             let own = joints_of(body, &joints);
             for (entity, joint) in own.iter().take(LISTED) {
-                let (change, cut) = show_joint(
-                    ui,
-                    body,
-                    (*entity, own.len() <= OPEN),
-                    joint,
-                    (&bodies, &stats, &reader),
-                    &mut now,
-                    &mut probes,
-                );
+                let of_whom = (*entity, own.len() <= OPEN);
+                let shown = ui.push_id(entity, |ui| {
+                    show_joint(ui, body, of_whom, joint, (&bodies, &stats, &reader), &mut now, &mut probes)
+                });
+                let (change, cut) = shown.inner;
                 if cut {
                     actions.write(SandboxAction::Cut(*entity));
                 }
@@ -66,6 +62,49 @@ pub(super) fn show(
                 ui.weak(format!("and {more} more joints"));
             }
         }
+    }
+    if now.plotted.is_some() && now.plotted != read.plotted {
+        shows_plots.set_if_neq(ShowsPlots(true));
+    }
+    read.set_if_neq(now);
+}
+
+/// The joint that is picked: all that can be changed of it.
+pub(super) fn show_picked_joint(
+    InMut(ui): InMut<egui::Ui>,
+    selection: Res<Selection>,
+    bodies: Bodies,
+    joints: Joints,
+    stats: Res<StepStats>,
+    mut read: ResMut<ReadJoints>,
+    (mut probes, reader): (ResMut<Probes>, Reader),
+    mut shows_plots: ResMut<ShowsPlots>,
+    mut changing: Local<bool>,
+    mut actions: MessageWriter<SandboxAction>,
+) {
+    *changing &= ui.input(|input| input.pointer.any_down());
+    let Some((entity, joint)) = selection.joint.and_then(|joint| joints.get(joint).ok()) else { return };
+    let Some(component) = joint.joint.component() else { return };
+    let mut now = ReadJoints { open: vec![entity], ..read.clone() };
+    let [a, b] = component.bodies().map(|body| name_in(&bodies, body));
+    let broken = if joint.broken.is_some() { ", broken" } else { "" };
+    let title = ui.add(egui::Label::new(egui::RichText::new(format!("{}{broken}", noun(&component))).strong()));
+    title.on_hover_text("the joint that was clicked");
+    ui.add(egui::Label::new(format!("{a} to {b}")).truncate());
+    ui.horizontal(|ui| {
+        let mut plotted = read.plotted == Some(entity);
+        if ui.checkbox(&mut plotted, "plot").on_hover_text("plot its load and where it stands").changed() {
+            now.plotted = plotted.then_some(entity);
+        }
+        ui.menu_button("probe", |ui| offer_joint(ui, &mut probes, &reader, entity));
+        if ui.small_button("✂ cut").on_hover_text("cut this joint").clicked() {
+            actions.write(SandboxAction::Cut(entity));
+        }
+    });
+    let value = value_of(&joint, &component, &bodies);
+    if let Some(change) = joint::show(ui, &joint, value, &stats) {
+        actions.write(SandboxAction::ChangeJoint { joint: entity, change, continues: *changing });
+        *changing = ui.input(|input| input.pointer.any_down());
     }
     if now.plotted.is_some() && now.plotted != read.plotted {
         shows_plots.set_if_neq(ShowsPlots(true));
@@ -105,7 +144,10 @@ fn show_body(
             actions.write(SandboxAction::Follow);
         }
         ui.menu_button("plot", |ui| offer_body(ui, probes, body));
-        if ui.small_button("🗑 delete").on_hover_text("delete this body and its joints").clicked() {
+        if ui.small_button("duplicate").on_hover_text(tooltip(&SandboxAction::Duplicate)).clicked() {
+            actions.write(SandboxAction::Duplicate);
+        }
+        if ui.small_button("🗑 delete").on_hover_text(tooltip(&SandboxAction::DeletePicked)).clicked() {
             actions.write(SandboxAction::DeletePicked);
         }
     });

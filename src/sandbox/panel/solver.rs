@@ -1,13 +1,13 @@
 //! Every field of [`SolverSettings`], applied at once.
 //!
-//! [`FIELDS`] says how each is shown; the widget follows from its type, what it is and whether it is grey from
-//! [`SETTINGS`]. A unit test holds the two lists equal.
+//! [`FIELDS`] and [`RARE_FIELDS`] say how each is shown; the widget follows from its type, what it is and whether it is grey
+//! from [`SETTINGS`]. A unit test holds the lists and the table equal.
 
 use std::ops::RangeInclusive;
 
 use bevy::prelude::*;
 use bevy::reflect::enums::{DynamicEnum, Enum};
-use bevy::reflect::{GetPath, PartialReflect, ReflectMut};
+use bevy::reflect::{GetPath, PartialReflect, ReflectMut, ReflectRef};
 use bevy_egui::egui;
 
 use crate::physics::{SETTINGS, Setting, SolverSettings};
@@ -60,7 +60,7 @@ impl Field {
     }
 
     fn setting(&self) -> &'static Setting {
-        SETTINGS.iter().find(|setting| setting.path == self.path).expect("a test holds FIELDS to the table")
+        SETTINGS.iter().find(|setting| setting.path == self.path).expect("a test holds the fields to the table")
     }
 
     /// What it is, and what there is to choose from.
@@ -70,13 +70,45 @@ impl Field {
         setting.help() + &choices.collect::<String>()
     }
 
+    /// Whether it is another value, of a setting that either's method reads.
+    fn differs(&self, one: &SolverSettings, other: &SolverSettings) -> bool {
+        one.differences(other).any(|setting| setting.path == self.path)
+    }
+
+    /// Whether it can be switched off.
+    fn is_optional(&self, settings: &mut SolverSettings) -> bool {
+        self.value(settings).try_downcast_ref::<Option<f64>>().is_some()
+    }
+
+    /// Its value in words.
+    fn text(&self, settings: &mut SolverSettings) -> String {
+        let number = |value: f64| format!("{value}{}", self.unit);
+        let value = self.value(settings);
+        if let Some(value) = value.try_downcast_ref::<f64>() {
+            number(*value)
+        } else if let Some(value) = value.try_downcast_ref::<u32>() {
+            number(f64::from(*value))
+        } else if let Some(value) = value.try_downcast_ref::<bool>() {
+            if *value { "it on".into() } else { "it off".into() }
+        } else if let Some(value) = value.try_downcast_ref::<Option<f64>>() {
+            value.map_or_else(|| "it off".into(), number)
+        } else if let ReflectRef::Enum(value) = value.reflect_ref() {
+            spaced(value.variant_name())
+        } else {
+            String::new()
+        }
+    }
+
     fn value<'a>(&self, settings: &'a mut SolverSettings) -> &'a mut dyn PartialReflect {
-        settings.reflect_path_mut(self.path).expect("a test holds FIELDS to the table")
+        settings.reflect_path_mut(self.path).expect("a test holds the fields to the table")
     }
 }
 
-/// Groups of fields in the order of the panel.
-const FIELDS: &[(&str, &[Field])] = &[
+/// Fields under a headline.
+type Group = (&'static str, &'static [Field]);
+
+/// Groups of fields that are changed often, in the order of the panel.
+const FIELDS: &[Group] = &[
     (
         "Step",
         &[
@@ -84,7 +116,6 @@ const FIELDS: &[(&str, &[Field])] = &[
             Field::number("hz", "steps per second", " Hz", 10.0..=1000.0, 1.0..=1e9).logarithmic(),
             Field::number("substeps", "substeps", "", 1.0..=32.0, 1.0..=4096.0),
             Field::number("iterations", "iterations", "", 1.0..=100.0, 1.0..=100_000.0).logarithmic(),
-            Field::choice("precision", "precision"),
             Field::number("threads", "threads", "", 1.0..=16.0, 1.0..=1024.0),
         ],
     ),
@@ -94,17 +125,22 @@ const FIELDS: &[(&str, &[Field])] = &[
             Field::choice("friction", "friction"),
             Field::number("restitution_speed", "bounce above", " m/s", 0.0..=5.0, 0.0..=1e6).or_none(0.5),
             Field::number("drag", "drag", " 1/s", 0.0..=5.0, 0.0..=1e6),
+            Field::number("impulse.sleep_speed", "sleep below", " m/s", 0.0..=0.5, 0.0..=1e6).or_none(0.02),
+        ],
+    ),
+];
+
+/// Groups of those that are changed rarely.
+const RARE_FIELDS: &[Group] = &[
+    (
+        "All methods",
+        &[
+            Field::choice("precision", "precision"),
             Field::number("slop", "slop", " m", 0.0..=0.05, 0.0..=10.0),
             Field::number("correction_speed", "repair speed limit", " m/s", 0.0..=10.0, 0.0..=1e6).or_none(3.0),
         ],
     ),
-    (
-        "Contacts that last",
-        &[
-            Field::choice("impulse.fitted_effort", "fitted effort"),
-            Field::number("impulse.sleep_speed", "sleep below", " m/s", 0.0..=0.5, 0.0..=1e6).or_none(0.02),
-        ],
-    ),
+    ("Contacts that last", &[Field::choice("impulse.fitted_effort", "fitted effort")]),
     (
         "Force-level sweeps",
         &[
@@ -123,32 +159,102 @@ const FIELDS: &[(&str, &[Field])] = &[
     ("Exact", &[Field::choice("exact.integrator", "integrator")]),
 ];
 
-pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut settings: ResMut<SolverSettings>) {
-    let mut edited = *settings;
-    presets(ui, &mut edited);
-    for (group, fields) in FIELDS {
-        ui.add_space(4.0);
-        ui.weak(*group);
-        egui::Grid::new(group).num_columns(2).spacing([8.0, 4.0]).min_col_width(112.0).show(ui, |ui| {
-            for field in *fields {
-                row(ui, field, &mut edited);
-                ui.end_row();
-            }
-        });
+/// The preset that settings are compared with.
+#[derive(Default)]
+pub(super) struct Base {
+    /// By index; none before anything was compared.
+    preset: Option<usize>,
+    /// The settings that were looked at last.
+    last: SolverSettings,
+}
+
+impl Base {
+    /// The one that the settings are; else the one that they were changed from, a setting at a time; else the nearest.
+    fn follow(&mut self, settings: &SolverSettings) -> Preset {
+        let changed = self.last.differences(settings).count();
+        self.last = *settings;
+        let exactly = SolverSettings::PRESETS.iter().position(|(_, preset)| preset() == *settings);
+        let kept = self.preset.filter(|_| changed <= 1);
+        let index = exactly.or(kept).unwrap_or_else(|| nearest_preset(settings));
+        self.preset = Some(index);
+        SolverSettings::PRESETS[index]
     }
+}
+
+/// A preset: its name, and what makes its settings.
+type Preset = (&'static str, fn() -> SolverSettings);
+
+pub(super) fn show(InMut(ui): InMut<egui::Ui>, mut settings: ResMut<SolverSettings>, mut base: Local<Base>) {
+    let mut edited = *settings;
+    let preset = base.follow(&settings);
+    presets(ui, preset, &mut edited);
+    FIELDS.iter().for_each(|group| show_group(ui, group, preset, &mut edited));
+    ui.add_space(6.0);
+    let changed = fields(RARE_FIELDS).filter(|field| field.differs(&edited, &preset.1())).count();
+    let title = match changed {
+        0 => "Advanced".to_owned(),
+        _ => format!("Advanced ({changed} changed)"),
+    };
+    egui::CollapsingHeader::new(title).id_salt("advanced").show_unindented(ui, |ui| {
+        RARE_FIELDS.iter().for_each(|group| show_group(ui, group, preset, &mut edited));
+    });
     settings.set_if_neq(edited);
 }
 
-/// Label and widget, grey where the method does not read the setting.
-fn row(ui: &mut egui::Ui, field: &Field, settings: &mut SolverSettings) {
+fn fields(groups: &'static [Group]) -> impl Iterator<Item = &'static Field> {
+    groups.iter().flat_map(|(_, fields)| fields.iter())
+}
+
+fn show_group(ui: &mut egui::Ui, (name, fields): &Group, preset: Preset, settings: &mut SolverSettings) {
+    ui.add_space(4.0);
+    ui.weak(*name);
+    egui::Grid::new(name).num_columns(2).spacing([8.0, 4.0]).min_col_width(118.0).show(ui, |ui| {
+        for field in *fields {
+            row(ui, field, preset, settings);
+            ui.end_row();
+        }
+    });
+}
+
+/// Label and widget, grey where the method does not read the setting, with a dot and a way back where it is not as the preset
+/// has it.
+fn row(ui: &mut egui::Ui, field: &Field, (name, preset): Preset, settings: &mut SolverSettings) {
     let setting = field.setting();
     let is_read = setting.is_read(settings);
     let why_not = if is_read { String::new() } else { setting.why_unread(settings) };
-    let label = ui.add_enabled(is_read, egui::Label::new(field.label));
-    label.on_hover_ui(|ui| explain(ui, field)).on_disabled_hover_text(why_not.as_str());
-    let shown = ui.add_enabled_ui(is_read, |ui| widget(ui, field, field.value(settings)));
-    shown.response.on_disabled_hover_text(why_not);
+    let mut preset = preset();
+    let differs = field.differs(settings, &preset);
+    let usual = differs.then(|| format!("{name} has {}", field.text(&mut preset)));
+    let explain = |ui: &mut egui::Ui| {
+        usual.iter().for_each(|usual| _ = ui.colored_label(CHANGED, usual));
+        ui.label(field.help());
+    };
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let (dot, _) = ui.allocate_exact_size(egui::vec2(DOT, DOT), egui::Sense::hover());
+        if differs {
+            ui.painter().circle_filled(dot.center(), 0.5 * DOT, CHANGED);
+        }
+        let label = ui.add_enabled(is_read, egui::Label::new(field.label));
+        label.on_hover_ui(&explain).on_disabled_hover_text(why_not.as_str());
+    });
+    ui.horizontal(|ui| {
+        // With room for the way back.
+        ui.spacing_mut().slider_width = if field.is_optional(&mut preset) { 54.0 } else { 84.0 };
+        let shown = ui.add_enabled_ui(is_read, |ui| widget(ui, field, field.value(settings), &explain));
+        shown.response.on_disabled_hover_text(why_not);
+        if let Some(usual) = &usual
+            && ui.add(egui::Button::new("⟲").small()).on_hover_text(format!("back: {usual}")).clicked()
+        {
+            field.value(settings).apply(field.value(&mut preset));
+        }
+    });
 }
+
+/// What is not as the preset has it.
+const CHANGED: egui::Color32 = egui::Color32::from_rgb(240, 176, 64);
+/// Diameter of the dot before it, points.
+const DOT: f32 = 7.0;
 
 /// The preset, by index, that the settings differ from in the fewest fields; of several the first.
 fn nearest_preset(settings: &SolverSettings) -> usize {
@@ -159,55 +265,51 @@ fn nearest_preset(settings: &SolverSettings) -> usize {
     (0..SolverSettings::PRESETS.len()).min_by_key(from_preset).unwrap_or_default()
 }
 
-/// One button per preset, and whether the settings differ from the nearest.
-fn presets(ui: &mut egui::Ui, settings: &mut SolverSettings) {
-    let base = nearest_preset(settings);
-    let (name, preset) = SolverSettings::PRESETS[base];
-    let modified = preset().differences(settings).next().is_some();
+/// One button per preset, and how much the settings differ from the one that they were changed from.
+fn presets(ui: &mut egui::Ui, (base, preset): Preset, settings: &mut SolverSettings) {
+    let changed = preset().differences(settings).count();
     ui.horizontal_wrapped(|ui| {
         ui.label("preset");
-        for (index, (name, preset)) in SolverSettings::PRESETS.into_iter().enumerate() {
-            if ui.selectable_label(index == base && !modified, name).clicked() {
-                *settings = preset();
-            }
-        }
-        if modified {
-            ui.colored_label(ui.visuals().warn_fg_color, format!("{name}, modified"));
-            if ui.small_button("⟲").on_hover_text(format!("back to {name}")).clicked() {
+        for (name, preset) in SolverSettings::PRESETS {
+            if ui.selectable_label(name == base && changed == 0, name).clicked() {
                 *settings = preset();
             }
         }
     });
-}
-
-fn explain(ui: &mut egui::Ui, field: &Field) {
-    ui.label(field.help());
+    if changed > 0 {
+        ui.horizontal(|ui| {
+            ui.colored_label(CHANGED, format!("{base}, {changed} changed"));
+            if ui.small_button("⟲ all").on_hover_text(format!("all as {base} has them")).clicked() {
+                *settings = preset();
+            }
+        });
+    }
 }
 
 /// The widget for a value of a type that settings are made of.
-fn widget(ui: &mut egui::Ui, field: &Field, value: &mut dyn PartialReflect) {
+fn widget(ui: &mut egui::Ui, field: &Field, value: &mut dyn PartialReflect, explain: &impl Fn(&mut egui::Ui)) {
     if let Some(value) = value.try_downcast_mut::<f64>() {
-        number(ui, field, value);
+        number(ui, field, value, explain);
     } else if let Some(value) = value.try_downcast_mut::<u32>() {
-        whole_number(ui, field, value);
+        whole_number(ui, field, value, explain);
     } else if let Some(value) = value.try_downcast_mut::<bool>() {
-        ui.checkbox(value, "").on_hover_ui(|ui| explain(ui, field));
+        ui.checkbox(value, "").on_hover_ui(explain);
     } else if let Some(value) = value.try_downcast_mut::<Option<f64>>() {
         ui.horizontal(|ui| {
             let mut on = value.is_some();
-            ui.checkbox(&mut on, "").on_hover_ui(|ui| explain(ui, field));
+            ui.checkbox(&mut on, "").on_hover_ui(explain);
             *value = on.then(|| value.unwrap_or(field.when_on));
             match value {
-                Some(value) => number(ui, field, value),
+                Some(value) => number(ui, field, value, explain),
                 None => drop(ui.weak("off")),
             }
         });
     } else if let ReflectMut::Enum(value) = value.reflect_mut() {
-        choice(ui, field, value);
+        choice(ui, field, value, explain);
     }
 }
 
-fn number(ui: &mut egui::Ui, field: &Field, value: &mut f64) {
+fn number(ui: &mut egui::Ui, field: &Field, value: &mut f64, explain: &impl Fn(&mut egui::Ui)) {
     let slider = egui::Slider::new(value, field.slider.clone())
         .suffix(field.unit)
         .logarithmic(field.logarithmic)
@@ -215,14 +317,14 @@ fn number(ui: &mut egui::Ui, field: &Field, value: &mut f64) {
         .clamping(egui::SliderClamping::Never)
         .update_while_editing(false)
         .max_decimals(4);
-    ui.add(slider).on_hover_ui(|ui| explain(ui, field));
+    ui.add(slider).on_hover_ui(explain);
     if !value.is_finite() {
         *value = *field.slider.start();
     }
     *value = value.clamp(*field.limits.start(), *field.limits.end());
 }
 
-fn whole_number(ui: &mut egui::Ui, field: &Field, value: &mut u32) {
+fn whole_number(ui: &mut egui::Ui, field: &Field, value: &mut u32, explain: &impl Fn(&mut egui::Ui)) {
     let mut real = f64::from(*value);
     let slider = egui::Slider::new(&mut real, field.slider.clone())
         .suffix(field.unit)
@@ -230,12 +332,12 @@ fn whole_number(ui: &mut egui::Ui, field: &Field, value: &mut u32) {
         .clamping(egui::SliderClamping::Never)
         .update_while_editing(false)
         .integer();
-    ui.add(slider).on_hover_ui(|ui| explain(ui, field));
+    ui.add(slider).on_hover_ui(explain);
     *value = real.round().clamp(*field.limits.start(), *field.limits.end()) as u32;
 }
 
 /// Any enum of unit variants, so that a method added to the solver is in the panel too.
-fn choice(ui: &mut egui::Ui, field: &Field, value: &mut dyn Enum) {
+fn choice(ui: &mut egui::Ui, field: &Field, value: &mut dyn Enum, explain: &impl Fn(&mut egui::Ui)) {
     let names = value.get_represented_enum_info().map_or(&[][..], |info| info.variant_names());
     let mut chosen = value.variant_index();
     egui::ComboBox::from_id_salt(field.path)
@@ -247,7 +349,7 @@ fn choice(ui: &mut egui::Ui, field: &Field, value: &mut dyn Enum) {
             }
         })
         .response
-        .on_hover_ui(|ui| explain(ui, field));
+        .on_hover_ui(explain);
     if chosen != value.variant_index() {
         value.apply(&DynamicEnum::new(names[chosen], ()));
     }
@@ -273,7 +375,7 @@ mod tests {
     use crate::physics::Integrator;
 
     fn all_fields() -> impl Iterator<Item = &'static Field> {
-        FIELDS.iter().flat_map(|(_, fields)| fields.iter())
+        fields(FIELDS).chain(fields(RARE_FIELDS))
     }
 
     #[test]
@@ -295,7 +397,7 @@ mod tests {
             let input = egui::RawInput { events, time: Some(f64::from(frame)), ..Default::default() };
             let output = context.run_ui(input, |ui| {
                 place = ui.cursor().min + egui::vec2(4.0, 6.0);
-                egui::Grid::new("one").show(ui, |ui| row(ui, field, &mut settings));
+                egui::Grid::new("one").show(ui, |ui| row(ui, field, SolverSettings::PRESETS[0], &mut settings));
             });
             let texts = output.shapes.iter().filter_map(|clipped| match &clipped.shape {
                 egui::Shape::Text(text) => Some(text.galley.text().to_owned()),
@@ -357,7 +459,7 @@ mod tests {
             let _ = context.run_ui(egui::RawInput::default(), |ui| {
                 for field in all_fields() {
                     let before = ui.min_rect();
-                    ui.push_id(field.path, |ui| row(ui, field, &mut settings));
+                    ui.push_id(field.path, |ui| row(ui, field, SolverSettings::PRESETS[0], &mut settings));
                     assert_ne!(ui.min_rect(), before, "{} has no widget for its type", field.path);
                 }
             });
@@ -383,6 +485,40 @@ mod tests {
             assert_eq!(name(settings()), preset);
             assert_eq!(name(vary(settings())), preset);
         }
+    }
+
+    #[test]
+    fn settings_are_compared_with_the_preset_that_they_were_changed_from() {
+        let mut base = Base::default();
+        let start = SolverSettings::steady();
+        assert_eq!(base.follow(&start).0, "steady");
+        // One at a time, until another preset would be nearer.
+        let goal = SolverSettings::classic();
+        let mut settings = start;
+        let paths: Vec<_> = goal.differences(&start).map(|setting| setting.path).collect();
+        for path in &paths[..paths.len() - 1] {
+            let mut goal = goal;
+            let field = all_fields().find(|field| field.path == *path).expect("every setting has a field");
+            field.value(&mut settings).apply(field.value(&mut goal));
+            assert_eq!(base.follow(&settings).0, "steady", "{path}");
+        }
+        assert!(paths.len() > 2 && nearest_preset(&settings) != nearest_preset(&start));
+        assert_eq!(base.follow(&goal).0, "classic", "what is a preset is that one");
+        // From a file.
+        let loaded = SolverSettings { hz: 100.0, iterations: 9, ..SolverSettings::game() };
+        assert_eq!(base.follow(&loaded).0, "game");
+    }
+
+    #[test]
+    fn a_changed_setting_says_what_the_preset_has() {
+        let text = |path: &str, mut settings: SolverSettings| {
+            all_fields().find(|field| field.path == path).unwrap().text(&mut settings)
+        };
+        let game = SolverSettings::game();
+        assert_eq!(text("hz", SolverSettings { hz: 62.5, ..game }), "62.5 Hz");
+        assert_eq!(text("threads", SolverSettings { threads: 3, ..game }), "3");
+        assert_eq!(text("correction_speed", SolverSettings { correction_speed: None, ..game }), "it off");
+        assert_eq!(text("method", SolverSettings { method: crate::physics::Method::SoftStep, ..game }), "Soft Step");
     }
 
     #[test]

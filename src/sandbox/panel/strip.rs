@@ -7,6 +7,7 @@ use super::buttons::{toggle, tooltip};
 use super::playback::Clock;
 use super::theme::{Quantity, palette};
 use crate::physics::{History, SolverSettings, StepStats};
+use crate::sandbox::build::UndoStack;
 use crate::sandbox::state::{Covered, ShowsPlots};
 use crate::sandbox::timeline::{LIMIT, PoseTrack, ShownStep, head_and_reach};
 use crate::sandbox::{CurrentScene, GhostReadings, Playback, SandboxAction, Timeline};
@@ -19,6 +20,9 @@ const BAR: f32 = 18.0;
 const CLOCK: f32 = 86.0;
 /// Marks that are nearer than this to the pointer, points, draw the head to them.
 const SNAP: f32 = 5.0;
+/// Widths below which it leaves out what is said at its end, the time and what is done more rarely, points.
+const SAYS: f32 = 600.0;
+const TELLS_TIME: f32 = 520.0;
 /// What is said at the end of the strip at most.
 const LONGEST: &str = "8888.88 s ago";
 const ABOUT: &str = "what happened: drag the head to go there; orange: what was done; yellow: marks; with a point on top: where a ghost of \
@@ -33,7 +37,7 @@ pub(super) fn show(
     settings: Res<SolverSettings>,
     timeline: Res<Timeline>,
     (track, shown): (Res<PoseTrack>, Res<ShownStep>),
-    ghosts: Res<GhostReadings>,
+    (ghosts, undo): (Res<GhostReadings>, Res<UndoStack>),
     playback: Res<Playback>,
     (covered, clock, shows_plots): (Res<Covered>, Clock, Res<ShowsPlots>),
     mut actions: MessageWriter<SandboxAction>,
@@ -50,28 +54,39 @@ pub(super) fn show(
                 ui.set_width((width - 12.0).max(1.0));
                 ui.set_height(STRIP_HEIGHT - 2.0 * MARGIN - 12.0);
                 ui.horizontal_centered(|ui| {
-                    buttons(ui, &timeline, &playback, shows_plots.0, &mut actions);
-                    let room = egui::vec2(CLOCK, ui.available_height());
-                    ui.allocate_ui_with_layout(room, egui::Layout::top_down(egui::Align::Center), |ui| {
-                        ui.set_width(CLOCK);
-                        ui.spacing_mut().item_spacing.y = 1.0;
-                        clock.show(ui);
-                    });
+                    buttons(ui, &timeline, &playback, (shows_plots.0, width < TELLS_TIME), &mut actions);
+                    if width >= TELLS_TIME {
+                        let room = egui::vec2(CLOCK, ui.available_height());
+                        ui.allocate_ui_with_layout(room, egui::Layout::top_down(egui::Align::Center), |ui| {
+                            ui.set_width(CLOCK);
+                            ui.spacing_mut().item_spacing.y = 1.0;
+                            clock.show(ui);
+                        });
+                    }
                     let said = said(head, reach, &settings);
                     // The bar is as long whatever is said: the head stays under the pointer.
                     let longest =
                         egui::WidgetText::from(LONGEST).into_galley(ui, None, f32::INFINITY, egui::TextStyle::Body);
-                    let room = ui.available_width() - longest.size().x - ui.spacing().item_spacing.x;
-                    let is_shown_alone = shown.step.is_some();
-                    let bar =
-                        Bar { head, is_shown_alone, reach, history: &history, timeline: &timeline, ghosts: &ghosts };
+                    let says = if width < SAYS { 0.0 } else { longest.size().x + ui.spacing().item_spacing.x };
+                    let room = ui.available_width() - says;
+                    let bar = Bar {
+                        head,
+                        is_shown_alone: shown.step.is_some(),
+                        reach,
+                        history: &history,
+                        undo: &undo,
+                        timeline: &timeline,
+                        ghosts: &ghosts,
+                    };
                     if let Some(step) = bar.show(ui, room.max(40.0)) {
                         actions.write(SandboxAction::LookAt { step });
                     }
-                    ui.label(said).on_hover_ui(|ui| {
-                        let takes = Quantity::text((history.bytes() + track.bytes()) as f64, "B");
-                        ui.label(format!("{takes} of {} MiB; what is older thins out and goes", LIMIT >> 20));
-                    });
+                    if width >= SAYS {
+                        ui.label(said).on_hover_ui(|ui| {
+                            let takes = Quantity::text((history.bytes() + track.bytes()) as f64, "B");
+                            ui.label(format!("{takes} of {} MiB; what is older thins out and goes", LIMIT >> 20));
+                        });
+                    }
                 });
             });
         },
@@ -79,12 +94,13 @@ pub(super) fn show(
     Ok(())
 }
 
-/// Play is the largest; before it what goes back, after it what goes on.
+/// Play is the largest; before it what goes back, after it what goes on. Where there is little room, what has a key and is used
+/// rarely is left out.
 fn buttons(
     ui: &mut egui::Ui,
     timeline: &Timeline,
     playback: &Playback,
-    shows_plots: bool,
+    (shows_plots, is_narrow): (bool, bool),
     actions: &mut MessageWriter<SandboxAction>,
 ) {
     let play = if playback.paused { "▶" } else { "⏸" };
@@ -101,6 +117,17 @@ fn buttons(
         ("🔁", SandboxAction::ToggleLoop, timeline.looped.is_some()),
         ("📈", SandboxAction::TogglePlots, shows_plots),
     ] {
+        let is_rare = matches!(
+            action,
+            SandboxAction::GoToStart
+                | SandboxAction::GoToNow
+                | SandboxAction::ToggleSlowMotion
+                | SandboxAction::ToggleMark
+                | SandboxAction::ToggleLoop
+        );
+        if is_narrow && is_rare {
+            continue;
+        }
         let is_play = action == SandboxAction::TogglePause;
         let (size, text) = match is_play {
             true => (egui::vec2(46.0, 36.0), egui::RichText::new(label).size(22.0)),
@@ -125,6 +152,7 @@ struct Bar<'a> {
     is_shown_alone: bool,
     reach: [u64; 2],
     history: &'a History,
+    undo: &'a UndoStack,
     timeline: &'a Timeline,
     ghosts: &'a GhostReadings,
 }
@@ -146,9 +174,12 @@ impl Bar<'_> {
             let looped = egui::Rect::from_x_y_ranges(x(from)..=x(to), rect.bottom() - 4.0..=rect.bottom());
             painter.rect_filled(looped, 0.0, color(palette::GREEN));
         }
-        // Of deeds in a row one line.
+        // Of deeds in a row one line, and none of one that was undone on the spot.
         let mut drawn = f32::NEG_INFINITY;
-        for at in self.history.acts().filter(|step| *step > first).map(x) {
+        let nothing = self.undo.came_to_nothing();
+        let is_something =
+            |step: &u64| nothing.get(step).is_none_or(|entities| !self.history.acts_are_about(*step, entities));
+        for at in self.history.acts().filter(|step| *step > first).filter(is_something).map(x) {
             if at - drawn >= 1.0 {
                 painter.vline(at, rect.top()..=rect.center().y, (1.0, color(palette::ORANGE)));
                 drawn = at;

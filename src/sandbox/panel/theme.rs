@@ -27,21 +27,52 @@ pub fn apply(mut contexts: EguiContexts, mut done: Local<bool>) -> Result {
     let context = contexts.ctx_mut()?;
     context.set_theme(egui::Theme::Dark);
     // However long the button is held: a slow hand clicks too, and so does any hand where frames are slow.
-    context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
+    context.options_mut(|options| {
+        options.input_options.max_click_duration = f64::INFINITY;
+        // The sandbox has keys of its own for it.
+        options.zoom_with_keyboard = false;
+    });
     context.all_styles_mut(|style| {
-        let visuals = &mut style.visuals;
-        visuals.panel_fill = egui::Color32::from_rgb(27, 29, 33);
-        visuals.window_fill = visuals.panel_fill;
-        visuals.widgets.noninteractive.fg_stroke.color = egui::Color32::from_gray(205);
-        visuals.widgets.inactive.fg_stroke.color = egui::Color32::from_gray(215);
-        visuals.error_fg_color = egui::Color32::from_rgb(255, 110, 90);
-        visuals.slider_trailing_fill = true;
-        visuals.selection.bg_fill = egui::Color32::from_rgb(0, 92, 140);
+        color(&mut style.visuals);
+        for (of, size) in SIZES {
+            if let Some(font) = style.text_styles.get_mut(&of) {
+                font.size = size;
+            }
+        }
         style.spacing.slider_width = 96.0;
         style.interaction.tooltip_delay = 0.35;
     });
     *done = true;
     Ok(())
+}
+
+/// Heights of text, points.
+const SIZES: [(egui::TextStyle, f32); 4] = [
+    (egui::TextStyle::Small, SMALL),
+    (egui::TextStyle::Body, 13.5),
+    (egui::TextStyle::Button, 13.5),
+    (egui::TextStyle::Monospace, 13.0),
+];
+/// Of the smallest text.
+pub const SMALL: f32 = 12.0;
+/// Of headers and of the names of pages.
+pub const HEADER: f32 = 15.0;
+
+/// Behind what is switched on. What is chosen of several has the color of a selection.
+pub const ON: egui::Color32 = egui::Color32::from_rgb(14, 98, 72);
+
+fn color(visuals: &mut egui::Visuals) {
+    let gray = egui::Color32::from_gray;
+    visuals.panel_fill = egui::Color32::from_rgb(27, 29, 33);
+    visuals.window_fill = visuals.panel_fill;
+    visuals.widgets.noninteractive.fg_stroke.color = gray(210);
+    visuals.widgets.inactive.fg_stroke.color = gray(222);
+    visuals.weak_text_color = Some(gray(165));
+    visuals.error_fg_color = egui::Color32::from_rgb(255, 122, 102);
+    visuals.slider_trailing_fill = true;
+    visuals.selection.bg_fill = egui::Color32::from_rgb(0, 92, 140);
+    visuals.selection.stroke.color = egui::Color32::from_rgb(214, 234, 255);
+    visuals.collapsing_header_frame = true;
 }
 
 /// A body as the panel calls it: each joint of the world has a body of its own to hold on to.
@@ -117,6 +148,39 @@ pub fn without_negative_zero(text: String) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Relative luminance by WCAG 2.2.
+    fn luminance(color: egui::Color32) -> f64 {
+        let linear = |part: u8| match f64::from(part) / 255.0 {
+            part if part <= 0.04045 => part / 12.92,
+            part => ((part + 0.055) / 1.055).powf(2.4),
+        };
+        0.2126 * linear(color.r()) + 0.7152 * linear(color.g()) + 0.0722 * linear(color.b())
+    }
+
+    #[test]
+    fn text_can_be_read_on_what_it_is_written_on() {
+        let mut visuals = egui::Visuals::dark();
+        color(&mut visuals);
+        let buttons = [&visuals.widgets.inactive, &visuals.widgets.hovered, &visuals.widgets.active];
+        let mut pairs = vec![
+            ("text", visuals.text_color(), visuals.panel_fill),
+            ("weak text", visuals.weak_text_color(), visuals.panel_fill),
+            ("strong text", visuals.strong_text_color(), visuals.panel_fill),
+            ("an error", visuals.error_fg_color, visuals.panel_fill),
+            ("a warning", visuals.warn_fg_color, visuals.panel_fill),
+            ("what is typed", visuals.text_color(), visuals.extreme_bg_color),
+            ("what is chosen", visuals.selection.stroke.color, visuals.selection.bg_fill),
+            ("what is on", visuals.widgets.inactive.text_color(), ON),
+        ];
+        pairs.extend(buttons.map(|button| ("a button", button.text_color(), button.weak_bg_fill)));
+        for (what, text, fill) in pairs {
+            let (one, other) = (luminance(text) + 0.05, luminance(fill) + 0.05);
+            let contrast = one.max(other) / one.min(other);
+            assert!(contrast >= 4.5, "{what}: {contrast:.1}, WCAG 2.2 wants 4.5 (1.4.3)");
+        }
+        assert!(SIZES.iter().all(|(_, size)| *size >= SMALL));
+    }
 
     #[test]
     fn quantities_carry_three_digits_and_a_prefix() {

@@ -1,5 +1,7 @@
 //! The tools beside the picture.
 
+use std::sync::LazyLock;
+
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
@@ -7,6 +9,7 @@ use bevy_egui::{EguiContexts, egui};
 use super::buttons::tooltip;
 use super::icons::{self, Icon};
 use super::strip::STRIP_HEIGHT;
+use crate::sandbox::state::Covered;
 use crate::sandbox::{Blueprint, CurrentScene, JoinKind, SandboxAction, Tool};
 use crate::scene::ShapeSpec;
 
@@ -41,6 +44,9 @@ struct Entry {
     choice: Choice,
 }
 
+/// The buttons, in the order of the toolbar.
+static ENTRIES: LazyLock<Vec<Entry>> = LazyLock::new(entries);
+
 fn entries() -> Vec<Entry> {
     let tool = |tool: Tool, icon| {
         let name = Tool::ALL.iter().find(|(other, ..)| *other == tool).map_or("", |(_, name, _)| name);
@@ -57,6 +63,9 @@ fn entries() -> Vec<Entry> {
     };
     let mut all = vec![
         tool(Tool::Drag, icons::DRAG),
+        tool(Tool::Move, icons::MOVE),
+        tool(Tool::Turn, icons::TURN),
+        tool(Tool::Scale, icons::SCALE),
         tool(Tool::Push, icons::PUSH),
         tool(Tool::Throw, icons::THROW),
         tool(Tool::Bar, icons::BAR),
@@ -79,14 +88,16 @@ pub(super) fn show(
     tool: Res<Tool>,
     mut blueprint: ResMut<Blueprint>,
     mut kind: ResMut<JoinKind>,
+    covered: Res<Covered>,
     mut actions: MessageWriter<SandboxAction>,
 ) -> Result {
     if scene.is_none() {
         return Ok(());
     }
     let context = contexts.ctx_mut()?;
-    let entries = entries();
-    let room = context.content_rect().height() - TOP - STRIP_HEIGHT - 3.0 * MARGIN;
+    let entries = &*ENTRIES;
+    let plots = covered.bottom / context.zoom_factor();
+    let room = context.content_rect().height() - TOP - STRIP_HEIGHT - plots - 3.0 * MARGIN;
     let rows = ((room / (BUTTON + SPACING)) as usize).clamp(1, entries.len().div_ceil(2));
     let area = egui::Area::new(egui::Id::new("tools")).fixed_pos([MARGIN, TOP]).constrain(false);
     area.show(context, |ui| {
@@ -166,7 +177,7 @@ fn button(ui: &mut egui::Ui, entry: &Entry, is_chosen: bool) -> egui::Response {
     ui.painter().rect_filled(square, 4.0, visuals.weak_bg_fill);
     icons::paint(ui.painter(), entry.icon, square.shrink(4.0), visuals.text_color());
     response.widget_info(|| egui::WidgetInfo::selected(egui::WidgetType::Button, true, is_chosen, entry.name));
-    response.on_hover_text(about(entry))
+    response.on_hover_ui(|ui| _ = ui.label(about(entry)))
 }
 
 fn about(entry: &Entry) -> String {

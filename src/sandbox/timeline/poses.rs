@@ -28,7 +28,7 @@ struct Pose {
 
 impl Pose {
     fn new(body: u32, position: DVec3, rotation: DQuat) -> Self {
-        let rotation = rotation.to_array().map(|component| (component * SCALE).round() as i16);
+        let rotation = rotation.to_array().map(|component| (component * SCALE).round_ties_even() as i16);
         Self { body, position: position.as_vec3().to_array(), rotation }
     }
 
@@ -75,14 +75,12 @@ impl PoseTrack {
     /// Takes in the moment after a step: its number, its time, s, and where bodies are.
     fn record(&mut self, step: u64, time: f64, bodies: impl Iterator<Item = (Entity, DVec3, DQuat)> + Clone) {
         let mut there = 0;
-        let mut moved = Vec::new();
+        let mut moved = Vec::with_capacity(self.last.len());
         let mut is_new = false;
+        let mut next = 0;
         for (entity, position, rotation) in bodies.clone() {
-            let place = *self.place_of.entry(entity).or_insert_with(|| {
-                self.bodies.push(entity);
-                self.last.push(None);
-                self.bodies.len() as u32 - 1
-            });
+            let place = self.place_after(next, entity);
+            next = place + 1;
             let pose = Pose::new(place, position - self.origin, rotation);
             there += 1;
             is_new |= self.last[place as usize].is_none();
@@ -108,6 +106,18 @@ impl PoseTrack {
         while self.bytes() > LIMIT && self.frames.len() > 1 {
             self.drop_first();
         }
+    }
+
+    /// The place of a body, which is a new one if it has none; bodies come in nearly the same order each time, and there first.
+    fn place_after(&mut self, likely: u32, entity: Entity) -> u32 {
+        if self.bodies.get(likely as usize) == Some(&entity) {
+            return likely;
+        }
+        *self.place_of.entry(entity).or_insert_with(|| {
+            self.bodies.push(entity);
+            self.last.push(None);
+            self.bodies.len() as u32 - 1
+        })
     }
 
     /// Drops all frames before the second that has all bodies.

@@ -6,13 +6,15 @@
 
 use bevy::math::DVec3;
 use bevy::picking::hover::HoverMap;
-use bevy::picking::pointer::{PointerId, PointerMap, PointerPress};
+use bevy::picking::pointer::PointerId;
 use bevy::prelude::*;
 
 use crate::physics::{Collider, Position, RigidBody, Rotation, Shape};
 use crate::sandbox::aimed::{Aimed, Targets};
 use crate::sandbox::build::{self, BarEnd};
 use crate::sandbox::camera::{self, Aim};
+use crate::sandbox::pointer::is_down;
+use crate::sandbox::snap::snap_of;
 use crate::sandbox::state::report;
 
 /// A bar's end draws the pointer from within this angle, rad.
@@ -96,10 +98,7 @@ pub fn follow(world: &mut World) {
         }
         world.resource_mut::<BarDraft>().0 = Some(draft);
     }
-    let pointer = world.resource::<PointerMap>().get_entity(draft.pointer);
-    let is_down =
-        pointer.and_then(|pointer| world.get::<PointerPress>(pointer)).is_some_and(PointerPress::is_primary_pressed);
-    if is_down {
+    if is_down(world, draft.pointer) {
         return;
     }
     world.resource_mut::<BarDraft>().0 = None;
@@ -122,6 +121,11 @@ fn end_at(world: &mut World, draft: &Draft, aim: &Aim) -> Option<BarEnd> {
         return None;
     }
     let place = aim.origin + aim.direction * way;
+    // In its plane.
+    let place = snap_of(world).map_or(place, |snap| {
+        let snapped = snap.place(place);
+        snapped + draft.normal * draft.normal.dot(place - snapped)
+    });
     let met = world.run_system_cached_with(under_pointer, draft.pointer).ok().flatten();
     let near = (MEETS * place.distance(draft.from.place)).max(SNAP * way);
     let met = met.filter(|met| Some(met.picked.entity) != draft.from.body);

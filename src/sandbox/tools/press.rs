@@ -8,7 +8,7 @@ use crate::physics::{Inertia, Mass, Quarantined, RigidBody, Rotation, Velocity};
 use crate::sandbox::aimed::{Aimed, Picture, Targets};
 use crate::sandbox::state::report;
 use crate::sandbox::timeline::ShownStep;
-use crate::sandbox::{Notice, Selection, Tool, build, camera};
+use crate::sandbox::{Notice, Selection, Tool, build, camera, handles};
 
 /// Speed that a kick through the centre of mass gives a body, m/s.
 const KICK: f64 = 4.0;
@@ -26,11 +26,12 @@ pub fn press(
         return;
     }
     let aimed = targets.aimed(press.entity, &press.hit);
-    let (tool, pointer) = (*tool, press.pointer_id);
+    let (tool, pointer, place) = (*tool, press.pointer_id, press.pointer_location.position);
     commands.queue(move |world: &mut World| {
         match tool {
             // By its own observers.
             Tool::Drag | Tool::Measure => {}
+            Tool::Move | Tool::Turn | Tool::Scale => handles::press(world, aimed, pointer, place),
             Tool::Push => push(world, aimed),
             Tool::Throw => build::throw_ball(world),
             Tool::Add => build::spawn_body(world),
@@ -51,12 +52,13 @@ pub fn press(
 /// The hand is empty again: it drags.
 pub fn put_down(world: &mut World) {
     world.insert_resource(BarDraft::default());
+    handles::let_go(world);
     world.insert_resource(Tool::default());
 }
 
 /// What was hit, picked alone.
 fn only(aimed: Option<Aimed>) -> Selection {
-    Selection { body: aimed.filter(|aimed| !aimed.is_ground).map(|aimed| aimed.picked), partner: None }
+    Selection { body: aimed.filter(|aimed| !aimed.is_ground).map(|aimed| aimed.picked), ..default() }
 }
 
 /// The first click picks a body, the second joins another to it.
@@ -68,17 +70,17 @@ fn join(world: &mut World, aimed: Option<Aimed>) {
             return report(world, Err("there is nothing to join: click a body".into()));
         }
         (None, Some(aimed)) => {
-            world.insert_resource(Selection { body: Some(aimed.picked), partner: None });
+            world.insert_resource(Selection { body: Some(aimed.picked), ..default() });
             *world.resource_mut::<Notice>() = Notice::Info("click the other body; Esc: none".into());
             return;
         }
         (Some(first), Some(aimed)) => (first, aimed.picked),
     };
-    world.insert_resource(Selection { body: Some(first), partner: Some(second) });
+    world.insert_resource(Selection { body: Some(first), partner: Some(second), ..default() });
     build::join_picked(world);
     let is_done = !matches!(world.resource::<Notice>(), Notice::Error(_));
     let body = if is_done { None } else { Some(first) };
-    world.insert_resource(Selection { body, partner: None });
+    world.insert_resource(Selection { body, ..default() });
 }
 
 /// A kick where the body was hit, along the view: what is hit off its centre turns.

@@ -11,8 +11,10 @@ use crate::physics::{Gravity, RenderOrigin, Rotation};
 use crate::sandbox::aimed::Aimed;
 use crate::sandbox::build::{self, BarEnd, JoinKind};
 use crate::sandbox::camera;
+use crate::sandbox::gizmos::ShownGizmos;
+use crate::sandbox::held::Drag;
 use crate::sandbox::timeline::ShownStep;
-use crate::sandbox::{Selection, Tool};
+use crate::sandbox::{Selection, Tool, joint_click};
 use crate::scene::{BodySpec, ShapeSpec};
 
 const WILL_BE: Color = Color::srgb(1.0, 0.85, 0.1);
@@ -50,8 +52,11 @@ pub fn find(world: &mut World) {
 
 fn of_tool(world: &mut World) -> Option<Preview> {
     let tool = *world.resource::<Tool>();
-    if matches!(tool, Tool::Drag | Tool::Measure) || world.resource::<ShownStep>().step.is_some() {
+    if tool == Tool::Measure || world.resource::<ShownStep>().step.is_some() {
         return None;
+    }
+    if tool == Tool::Drag || tool.has_handles() {
+        return joint_to_pick(world);
     }
     if let Some(draft) = world.resource::<BarDraft>().0 {
         return Some(of_bar([draft.from, draft.to], draft.normal));
@@ -60,7 +65,7 @@ fn of_tool(world: &mut World) -> Option<Preview> {
     let aimed = world.run_system_cached_with(bar::under_pointer, PointerId::Mouse).ok().flatten();
     let dot = |aimed: &Aimed| vec![aimed.place];
     let preview = match tool {
-        Tool::Drag | Tool::Measure => return None,
+        Tool::Drag | Tool::Move | Tool::Turn | Tool::Scale | Tool::Measure => return None,
         Tool::Push => Preview {
             arrow: aimed.filter(|aimed| !aimed.is_ground).map(|aimed| (aimed.place, aim.direction)),
             ..default()
@@ -88,6 +93,20 @@ fn of_tool(world: &mut World) -> Option<Preview> {
         }
     };
     Some(preview)
+}
+
+/// The joint that a click would pick.
+fn joint_to_pick(world: &mut World) -> Option<Preview> {
+    let selection = world.resource::<Selection>().clone();
+    let are_drawn = world.resource::<ShownGizmos>().joints || selection.body.is_some();
+    if !are_drawn || world.resource::<Drag>().is_active() {
+        return None;
+    }
+    let aim = world.run_system_cached(camera::aim).ok().flatten().filter(|aim| aim.by_pointer)?;
+    let place = world.run_system_cached_with(camera::seen_at, aim.origin + aim.direction * aim.distance).ok()??;
+    let joint = joint_click::joint_at(world, place, &selection)?;
+    let ends = build::ends_of(world, joint)?;
+    Some(Preview { ways: vec![(ends.to_vec(), false)], dots: ends.to_vec(), ..default() })
 }
 
 fn of_join(world: &World, aimed: Option<Aimed>) -> Preview {

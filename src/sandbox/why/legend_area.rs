@@ -12,7 +12,7 @@ use crate::sandbox::panel::STRIP_HEIGHT;
 /// Size of a scale's bar, points.
 const BAR: egui::Vec2 = egui::vec2(262.0, 12.0);
 /// Of what stands under it.
-const TEXT: f32 = 10.5;
+const TEXT: f32 = 12.0;
 /// What a notice under the legend takes, points.
 const NOTICE: f32 = 36.0;
 
@@ -35,7 +35,7 @@ fn show(mut contexts: EguiContexts, painted: Res<Painted>) -> Result {
                     Key::Chips(chips) => chips.iter().for_each(|shown| chip(ui, shown)),
                 }
                 for note in &legend.notes {
-                    ui.label(egui::RichText::new(note).size(TEXT + 1.0).color(egui::Color32::from_gray(165)));
+                    ui.label(egui::RichText::new(note).size(TEXT).color(egui::Color32::from_gray(165)));
                 }
             });
         });

@@ -70,16 +70,16 @@ pub(super) fn show(ui: &mut egui::Ui, history: &PhaseHistory) {
         );
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let text = newest.map_or_else(|| "–".into(), |newest| scale.number(sum(newest)));
-            ui.label(egui::RichText::new(format!("sum {text}")).size(11.0));
+            ui.label(egui::RichText::new(format!("sum {text}")).small());
         });
     });
     draw(ui, history, scale.factor);
     egui::Grid::new("phases").num_columns(4).spacing([8.0, 2.0]).show(ui, |ui| {
         for (phase, name) in PhaseTimes::NAMES.into_iter().enumerate() {
-            let name = egui::RichText::new(name).size(11.0).color(color32(COLORS[phase]));
+            let name = egui::RichText::new(name).small().color(color32(COLORS[phase]));
             ui.label(name);
             let text = newest.map_or_else(|| "–".into(), |newest| scale.number(newest[phase]));
-            ui.monospace(egui::RichText::new(format!("{text:>7}")).size(11.0));
+            ui.monospace(egui::RichText::new(format!("{text:>7}")).small());
             if phase % 2 == 1 {
                 ui.end_row();
             }

@@ -5,7 +5,7 @@ use egui_plot::{GridInput, GridMark, HoverPosition, Line, Plot, PlotPoints, Poin
 
 use crate::lab::round_step;
 use crate::physics::{SolveTrace, SolverSettings, StepStats};
-use crate::sandbox::axes::{color32, every, power, still};
+use crate::sandbox::axes::{color32, every, power, powers, still};
 use crate::sandbox::panel::{Quantity, palette};
 
 /// Under it, m/s, all is rounding: what is less, or zero, is drawn there.
@@ -24,7 +24,7 @@ pub(super) fn show(ui: &mut egui::Ui, settings: &SolverSettings, stats: &StepSta
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if let Some(last) = last {
                 let text = format!("at the end {}", Quantity::text(last, "m/s"));
-                ui.label(egui::RichText::new(text).size(11.0));
+                ui.label(egui::RichText::new(text).small());
             }
         });
     });
@@ -83,7 +83,7 @@ fn draw(ui: &mut egui::Ui, lines: &[Vec<[f64; 2]>]) {
     let plot = still(Plot::new("residual"))
         .height(84.0)
         .y_axis_min_width(36.0)
-        .y_grid_spacer(decades)
+        .y_grid_spacer(powers)
         .x_grid_spacer(whole_marks)
         .y_axis_formatter(|mark, _| power(mark.value))
         .x_axis_formatter(|mark, _| format!("{:.0}", mark.value))
@@ -111,15 +111,6 @@ fn draw(ui: &mut egui::Ui, lines: &[Vec<[f64; 2]>]) {
     });
 }
 
-/// Up to four lines at whole powers of ten.
-fn decades(input: GridInput) -> Vec<GridMark> {
-    let (low, high) = input.bounds;
-    if !(high - low).is_finite() {
-        return Vec::new();
-    }
-    every(((high - low) / 3.0).ceil().max(1.0), input.bounds)
-}
-
 /// At most ten lines at whole numbers.
 fn whole_marks(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
@@ -138,15 +129,6 @@ mod tests {
         let drawn = lines(&[vec![1.0, 0.1], vec![], vec![0.0, f64::NAN, 10.0]]);
         assert_eq!(drawn, [vec![[1.0, 0.0], [2.0, -1.0]], vec![[3.0, -16.0], [5.0, 1.0]]]);
         assert!(lines(&[vec![f64::INFINITY]]).is_empty());
-    }
-
-    #[test]
-    fn any_range_has_two_powers_of_ten_or_more_but_few() {
-        for (low, high) in [(-1.0, 0.0), (-3.0, 1.0), (-16.0, 2.0)] {
-            let marks = decades(GridInput { bounds: (low, high), base_step_size: 0.0 });
-            assert!((2..=4).contains(&marks.len()), "{low} to {high}: {marks:?}");
-        }
-        assert!(decades(GridInput { bounds: (0.0, f64::NAN), base_step_size: 0.0 }).is_empty());
     }
 
     #[test]

@@ -5,10 +5,12 @@ use bevy::math::{DQuat, DVec2, DVec3};
 
 use super::palette;
 use crate::physics::DistanceLaw;
-use crate::scene::{BodySpec, JointKindSpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, JointKindSpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 pub(super) const ANDREWS: SceneInfo = SceneInfo {
     name: "andrews",
+    title: "Andrews' squeezer",
+    subject: Subject::Machines,
     about: "Andrews' squeezer: seven plane bodies of some cm on ten hinges, a spring, a torque on the crank, no \
             collision",
     truth: "published angles at 0.03 s",

@@ -7,13 +7,15 @@ use super::gravity::EARTH;
 use super::palette;
 use super::random::seeded;
 use crate::scene::info::Parameter;
-use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 /// Of every ball in this file, m.
 const RADIUS: f64 = 0.1;
 
 pub(super) const BOUNCE: SceneInfo = SceneInfo {
     name: "bounce",
+    title: "Bouncing balls",
+    subject: Subject::Contacts,
     about: "7 x 7 balls of 10 kg and radius R = 0.1 m on a grid of 2 m, dropped, frictionless",
     truth: "closed form: the apex after k bounces is R + (height - R) e^(2k); at rest after t0 (1 + e)/(1 - e)",
     parameters: &[
@@ -37,6 +39,8 @@ pub(super) const BOUNCE: SceneInfo = SceneInfo {
 
 pub(super) const SPHERES: SceneInfo = SceneInfo {
     name: "spheres",
+    title: "Cube of balls",
+    subject: Subject::Large,
     about: "6 x 6 x 6 balls of 10 kg and radius 0.1 m, almost in a cube, dropped; frictionless",
     truth: "e = 0: depths of all contacts 0; e = 1: total energy constant",
     parameters: &[Parameter::real("e", "restitution; the drop is e metres higher", 0.0, 0.0, 1.0)],
@@ -47,6 +51,8 @@ pub(super) const SPHERES: SceneInfo = SceneInfo {
 
 pub(super) const CRADLE: SceneInfo = SceneInfo {
     name: "cradle",
+    title: "Newton's cradle",
+    subject: Subject::Contacts,
     about: "5 touching balls of 1 kg and radius 0.1 m on pendulums of 1 m, the first lifted 30 degrees, restitution 1",
     truth: "after the first impact only the last ball moves, at the first one's speed; energy",
     parameters: &[],
@@ -57,6 +63,8 @@ pub(super) const CRADLE: SceneInfo = SceneInfo {
 
 pub(super) const WALL: SceneInfo = SceneInfo {
     name: "wall",
+    title: "Ball at a thin wall",
+    subject: Subject::Contacts,
     about: "a ball of 1 kg and radius 0.1 m thrown at v m/s at a static wall t m thick, no gravity, restitution 0",
     truth: "closed form: it flies v t, then rests on the wall's face",
     parameters: &[

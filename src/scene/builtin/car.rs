@@ -6,10 +6,12 @@ use super::gravity::{EARTH, EARTH_G};
 use super::palette;
 use crate::physics::{JointAxis, JointMotor, MotorTarget};
 use crate::scene::info::Parameter;
-use crate::scene::{BodySpec, JointKindSpec, JointSpec, MotorKeys, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, JointKindSpec, JointSpec, MotorKeys, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 pub(super) const CAR: SceneInfo = SceneInfo {
     name: "car",
+    title: "Car",
+    subject: Subject::Machines,
     about: "a chassis on four driven balls for wheels, the front ones steered, on a plane with ramps, driven with the \
             arrow keys",
     truth: "unsprung, on the level, without steering: a = sum(T/r)/(M + sum(m + I/r^2)), up to the speed asked for",

@@ -4,7 +4,7 @@ use bevy::math::{DQuat, DVec3};
 
 use super::gravity::EARTH;
 use super::palette;
-use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 const COUNT: usize = 20;
 const PITCH: f64 = 0.5;
@@ -16,6 +16,8 @@ const FIRST_TILT_DEGREES: f64 = 15.0;
 
 pub(super) const DOMINOES: SceneInfo = SceneInfo {
     name: "dominoes",
+    title: "Dominoes",
+    subject: Subject::Friction,
     about: "20 dominoes 0.2 x 1 x 0.5 m in a row, 0.5 m apart, the first tilted by 15 degrees toward the next",
     truth: "all fall, one after the other",
     parameters: &[],

@@ -8,10 +8,12 @@ use super::gravity::EARTH;
 use super::palette;
 use crate::physics::{JointAxes, JointMotor, MotorTarget, PrescribedMotion};
 use crate::scene::info::Parameter;
-use crate::scene::{BodySpec, JointSpec, LimitSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, JointSpec, LimitSpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 pub(super) const ARM: SceneInfo = SceneInfo {
     name: "arm",
+    title: "Robot arm",
+    subject: Subject::Machines,
     about: "a post, an upper arm and a forearm on three hinges in series, whose motors follow cosines in time, no \
             collision",
     truth: "reference torques of the motors and trajectory of the tip",
@@ -23,6 +25,8 @@ pub(super) const ARM: SceneInfo = SceneInfo {
 
 pub(super) const SERVO: SceneInfo = SceneInfo {
     name: "servo",
+    title: "Servo",
+    subject: Subject::Machines,
     about: "the rod of 'pendulum' on a hinge at its end, at rest without gravity, driven to 1 rad",
     truth: "closed form: the damped oscillator",
     parameters: &[
@@ -44,6 +48,8 @@ pub(super) const SERVO: SceneInfo = SceneInfo {
 
 pub(super) const STOP: SceneInfo = SceneInfo {
     name: "stop",
+    title: "Rod at a stop",
+    subject: Subject::Joints,
     about: "the rod of 'pendulum' on a hinge at its end, released 60 degrees above level, which its limit does not let \
             it pass",
     truth: "closed form to the stop; then at rest, or back with e times the speed; energy",

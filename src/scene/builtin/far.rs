@@ -5,10 +5,12 @@ use bevy::math::DVec3;
 use super::gravity::TEN;
 use super::{hanging, palette, stacking};
 use crate::scene::info::Parameter;
-use crate::scene::{BodySpec, SceneInfo, SceneSpec, ViewSpec};
+use crate::scene::{BodySpec, SceneInfo, SceneSpec, Subject, ViewSpec};
 
 pub(super) const FAR: SceneInfo = SceneInfo {
     name: "far",
+    title: "Far from the origin",
+    subject: Subject::Large,
     about: "'stack 10', and 'chain 100' hung 15 m up and 6 m behind it, both d metres from the origin along x",
     truth: "as at the origin, within 1e-5 m",
     parameters: &[Parameter::real("d", "distance from the origin, m", 1e7, 0.0, 1e8)],

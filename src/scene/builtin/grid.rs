@@ -5,10 +5,12 @@ use bevy::math::DVec3;
 use super::gravity::TEN;
 use super::palette;
 use crate::scene::info::Parameter;
-use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 pub(super) const JOINT_GRID: SceneInfo = SceneInfo {
     name: "joint_grid",
+    title: "Net of balls",
+    subject: Subject::Joints,
     about: "n x n spheres of radius 0.4 m, 1 m apart in a plane, the top row static, each joined to its right and \
             lower neighbour, no collision",
     truth: "tilt 0: exact equilibrium, any motion is error; else all columns swing as one; energy",

@@ -6,10 +6,12 @@ use bevy::math::DVec3;
 use super::gravity::{EARTH, TEN};
 use super::palette;
 use crate::scene::info::Parameter;
-use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 pub(super) const PENDULUM: SceneInfo = SceneInfo {
     name: "pendulum",
+    title: "Pendulum",
+    subject: Subject::Joints,
     about: "one rod 1 x 0.1 x 0.1 m of 1 kg, pivot at an end, released horizontal",
     truth: "closed form: sin(theta/2) = k sn(w0 t + K, k), k = 1/sqrt 2; energy",
     parameters: &[],
@@ -26,6 +28,8 @@ pub(super) const PENDULUM: SceneInfo = SceneInfo {
 
 pub(super) const RODS: SceneInfo = SceneInfo {
     name: "rods",
+    title: "Chain of rods",
+    subject: Subject::Joints,
     about: "n rods 1 x 0.1 x 0.1 m of 1 kg in a row, pivot at one end, released horizontal, no collision",
     truth: "reference trajectory of the tip for n = 1, 2, 5; energy",
     parameters: &[Parameter::whole("n", "rods", 5.0, 1.0, 1000.0)],
@@ -42,6 +46,8 @@ pub(super) const RODS: SceneInfo = SceneInfo {
 
 pub(super) const CHAIN: SceneInfo = SceneInfo {
     name: "chain",
+    title: "Heavy ball on a chain",
+    subject: Subject::Joints,
     about: "10 rods 1 x 0.2 x 0.2 m of 1 kg, then a ball of radius 1 m and r kg, released horizontal, no collision",
     truth: "reference trajectory of the ball for r = 1, 100, 1000, 1e6; no joint separates; energy",
     parameters: &[Parameter::real("r", "mass of the ball, kg", 100.0, 0.001, 1e9)],
@@ -57,6 +63,8 @@ pub(super) const CHAIN: SceneInfo = SceneInfo {
 
 pub(super) const HANGING: SceneInfo = SceneInfo {
     name: "hanging",
+    title: "Plumb line of balls",
+    subject: Subject::Joints,
     about: "n balls of 1 kg hung one below the other, 1 m apart, no collision",
     truth: "stays put; each joint carries the weight below it",
     parameters: &[Parameter::whole("n", "balls", 10.0, 1.0, 1000.0)],

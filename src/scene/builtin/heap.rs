@@ -8,7 +8,7 @@ use super::gravity::TEN;
 use super::palette;
 use super::random::{any_direction, any_rotation, seeded};
 use crate::scene::info::Parameter;
-use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 /// Of the grid that things are dropped from, m.
 const PITCH: f64 = 1.0;
@@ -34,6 +34,8 @@ const KINDS: [(&str, fn(&mut Pcg64Mcg) -> ShapeSpec); 4] = [
 
 pub(super) const HEAP: SceneInfo = SceneInfo {
     name: "heap",
+    title: "Heap of all shapes",
+    subject: Subject::Large,
     about: "n things dropped in a block three times as high as wide: boxes, balls, hulls, cones or a mixture",
     truth: "comes to rest without an overlap",
     parameters: &[

@@ -7,7 +7,7 @@ use super::gravity::TEN;
 use super::palette;
 use super::stacking::{CUBE, add_wall};
 use crate::scene::info::Parameter;
-use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 /// Of a ball, m.
 const RADIUS: f64 = 1.0;
@@ -19,6 +19,8 @@ const BASE: Parameter = Parameter::whole("n", "cubes in the lowest row", 10.0, 1
 
 pub(super) const SLAB: SceneInfo = SceneInfo {
     name: "slab",
+    title: "Slab on a row of cubes",
+    subject: Subject::Contacts,
     about: "a slab of r kg, 2 m high and deep, falls on a row of n cubes, 2 m apart",
     truth: "closed form: it falls freely until it lies on the cubes, and stays there; they stay put",
     parameters: &[
@@ -33,6 +35,8 @@ pub(super) const SLAB: SceneInfo = SceneInfo {
 
 pub(super) const COLUMN: SceneInfo = SceneInfo {
     name: "column",
+    title: "Heavy on light",
+    subject: Subject::Contacts,
     about: "n cubes of 1 and r kg in turns, above each other, with gaps",
     truth: "closed form: each falls freely until it lies on the one below, and stays there",
     parameters: &[
@@ -47,6 +51,8 @@ pub(super) const COLUMN: SceneInfo = SceneInfo {
 
 pub(super) const BOULDER: SceneInfo = SceneInfo {
     name: "boulder",
+    title: "Boulder on a wall",
+    subject: Subject::Contacts,
     about: "a ball of r kg and 1 m radius falls on the top of a wall of cubes in rows of n, n - 1, ... 1",
     truth: "closed form: it falls freely until it lies on the top, and stays there; the cubes stay put",
     parameters: &[
@@ -61,6 +67,8 @@ pub(super) const BOULDER: SceneInfo = SceneInfo {
 
 pub(super) const WRECKING_BALL: SceneInfo = SceneInfo {
     name: "wrecking_ball",
+    title: "Wrecking ball",
+    subject: Subject::Contacts,
     about: "a ball of r kg and 1 m radius thrown level at the face of a wall of cubes in rows of n, n - 1, ... 1",
     truth: "behind the wall the ball is no slower than if it had taken all cubes along: v r/(r + sum m)",
     parameters: &[

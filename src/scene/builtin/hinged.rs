@@ -8,10 +8,12 @@ use super::gravity::EARTH;
 use super::palette;
 use crate::physics::Breakable;
 use crate::scene::info::Parameter;
-use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 pub(super) const HINGE_CHAIN: SceneInfo = SceneInfo {
     name: "hinge_chain",
+    title: "Chain of hinges",
+    subject: Subject::Joints,
     about: "n boxes 0.2 x 0.1 x 0.1 m of 1 kg on hinges with axes z, then a ball of r kg, released horizontal under \
             gravity that pulls along the axes too, no collision",
     truth: "no body tilts off the axes; energy; limits hold",
@@ -27,6 +29,8 @@ pub(super) const HINGE_CHAIN: SceneInfo = SceneInfo {
 
 pub(super) const BRIDGE: SceneInfo = SceneInfo {
     name: "bridge",
+    title: "Hanging bridge",
+    subject: Subject::Joints,
     about: "n planks 1 x 0.1 x 2 m of 50 kg hinged end to end between two banks, in equilibrium, breakable; with a load \
             a ball of 500 kg rolls over it",
     truth: "without a load it stays in the discrete catenary; its tensions",

@@ -5,10 +5,12 @@ use bevy::math::{DQuat, DVec3};
 use super::figure::{CHEST, Clothes, DAMPING, FIGURE_PARTS, Figure, HAT, Holds, Side, hip_above_seat, soles_to_pelvis};
 use super::gravity::EARTH;
 use super::palette;
-use crate::scene::{BodySpec, JointSpec, MeshSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, JointSpec, MeshSpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 pub(super) const LIMBS: SceneInfo = SceneInfo {
     name: "limbs",
+    title: "Figures and a garland",
+    subject: Subject::Joints,
     about: "three figures of boxes, balls and cones with hinged elbows and knees and limits at all joints, a garland and loose things, meshes among them, to pick and drag",
     truth: "joints hold, bodies come to rest",
     parameters: &[],

@@ -5,10 +5,12 @@ use bevy::math::DVec3;
 use super::gravity::EARTH;
 use super::palette;
 use crate::scene::info::Parameter;
-use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 pub(super) const FOUR_BAR: SceneInfo = SceneInfo {
     name: "four_bar",
+    title: "Four-bar linkages",
+    subject: Subject::Machines,
     about: "n + 1 upright rods hinged to the ground 1 m apart, their tops joined by n level rods and started at 1 m/s, \
             no collision",
     truth: "closed form of its one angle, J (w^2 - 1)/2 = G (1 - cos angle); stays a parallelogram; energy",
@@ -20,6 +22,8 @@ pub(super) const FOUR_BAR: SceneInfo = SceneInfo {
 
 pub(super) const BRICARD: SceneInfo = SceneInfo {
     name: "bricard",
+    title: "Bricard's linkage",
+    subject: Subject::Machines,
     about: "five rods along sides of a cube and the ground as the sixth, hinged across both sides at each corner, \
             no collision",
     truth: "reference trajectories of the rods' centres; energy",

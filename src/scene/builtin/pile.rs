@@ -8,7 +8,7 @@ use super::gravity::EARTH;
 use super::palette;
 use super::random::{any_direction, any_rotation, seeded};
 use crate::scene::info::Parameter;
-use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 /// Of the grid that things are dropped from, m: they do not touch, however they are turned.
 const PITCH: f64 = 1.1;
@@ -28,6 +28,8 @@ const WALL_THICKNESS: f64 = 0.25;
 
 pub(super) const PILE: SceneInfo = SceneInfo {
     name: "pile",
+    title: "Pile in a tray",
+    subject: Subject::Large,
     about: "n hulls, cones, boxes and balls of 0.4 to 0.9 m, all different, dropped into a tray",
     truth: "comes to rest in the tray",
     parameters: &[Parameter::whole("n", "things dropped", 100.0, 1.0, 5000.0)],

@@ -8,7 +8,7 @@ use super::figure::{Clothes, Figure, RAGDOLL_PARTS, Side, soles_to_pelvis};
 use super::gravity::EARTH;
 use super::palette;
 use crate::scene::info::Parameter;
-use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 const STEPS: usize = 8;
 
@@ -24,6 +24,8 @@ const DROP: f64 = 1.0;
 
 pub(super) const RAGDOLLS: SceneInfo = SceneInfo {
     name: "ragdolls",
+    title: "Ragdolls on stairs",
+    subject: Subject::Joints,
     about: "n figures of 70 kg, 1.7 m and 11 bodies with hinged elbows and knees and limits at all joints, dropped from \
             1 m on stairs",
     truth: "limits and joints hold",

@@ -8,10 +8,12 @@ use super::gravity::{EARTH, EARTH_G};
 use super::palette;
 use crate::physics::LockedAxes;
 use crate::scene::info::Parameter;
-use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 pub(super) const INCLINE: SceneInfo = SceneInfo {
     name: "incline",
+    title: "Box on a slope",
+    subject: Subject::Friction,
     about: "a box 2 x 0.5 x 1 m at rest, its long side down a slope (level ground, gravity turned toward +x), or a prism",
     truth: "closed form: sticks if tan theta < mu, else s = 1/2 g (sin theta - mu cos theta) t^2",
     parameters: &[
@@ -26,6 +28,8 @@ pub(super) const INCLINE: SceneInfo = SceneInfo {
 
 pub(super) const SLIDE_ROLL: SceneInfo = SceneInfo {
     name: "slide_roll",
+    title: "Sliding, then rolling",
+    subject: Subject::Friction,
     about: "a ball of radius 0.5 m thrown along the ground at 5 m/s without spin, friction 0.3",
     truth: "closed form: rolls from t = 2 v0 / (7 mu g) on at 5/7 v0",
     parameters: &[],
@@ -48,6 +52,8 @@ pub(super) const SLIDE_ROLL: SceneInfo = SceneInfo {
 
 pub(super) const ROLLING: SceneInfo = SceneInfo {
     name: "rolling",
+    title: "Balls on a pushed slab",
+    subject: Subject::Friction,
     about: "a slab 20 x 1 x 20 m of 10 kg with 25 balls of 1 kg on it, pushed at its centre with 150 N",
     truth: "closed form: a_slab = (150 - 0.4 * 35 g) / (10 + 50/7), a_ball = 2/7 a_slab",
     parameters: &[Parameter::real("angle", "of the push to the x axis, toward +z, degrees", 0.0, 0.0, 90.0)],
@@ -58,6 +64,8 @@ pub(super) const ROLLING: SceneInfo = SceneInfo {
 
 pub(super) const PAINLEVE: SceneInfo = SceneInfo {
     name: "painleve",
+    title: "Painlevé's rod",
+    subject: Subject::Friction,
     about: "a rod 1 x 0.02 x 0.02 m tilted to the ground, its lower end sliding at 5 m/s away from the side it leans to",
     truth: "mu < 1.34 at 60 degrees: the equation of motion, till it lifts off or sticks; above, no rigid motion exists: no energy gained",
     parameters: &[

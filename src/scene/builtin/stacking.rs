@@ -7,7 +7,7 @@ use super::gravity::TEN;
 use super::palette;
 use super::random::seeded;
 use crate::scene::info::Parameter;
-use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 pub(super) const CUBE: ShapeSpec = ShapeSpec::Cuboid { size: DVec3::ONE };
 
@@ -18,6 +18,8 @@ const JITTER: Parameter = Parameter::real("jitter", "largest sideways offset of 
 
 pub(super) const STACK: SceneInfo = SceneInfo {
     name: "stack",
+    title: "Stack of cubes",
+    subject: Subject::Contacts,
     about: "a column of n unit cubes",
     truth: "stays put; vertical contact forces sum to the weight above each interface",
     parameters: &[Parameter::whole("n", "cubes", 10.0, 1.0, 1000.0), JITTER],
@@ -37,6 +39,8 @@ pub(super) const STACK: SceneInfo = SceneInfo {
 
 pub(super) const PYRAMID: SceneInfo = SceneInfo {
     name: "pyramid",
+    title: "Pyramid of cubes",
+    subject: Subject::Contacts,
     about: "a wall of unit cubes in rows of n, n - 1, ... 1",
     truth: "stays put; vertical contact forces sum to the weight above each interface",
     parameters: &[Parameter::whole("n", "cubes in the lowest row", 10.0, 1.0, 1000.0), JITTER],
@@ -55,6 +59,8 @@ pub(super) const PYRAMID: SceneInfo = SceneInfo {
 
 pub(super) const PYRAMIDS: SceneInfo = SceneInfo {
     name: "pyramids",
+    title: "Field of pyramids",
+    subject: Subject::Large,
     about: "n x n walls of unit cubes in rows of 10, 9, ... 1; 11 m apart along x, 3 m along z",
     truth: "stays put; vertical contact forces sum to the weight above each interface",
     parameters: &[Parameter::whole("n", "walls along each side", 3.0, 1.0, 100.0), JITTER],
@@ -80,6 +86,8 @@ pub(super) const PYRAMIDS: SceneInfo = SceneInfo {
 
 pub(super) const SANDWICH: SceneInfo = SceneInfo {
     name: "sandwich",
+    title: "Slab on two cubes",
+    subject: Subject::Contacts,
     about: "two unit cubes of 1 kg carry a slab 4 x 2 x 2 m of r kg",
     truth: "stays put",
     parameters: &[Parameter::real("r", "mass of the slab, kg", 100.0, 0.001, 1e9)],

@@ -6,7 +6,7 @@ use bevy::math::{DQuat, DVec3};
 
 use super::gravity::EARTH;
 use super::palette;
-use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 const VOUSSOIRS: usize = 15;
 const INNER_RADIUS: f64 = 4.0;
@@ -15,6 +15,8 @@ const ARCH_DEPTH: f64 = 1.0;
 
 pub(super) const ARCH: SceneInfo = SceneInfo {
     name: "arch",
+    title: "Arch",
+    subject: Subject::Friction,
     about: "a semicircular arch of 15 voussoirs of 12 degrees, radii 4 and 5 m, 1 m deep, on the ground",
     truth: "stands: a line of thrust fits in, and friction of 0.31 would do; there is 0.6",
     parameters: &[],
@@ -25,6 +27,8 @@ pub(super) const ARCH: SceneInfo = SceneInfo {
 
 pub(super) const CARD_HOUSE: SceneInfo = SceneInfo {
     name: "card_house",
+    title: "House of cards",
+    subject: Subject::Friction,
     about: "a house of 15 cards 1 x 0.04 x 0.7 m in 3 storeys, leaning 20 degrees from the vertical, with level decks",
     truth: "stands: 20 degrees from the vertical is well within the friction angle of 31 degrees",
     parameters: &[],

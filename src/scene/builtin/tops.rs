@@ -5,10 +5,12 @@ use bevy::math::{DQuat, DVec3};
 use super::gravity::{EARTH, EARTH_G};
 use super::palette;
 use crate::scene::info::Parameter;
-use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 pub(super) const TOP: SceneInfo = SceneInfo {
     name: "top",
+    title: "Tumbling box",
+    subject: Subject::Rotation,
     about: "a box 1 x 0.6 x 0.2 m spinning without gravity about its middle axis, nudged: it flips over and over",
     truth: "closed form: angular velocity in Jacobi elliptic functions; energy, angular momentum",
     parameters: &[Parameter::real(
@@ -36,6 +38,8 @@ pub(super) const TOP: SceneInfo = SceneInfo {
 
 pub(super) const HEAVY_TOP: SceneInfo = SceneInfo {
     name: "heavy_top",
+    title: "Spinning top",
+    subject: Subject::Rotation,
     about: "a cone on its tip, axis 30 degrees from upright, spinning at 60 rad/s in steady slow precession",
     truth: "closed form: azimuth W t with W = 1.7551 rad/s, tilt constant; energy, L_y, L along the axis",
     parameters: &[],

@@ -6,7 +6,7 @@ use super::gravity::EARTH;
 use super::palette;
 use crate::physics::Breakable;
 use crate::scene::info::Parameter;
-use crate::scene::{BodySpec, JointKindSpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, ViewSpec};
+use crate::scene::{BodySpec, JointKindSpec, JointSpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
 /// Bodies of a storey: four rods and a cube.
 const STOREY: f64 = 5.0;
@@ -19,6 +19,8 @@ const ASIDE: f64 = 0.4;
 
 pub(super) const TOWER: SceneInfo = SceneInfo {
     name: "tower",
+    title: "Tower that snaps",
+    subject: Subject::Joints,
     about: "n cubes of 100 kg, each on four rods fixed at both ends by joints that break at f newtons, and a ball of \
             300 kg that hangs beside",
     truth: "at rest the lower joint of each rod carries a quarter of all that is above it; stands or snaps as f is \

@@ -90,7 +90,7 @@ fn color([r, g, b]: [u8; 3]) -> egui::Color32 {
 pub(super) fn legend(ui: &mut egui::Ui) {
     ui.horizontal_wrapped(|ui| {
         for (series, (_, shade)) in SERIES.iter().zip(MARKERS) {
-            ui.colored_label(color(shade), egui::RichText::new(series.name).size(11.0));
+            ui.colored_label(color(shade), egui::RichText::new(series.name).small());
         }
     });
 }

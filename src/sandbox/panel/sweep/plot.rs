@@ -88,7 +88,7 @@ impl<'a> Shown<'a> {
         let values = Values::of(self.x);
         let marks = values.marks(ui.available_width());
         let is_logarithmic = self.is_logarithmic;
-        ui.label(egui::RichText::new(&self.label).size(11.0));
+        ui.label(egui::RichText::new(&self.label).small());
         let plot = still(Plot::new("sweep"))
             .height(170.0)
             .set_margin_fraction(egui::vec2(0.08, 0.12))

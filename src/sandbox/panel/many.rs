@@ -1,0 +1,41 @@
+//! Several picked bodies: what they are together, and what can be done with them.
+
+use bevy::prelude::*;
+use bevy_egui::egui;
+
+use super::buttons::{ActionButton, button_row, tooltip};
+use super::theme::Quantity;
+use crate::physics::{Mass, RigidBody};
+use crate::sandbox::{SandboxAction, Selection};
+
+pub(super) fn show(
+    InMut(ui): InMut<egui::Ui>,
+    selection: Res<Selection>,
+    bodies: Query<(&RigidBody, Option<&Mass>)>,
+    mut actions: MessageWriter<SandboxAction>,
+) {
+    let picked: Vec<_> = selection.bodies().filter_map(|body| bodies.get(body).ok()).collect();
+    let moving = picked.iter().filter(|(kind, _)| **kind == RigidBody::Dynamic);
+    let mass: f64 = moving.filter_map(|(_, mass)| Some(mass.as_ref()?.0)).sum();
+    ui.strong(format!("{} bodies", picked.len()));
+    ui.weak(format!("{} of what moves", Quantity::text(mass * 1000.0, "g")));
+    ui.add_space(4.0);
+    button_row(
+        ui,
+        &mut actions,
+        [
+            ActionButton::new("Duplicate", SandboxAction::Duplicate),
+            ActionButton::new("Copy", SandboxAction::Copy),
+            ActionButton::new("Cut out", SandboxAction::CutOut),
+            ActionButton::new("Delete", SandboxAction::DeletePicked),
+        ],
+    );
+    let join = ui.add_enabled(
+        selection.partner.is_some(),
+        egui::Button::new("🔗 Join the first and the last that were clicked"),
+    );
+    if join.on_hover_text(tooltip(&SandboxAction::JoinPicked)).clicked() {
+        actions.write(SandboxAction::JoinPicked);
+    }
+    ui.weak("T, E and S: handles that move, turn and scale all of them");
+}
