@@ -39,7 +39,9 @@ pub(super) fn show_name(InMut(ui): InMut<egui::Ui>, world: &mut World, mut typed
 /// The other fields. What is changed is asked for.
 pub(super) fn show(InMut(ui): InMut<egui::Ui>, world: &mut World, mut changing: Local<bool>) {
     let Some((entity, was)) = picked(world) else { return };
-    let mass = world.get::<Mass>(entity).map_or(0.0, |mass| mass.0);
+    // One that no step has seen yet has no mass of its own.
+    let computed = || was.mass.unwrap_or(was.density * was.shape.as_ref().map_or(0.0, ShapeSpec::volume));
+    let mass = world.get::<Mass>(entity).map_or_else(computed, |mass| mass.0);
     *changing &= ui.input(|input| input.pointer.any_down());
     let mut now = was.clone();
     egui::Grid::new("body").num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
