@@ -62,7 +62,9 @@ pub(super) fn show(
     mut actions: MessageWriter<SandboxAction>,
 ) {
     let was = &body.was;
-    let mass = masses.get(body.entity).map_or(0.0, |mass| mass.0);
+    // One that no step has seen yet has no mass of its own.
+    let computed = || was.mass.unwrap_or(was.density * was.shape.as_ref().map_or(0.0, ShapeSpec::volume));
+    let mass = masses.get(body.entity).map_or_else(|_| computed(), |mass| mass.0);
     *changing &= ui.input(|input| input.pointer.any_down());
     let mut now = was.clone();
     // Other rows, another grid.

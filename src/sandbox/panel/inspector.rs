@@ -1,8 +1,8 @@
 //! The inspector: what the picked body is and what holds it, or what the picked joint is, over the picture; of several bodies,
 //! what can be done with all of them.
 //!
-//! It opens where a click picks a body or a joint, in the other half of the picture, so that what is near stays in reach, and stays until
-//! another is picked or none; while Shift is held, which picks a second, it gives way. A body that is dragged is played with, and
+//! It opens where a click picks a body or a joint, in the other half of the picture, so that what is near stays in reach, and
+//! stays until another is picked or none; while Shift is held, which picks a second, it gives way. A body that is dragged is played with, and
 //! not inspected.
 
 use bevy::prelude::*;
@@ -66,8 +66,12 @@ pub(super) fn follow(
 pub(super) fn show(context: &egui::Context, world: &mut World) -> Result {
     let Covered { right, bottom } = *world.resource::<Covered>();
     let gives_way = world.resource::<ButtonInput<KeyCode>>().any_pressed(SHIFT_KEYS);
+    let is_pressed =
+        world.get_resource::<ButtonInput<MouseButton>>().is_some_and(|mouse| mouse.pressed(MouseButton::Left));
     let mut inspector = world.resource_mut::<Inspector>();
-    let is_open = inspector.of.is_some() && !inspector.is_hidden && inspector.drag.is_none() && !gives_way;
+    // It comes once the button is up that picked.
+    let waits = inspector.drag.is_some() || is_pressed && inspector.opened_at.is_some();
+    let is_open = inspector.of.is_some() && !inspector.is_hidden && !waits && !gives_way;
     if !is_open {
         if !world.resource::<ReadJoints>().open.is_empty() {
             world.resource_mut::<ReadJoints>().open.clear();
