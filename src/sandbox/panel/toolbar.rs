@@ -98,7 +98,10 @@ pub(super) fn show(
     let entries = &*ENTRIES;
     let plots = covered.bottom / context.zoom_factor();
     let room = context.content_rect().height() - TOP - STRIP_HEIGHT - plots - 3.0 * MARGIN;
-    let rows = ((room / (BUTTON + SPACING)) as usize).clamp(1, entries.len().div_ceil(2));
+    let beside = context.content_rect().width() - covered.right / context.zoom_factor() - 4.0 * MARGIN;
+    let [most_rows, most_columns] = [room, beside].map(|room| ((room / (BUTTON + SPACING)) as usize).max(1));
+    // Rather over the plots than over the panel.
+    let rows = most_rows.min(entries.len().div_ceil(2)).max(entries.len().div_ceil(most_columns));
     let area = egui::Area::new(egui::Id::new("tools")).fixed_pos([MARGIN, TOP]).constrain(false);
     area.show(context, |ui| {
         egui::Frame::popup(ui.style()).inner_margin(4.0).show(ui, |ui| {
