@@ -162,7 +162,9 @@ fn find_room(
     // What lies on the way up, of thousands of bodies.
     let may_touch = |collider: &Collider, center: &Position| {
         let beside = (center.0 - position).reject_from(up).length();
-        !(beside > size + collider.bounding_radius()) // of the ground's radius nothing is less
+        let reach = size + collider.bounding_radius();
+        // The ground reaches everywhere.
+        beside <= reach || !reach.is_finite()
     };
     let others: Vec<_> = bodies
         .iter()

@@ -236,7 +236,7 @@ fn row(ui: &mut egui::Ui, field: &Field, (name, preset): Preset, settings: &mut 
             ui.painter().circle_filled(dot.center(), 0.5 * DOT, CHANGED);
         }
         let label = ui.add_enabled(is_read, egui::Label::new(field.label));
-        label.on_hover_ui(&explain).on_disabled_hover_text(why_not.as_str());
+        label.on_hover_ui(explain).on_disabled_hover_text(why_not.as_str());
     });
     ui.horizontal(|ui| {
         // With room for the way back.
