@@ -155,6 +155,8 @@ impl<'a> Sandbox<'a> {
         // A quarter of the pixels, for the software renderer's sake.
         let [width, height] = SIZE;
         self.xdotool(&["search", "--onlyvisible", "--name", "^Plumb$", "windowfocus", "windowsize", width, height]);
+        // What it is on in the panel would be told over the picture.
+        self.xdotool(&["mousemove", "300", "100"]);
     }
 
     /// Runs xdotool on the display; tells whether it succeeded.

@@ -17,6 +17,8 @@ const GAP: f32 = 6.0;
 /// Size of the letters of a title, and how many lines there are for it.
 const LETTERS: f32 = 12.0;
 const LINES: usize = 2;
+/// How wide what is told of a scene may be: it lies over the picture.
+const TOLD_WIDTH: f32 = 280.0;
 
 /// Which scenes are on view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,6 +90,7 @@ pub(super) fn show(
             let tile = Tile { title: info.title, face, is_chosen: info.name == current };
             let response = tile.show(ui, width, &mut pictures);
             let told = response.on_hover_ui(|ui| {
+                ui.set_max_width(TOLD_WIDTH);
                 ui.strong(info.title);
                 ui.monospace(info.name);
                 ui.label(about);
