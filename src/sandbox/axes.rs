@@ -3,8 +3,11 @@
 use bevy_egui::egui;
 use egui_plot::{GridInput, GridMark, Plot, PlotTransform};
 
-use super::panel::without_negative_zero;
+use super::panel::{Quantity, without_negative_zero};
 use crate::lab::round_step;
+
+/// Most marks on an axis of logarithms.
+const MOST_MARKS: usize = 4;
 
 /// A plot that shows what it is given and is not moved by hand.
 pub(super) fn still(plot: Plot) -> Plot {
@@ -56,7 +59,29 @@ fn ones_twos_fives((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
     marks.filter(move |value| (low..=high).contains(value))
 }
 
-/// On every axis of logarithms: lines at whole powers of ten, four or five of them; in a short range at 2 and 5 times those
+/// On an axis of decimal logarithms: lines at powers of ten, or at 1, 2 and 5 of each where few of them are on view.
+pub(super) fn decade_marks(input: GridInput) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    if !(low.is_finite() && high.is_finite() && high - low < 1e3) {
+        return Vec::new();
+    }
+    let within: Vec<f64> = ones_twos_fives(input.bounds).collect();
+    let powers: Vec<f64> = within.iter().copied().filter(|value| value.fract() == 0.0).collect();
+    let marks = if within.len() <= MOST_MARKS { within } else { powers };
+    let every = marks.len().div_ceil(MOST_MARKS).max(1);
+    // As far apart as any, so that none is fainter than another.
+    marks.into_iter().step_by(every).map(|value| GridMark { value, step_size: high - low }).collect()
+}
+
+/// What a mark on an axis of decimal logarithms stands for.
+pub(super) fn decade_text(mark: GridMark, unit: &str) -> String {
+    // A little more, so that 1000 is not 999.99.
+    let value = 10_f64.powf(mark.value) * (1.0 + 1e-9);
+    let suiting = Quantity::suiting(value, unit);
+    format!("{:.0} {}", value * suiting.factor, suiting.unit)
+}
+
+/// On the axes of charts: lines at whole powers of ten, four or five of them; in a short range at 2 and 5 times those
 /// too. Places are exponents.
 pub(super) fn powers(input: GridInput) -> Vec<GridMark> {
     /// Decades in which lines at 1, 2 and 5 are as many as fit.
@@ -128,6 +153,17 @@ mod tests {
         {
             assert_eq!(mark_text(GridMark { value, step_size }), text);
         }
+    }
+
+    #[test]
+    fn an_axis_of_logarithms_has_a_few_marks_that_tell_the_value() {
+        let texts = |low: f64, high: f64| -> Vec<String> {
+            decade_marks(input(low, high)).into_iter().map(|mark| decade_text(mark, "m")).collect()
+        };
+        assert_eq!(texts(-3.5, 0.5), ["1 mm", "10 mm", "100 mm", "1 m"]);
+        assert_eq!(texts(2.9, 3.8), ["1 km", "2 km", "5 km"]);
+        assert!((2..=4).contains(&texts(-12.0, 9.0).len()));
+        assert!(texts(f64::NEG_INFINITY, 0.0).is_empty() && texts(f64::NAN, 0.0).is_empty());
     }
 
     #[test]

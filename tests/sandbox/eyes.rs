@@ -19,7 +19,6 @@ const HEIGHT: f32 = 3000.0;
 struct Painted {
     texts: Vec<(String, Vec2)>,
     discs: Vec<(egui::Color32, Vec2)>,
-    lines: Vec<egui::Color32>,
     /// Red frames, which egui draws in debug builds around what has got another id, since eyes were opened.
     alarms: usize,
 }
@@ -33,7 +32,6 @@ impl Painted {
                 self.texts.push((text.galley.text().to_owned(), Vec2::new(middle.x, middle.y)));
             }
             Shape::Rect(frame) if frame.stroke == egui::Stroke::new(2.0, egui::Color32::RED) => self.alarms += 1,
-            Shape::LineSegment { stroke, .. } => self.lines.push(stroke.color),
             Shape::Circle(disc) => self.discs.push((disc.fill, Vec2::new(disc.center.x, disc.center.y))),
             _ => {}
         }
@@ -91,12 +89,6 @@ pub fn seen(stage: &mut Stage, text: &str, below: &str) -> Vec2 {
     let from = at(below, 0.0).map_or(0.0, |place| place.y);
     at(text, from)
         .unwrap_or_else(|| panic!("no '{text}' among {:?}", texts.iter().map(|(text, _)| text).collect::<Vec<_>>()))
-}
-
-/// How many straight lines of a colour there are.
-pub fn lines(stage: &mut Stage, [r, g, b]: [u8; 3]) -> usize {
-    let color = egui::Color32::from_rgb(r, g, b);
-    stage.world().resource::<Painted>().lines.iter().filter(|line| **line == color).count()
 }
 
 /// Middles of the discs of a colour, from left to right.

@@ -110,30 +110,3 @@ fn a_scene_without_a_ground_has_axes_and_a_cell_of_known_length() {
     stage.frames(3);
     assert_eq!(letters(&mut stage), [false; 3]);
 }
-
-/// Of a deed on the strip of time.
-const ORANGE: [u8; 3] = [230, 159, 0];
-
-#[test]
-fn what_was_undone_on_the_spot_leaves_no_line_on_the_strip_of_time() {
-    let mut stage = Stage::open(SCENE);
-    open_eyes(&mut stage, Page::Play);
-    stage.frames(30);
-    stage.act(SandboxAction::TogglePause);
-    stage.frames(2);
-    let before = lines(&mut stage, ORANGE);
-    let ball = stage.body("ball");
-    *stage.world().resource_mut::<Selection>() = Selection::of(ball);
-    for (action, more) in [
-        (SandboxAction::SpawnBody, 1),
-        (SandboxAction::Undo, 0),
-        (SandboxAction::Redo, 1),
-        (SandboxAction::Undo, 0),
-        (SandboxAction::DeletePicked, 1),
-        (SandboxAction::Undo, 0),
-    ] {
-        stage.act(action.clone());
-        stage.frames(3);
-        assert_eq!(lines(&mut stage, ORANGE), before + more, "after {action:?}");
-    }
-}

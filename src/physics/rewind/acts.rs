@@ -7,7 +7,6 @@ use bevy::prelude::*;
 
 use super::bury::{empty, is_empty};
 use super::kinds::{AnyValue, Column, Kinds, Removals};
-use crate::physics::body::BirthCounter;
 
 /// What was done between two steps, by the types of what was written.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -84,15 +83,6 @@ impl Acts {
             written: all.flat_map(|column| of_column(column.as_ref())).collect(),
             resources: self.resources.iter().map(|&(kind, _)| (kinds.resources[kind].resource)()).collect(),
         }
-    }
-
-    /// Whether they are about nothing but those bodies and joints; that one was born is counted, and about it.
-    pub fn are_about(&self, entities: &[Entity]) -> bool {
-        let written = self.written.iter().flat_map(|column| column.entities());
-        let removed = self.removed.iter().map(|&(_, entity)| entity);
-        let mut all = written.chain(removed).chain(self.buried.iter().copied());
-        self.resources.iter().all(|(_, value)| value.is::<BirthCounter>())
-            && all.all(|entity| entities.contains(&entity))
     }
 
     /// What they take, bytes.

@@ -142,11 +142,6 @@ impl History {
         self.acts.keys().copied()
     }
 
-    /// Whether what was done after so many steps was about nothing but those bodies and joints.
-    pub fn acts_are_about(&self, step: u64, entities: &[Entity]) -> bool {
-        self.acts.get(&step).into_iter().flatten().all(|acts| acts.are_about(entities))
-    }
-
     /// The steps of which the whole state is kept.
     pub fn keyframes(&self) -> impl Iterator<Item = u64> + '_ {
         self.frames.iter().map(|frame| frame.step)

@@ -1,6 +1,6 @@
 //! Taking back what was built, cut or deleted, the last first, and having it come again.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 
 use bevy::prelude::*;
 
@@ -119,22 +119,6 @@ impl UndoStack {
     /// What the next redo would have come again.
     pub fn next_again(&self) -> Option<&str> {
         self.undone.back().map(|undone| undone.done.what.as_str())
-    }
-
-    /// The moments, as steps, at which something was added or deleted and that was undone at once: what it was about.
-    pub fn came_to_nothing(&self) -> BTreeMap<u64, Vec<Entity>> {
-        let mut all: BTreeMap<u64, Vec<Entity>> = BTreeMap::new();
-        for Undone { done, .. } in self.undone.iter().filter(|undone| undone.step == undone.done.step) {
-            let about = all.entry(done.step).or_default();
-            match &done.deed {
-                Deed::Added(entities) => about.extend(entities),
-                Deed::Removed { bodies, joints } => {
-                    about.extend(bodies.iter().map(|(body, _)| body).chain(joints.iter().map(|(joint, ..)| joint)));
-                }
-                _ => {}
-            }
-        }
-        all
     }
 
     /// Whether a change would be one more like the last deed.

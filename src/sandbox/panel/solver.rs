@@ -396,7 +396,8 @@ mod tests {
             let events = vec![egui::Event::PointerMoved(place)];
             let input = egui::RawInput { events, time: Some(f64::from(frame)), ..Default::default() };
             let output = context.run_ui(input, |ui| {
-                place = ui.cursor().min + egui::vec2(4.0, 6.0);
+                // Behind the dot.
+                place = ui.cursor().min + egui::vec2(24.0, 6.0);
                 egui::Grid::new("one").show(ui, |ui| row(ui, field, SolverSettings::PRESETS[0], &mut settings));
             });
             let texts = output.shapes.iter().filter_map(|clipped| match &clipped.shape {

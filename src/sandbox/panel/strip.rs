@@ -7,7 +7,6 @@ use super::buttons::{toggle, tooltip};
 use super::playback::Clock;
 use super::theme::{Quantity, palette};
 use crate::physics::{History, SolverSettings, StepStats};
-use crate::sandbox::build::UndoStack;
 use crate::sandbox::state::{Covered, ShowsPlots};
 use crate::sandbox::timeline::{LIMIT, PoseTrack, ShownStep, head_and_reach};
 use crate::sandbox::{CurrentScene, GhostReadings, Playback, SandboxAction, Timeline};
@@ -37,7 +36,7 @@ pub(super) fn show(
     settings: Res<SolverSettings>,
     timeline: Res<Timeline>,
     (track, shown): (Res<PoseTrack>, Res<ShownStep>),
-    (ghosts, undo): (Res<GhostReadings>, Res<UndoStack>),
+    ghosts: Res<GhostReadings>,
     playback: Res<Playback>,
     (covered, clock, shows_plots): (Res<Covered>, Clock, Res<ShowsPlots>),
     mut actions: MessageWriter<SandboxAction>,
@@ -74,7 +73,6 @@ pub(super) fn show(
                         is_shown_alone: shown.step.is_some(),
                         reach,
                         history: &history,
-                        undo: &undo,
                         timeline: &timeline,
                         ghosts: &ghosts,
                     };
@@ -152,7 +150,6 @@ struct Bar<'a> {
     is_shown_alone: bool,
     reach: [u64; 2],
     history: &'a History,
-    undo: &'a UndoStack,
     timeline: &'a Timeline,
     ghosts: &'a GhostReadings,
 }
@@ -174,12 +171,9 @@ impl Bar<'_> {
             let looped = egui::Rect::from_x_y_ranges(x(from)..=x(to), rect.bottom() - 4.0..=rect.bottom());
             painter.rect_filled(looped, 0.0, color(palette::GREEN));
         }
-        // Of deeds in a row one line, and none of one that was undone on the spot.
+        // Of deeds in a row one line.
         let mut drawn = f32::NEG_INFINITY;
-        let nothing = self.undo.came_to_nothing();
-        let is_something =
-            |step: &u64| nothing.get(step).is_none_or(|entities| !self.history.acts_are_about(*step, entities));
-        for at in self.history.acts().filter(|step| *step > first).filter(is_something).map(x) {
+        for at in self.history.acts().filter(|step| *step > first).map(x) {
             if at - drawn >= 1.0 {
                 painter.vline(at, rect.top()..=rect.center().y, (1.0, color(palette::ORANGE)));
                 drawn = at;

@@ -7,7 +7,7 @@ use egui_plot::{HoverPosition, Line, Plot, PlotPoints, VLine};
 use super::reader::Reader;
 use super::tracks::{Track, Tracks};
 use crate::sandbox::SandboxAction;
-use crate::sandbox::axes::{color32, fifth_seconds, mark_text, power, powers, round_marks};
+use crate::sandbox::axes::{color32, decade_marks, decade_text, fifth_seconds, mark_text, round_marks};
 use crate::sandbox::panel::Quantity;
 use crate::scene::Probes;
 
@@ -140,7 +140,7 @@ fn draw(ui: &mut egui::Ui, tracks: &Tracks, unit: &str, labels_time: bool, view:
         .allow_axis_zoom_drag(false)
         .link_cursor(egui::Id::new("probes"), [true, false])
         .set_margin_fraction(egui::vec2(0.0, 0.08))
-        .y_axis_min_width(36.0)
+        .y_axis_min_width(if logarithmic { 58.0 } else { 36.0 })
         .label_formatter(|position| match position {
             HoverPosition::NearDataPoint { plot_name, position, .. } => {
                 let value = if logarithmic { 10_f64.powf(position.y) } else { position.y / scale.factor };
@@ -149,7 +149,7 @@ fn draw(ui: &mut egui::Ui, tracks: &Tracks, unit: &str, labels_time: bool, view:
             HoverPosition::Elsewhere { .. } => None,
         });
     plot = match logarithmic {
-        true => plot.y_grid_spacer(powers).y_axis_formatter(|mark, _| power(mark.value)),
+        true => plot.y_grid_spacer(decade_marks).y_axis_formatter(|mark, _| decade_text(mark, unit)),
         false => plot.y_grid_spacer(round_marks).y_axis_formatter(|mark, _| mark_text(mark)),
     };
     if view.span.is_none() {
