@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use plumb::physics::SolverSettings;
 use plumb::sandbox::{CurrentScene, Page, SandboxAction, Selection};
 
-use crate::eyes::{alarms, click_on, lines, open_eyes, reads, seen, texts};
+use crate::eyes::{alarms, click_on, open_eyes, reads, seen, texts};
 use crate::stage::Stage;
 
 const SCENE: &str = r#"(
