@@ -126,8 +126,8 @@ fn a_height_that_is_asked_for_is_read_and_follows_the_fall() {
     assert!(stage.world().resource::<Selection>().body.is_none(), "a right click picks nothing");
 
     let row = texts(&mut stage).iter().find(|(text, _)| text.starts_with("ball y")).unwrap().1.y;
-    let crosses = texts(&mut stage).into_iter().filter(|(text, place)| text == "✖" && (place.y - row).abs() < 7.0);
-    let (_, cross) = crosses.last().unwrap();
+    let mut crosses = texts(&mut stage).into_iter().filter(|(text, place)| text == "✖" && (place.y - row).abs() < 7.0);
+    let (_, cross) = crosses.next_back().unwrap();
     click(&mut stage, cross);
     stage.frames(2);
     assert!(!reads(&mut stage, "ball y") && reads(&mut stage, "ball vy"));
