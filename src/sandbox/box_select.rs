@@ -3,11 +3,10 @@
 
 use bevy::picking::pointer::PointerId;
 use bevy::prelude::*;
-use bevy::window::PrimaryWindow;
 use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 
 use super::action::CarryOut;
-use super::pointer::{SLACK, is_down};
+use super::pointer::{self, SLACK, is_down};
 use super::state::report;
 use super::{SandboxAction, Selection};
 use crate::physics::{Collider, Position, RenderOrigin, Shape};
@@ -51,8 +50,7 @@ pub(super) fn give_up(world: &mut World) {
 /// Has the box reach to the pointer, and picks once the button is up.
 fn follow(world: &mut World) {
     let Some(mut draft) = world.resource::<BoxDraft>().0 else { return };
-    let mut windows = world.query_filtered::<&Window, With<PrimaryWindow>>();
-    if let Some(at) = windows.single(world).ok().and_then(Window::cursor_position) {
+    if let Some(at) = pointer::place(world) {
         draft.to = at;
     }
     let goes_on = is_down(world, draft.pointer);

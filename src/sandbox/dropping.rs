@@ -48,7 +48,7 @@ fn follow(
     mut held: ResMut<Held>,
     mut actions: MessageWriter<SandboxAction>,
 ) {
-    let mut dropped: Vec<&PathBuf> = Vec::new();
+    let mut dropped: Vec<PathBuf> = Vec::new();
     for message in messages.read() {
         match message {
             FileDragAndDrop::HoveredFile { path_buf, .. } if !held.0.contains(path_buf) => {
@@ -58,20 +58,23 @@ fn follow(
             FileDragAndDrop::HoveredFileCanceled { .. } => held.0.clear(),
             FileDragAndDrop::DroppedFile { path_buf, .. } => {
                 held.0.clear();
-                dropped.push(path_buf);
+                dropped.push(path_buf.clone());
             }
         }
     }
-    let best = dropped.iter().find(|path| FileKind::of(path).is_ok()).or(dropped.first());
-    if let Some(path) = best {
-        actions.write(SandboxAction::OpenFile { path: (*path).clone() });
+    if let Some(path) = best(&dropped) {
+        actions.write(SandboxAction::OpenFile { path: path.clone() });
     }
+}
+
+/// The one of some files that is opened: the first that can be, else the first.
+fn best(paths: &[PathBuf]) -> Option<&PathBuf> {
+    paths.iter().find(|path| FileKind::of(path).is_ok()).or(paths.first())
 }
 
 /// What letting go would do, over the picture.
 fn show(mut contexts: EguiContexts, held: Res<Held>) -> Result {
-    let best = held.0.iter().find(|path| FileKind::of(path).is_ok()).or(held.0.first());
-    let Some(path) = best else { return Ok(()) };
+    let Some(path) = best(&held.0) else { return Ok(()) };
     let context = contexts.ctx_mut()?;
     let name = name_of(path);
     let (said, color) = match FileKind::of(path) {

@@ -5,12 +5,11 @@
 
 use bevy::picking::pointer::PointerId;
 use bevy::prelude::*;
-use bevy::window::PrimaryWindow;
 
 use super::action::CarryOut;
 use super::any_joint::IsJoint;
 use super::gizmos::strokes_of_joints;
-use super::pointer::{SLACK, is_down};
+use super::pointer::{self, SLACK, is_down};
 use super::{SandboxAction, Selection};
 
 /// How near to its lines a joint is clicked, logical pixels.
@@ -71,9 +70,7 @@ fn distance_to(place: Vec2, points: &[Vec2]) -> f32 {
 /// Picks the joint once the button is up where it went down.
 fn follow(world: &mut World) {
     let Some(click) = world.resource::<JointClick>().0 else { return };
-    let mut windows = world.query_filtered::<&Window, With<PrimaryWindow>>();
-    let at = windows.single(world).ok().and_then(Window::cursor_position);
-    let stays = at.is_some_and(|at| at.distance(click.from) <= SLACK);
+    let stays = pointer::place(world).is_some_and(|at| at.distance(click.from) <= SLACK);
     let goes_on = is_down(world, click.pointer);
     if !stays || !goes_on {
         world.resource_mut::<JointClick>().0 = None;

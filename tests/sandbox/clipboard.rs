@@ -2,7 +2,6 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 use plumb::physics::{
     Breakable, Collider, HingeJoint, JointMotor, MotorTarget, PlacedCollider, Position, RigidBody, Rotation,
 };
@@ -28,8 +27,7 @@ const SCENE: &str = r#"(
 )"#;
 
 fn open() -> Stage {
-    let mut stage = Stage::open(SCENE);
-    stage.act(SandboxAction::TogglePause);
+    let mut stage = Stage::open_paused(SCENE);
     leave_picture(&mut stage);
     stage
 }
@@ -244,14 +242,7 @@ fn keys_copy_nothing_while_somebody_types() {
     let mut stage = open();
     pick(&mut stage, &["box"]);
     let before = names(&mut stage);
-    stage.app.add_systems(EguiPrimaryContextPass, |mut contexts: EguiContexts| -> Result {
-        egui::Window::new("form").show(contexts.ctx_mut()?, |ui| {
-            let mut text = String::new();
-            ui.text_edit_singleline(&mut text).request_focus();
-        });
-        Ok(())
-    });
-    stage.frames(3);
+    stage.type_into_a_form();
     for key in [KeyCode::KeyD, KeyCode::KeyC, KeyCode::KeyX, KeyCode::KeyV] {
         stage.key_with_control(key);
     }

@@ -3,7 +3,6 @@
 use std::collections::HashSet;
 
 use bevy::prelude::*;
-use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 use plumb::physics::RigidBody;
 use plumb::sandbox::controls::{BINDINGS, Binding};
 use plumb::sandbox::{Notice, Playback, SandboxAction};
@@ -83,14 +82,7 @@ fn space_pauses_but_not_while_typing() {
     stage.key(KeyCode::Space);
     assert!(!stage.world().resource::<Playback>().paused);
 
-    stage.app.add_systems(EguiPrimaryContextPass, |mut contexts: EguiContexts| -> Result {
-        egui::Window::new("form").show(contexts.ctx_mut()?, |ui| {
-            let mut text = String::new();
-            ui.text_edit_singleline(&mut text).request_focus();
-        });
-        Ok(())
-    });
-    stage.frames(3);
+    stage.type_into_a_form();
     stage.key(KeyCode::Space);
     assert!(!stage.world().resource::<Playback>().paused, "the key went to the text field");
 }

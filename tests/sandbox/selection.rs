@@ -22,9 +22,7 @@ const SCENE: &str = r#"(
 )"#;
 
 fn open() -> Stage {
-    let mut stage = Stage::open(SCENE);
-    stage.act(SandboxAction::TogglePause);
-    stage
+    Stage::open_paused(SCENE)
 }
 
 /// Presses at a place, goes to another, and lets go there.

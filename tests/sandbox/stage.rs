@@ -9,6 +9,7 @@ use bevy::input::mouse::{MouseScrollUnit, MouseWheel};
 use bevy::input::touch::TouchPhase;
 use bevy::math::DVec3;
 use bevy::prelude::*;
+use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 use plumb::lab::recording::{Recording, Replay};
 use plumb::physics::{Position, RenderOrigin};
 use plumb::sandbox::{CurrentScene, Hands, SandboxAction};
@@ -42,6 +43,25 @@ impl Stage {
         stage.load(scene);
         stage.frames(5);
         stage
+    }
+
+    /// The same, where time stands still.
+    pub fn open_paused(scene: &str) -> Self {
+        let mut stage = Self::open(scene);
+        stage.act(SandboxAction::TogglePause);
+        stage
+    }
+
+    /// Somebody is typing into a field from now on.
+    pub fn type_into_a_form(&mut self) {
+        self.app.add_systems(EguiPrimaryContextPass, |mut contexts: EguiContexts| -> Result {
+            egui::Window::new("form").show(contexts.ctx_mut()?, |ui| {
+                let mut text = String::new();
+                ui.text_edit_singleline(&mut text).request_focus();
+            });
+            Ok(())
+        });
+        self.frames(3);
     }
 
     /// Replaces the scene.

@@ -19,9 +19,7 @@ const SCENE: &str = r#"(
 )"#;
 
 fn open() -> Stage {
-    let mut stage = Stage::open(SCENE);
-    stage.act(SandboxAction::TogglePause);
-    stage
+    Stage::open_paused(SCENE)
 }
 
 /// Presses at a point of the world with a tool, moves to another, and lets go there.

@@ -32,7 +32,7 @@ fn try_duplicate(world: &mut World) -> Result<String, String> {
     let crowd = Crowd::new(&scene);
     let offset = beside(world, &crowd, &bodies)?;
     let what = names(world, &bodies);
-    put(world, scene, offset, format!("duplicating {what}"))?;
+    put(world, scene, offset, |_, _| format!("duplicating {what}"))?;
     Ok(format!("duplicated {what}"))
 }
 
@@ -100,7 +100,7 @@ fn try_paste(world: &mut World) -> Result<String, String> {
             _ => beside(world, &crowd, &[])?,
         },
     };
-    let bodies = put(world, scene, offset, String::from("pasting"))?;
+    let bodies = put(world, scene, offset, |world, made| format!("pasting {}", names(world, made)))?;
     Ok(format!("pasted {}", names(world, &bodies)))
 }
 
@@ -156,8 +156,14 @@ fn beside(world: &mut World, crowd: &Crowd, own: &[Entity]) -> Result<DVec3, Str
     crowd.room(world, own, along * clear, along).ok_or("there is no room beside it".into())
 }
 
-/// Spawns a scene beside what is there, moved by that, and picks it. The bodies that are drawn.
-fn put(world: &mut World, mut scene: SceneSpec, offset: DVec3, what: String) -> Result<Vec<Entity>, String> {
+/// Spawns a scene beside what is there, moved by that, and picks it; `what` says of the bodies that are drawn, which are handed
+/// back, what was done.
+fn put(
+    world: &mut World,
+    mut scene: SceneSpec,
+    offset: DVec3,
+    what: impl FnOnce(&World, &[Entity]) -> String,
+) -> Result<Vec<Entity>, String> {
     let there = world.query::<&RigidBody>().iter(world).count();
     if there + scene.bodies.len() > MAX_BODIES {
         return Err(format!("a scene has at most {MAX_BODIES} bodies: it has {there} already"));
@@ -189,7 +195,7 @@ fn put(world: &mut World, mut scene: SceneSpec, offset: DVec3, what: String) -> 
     }
     world.insert_resource(Selection::of_bodies(bodies.iter().copied()));
     let made = spawned.joints.into_iter().chain(spawned.bodies).collect();
-    let what = if what.contains(' ') { what } else { format!("{what} {}", names(world, &bodies)) };
+    let what = what(world, &bodies);
     remember(world, what, Deed::Added(made));
     Ok(bodies)
 }

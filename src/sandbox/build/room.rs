@@ -1,6 +1,6 @@
 //! Room for several bodies at once, among those that are there.
 
-use bevy::math::DVec3;
+use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 
 use crate::physics::{Collider, CollisionLayers, PlacedCollider, Position, RigidBody, Rotation, Shape};
@@ -38,7 +38,8 @@ impl Crowd {
     pub fn extent(&self, along: DVec3) -> [f64; 2] {
         let ends = self.bodies.iter().map(|(collider, body)| {
             let at = body.position.dot(along);
-            [at - reach(collider, body, -along), at + reach(collider, body, along)]
+            let reach = |along: DVec3| reach(collider, body.principal_rotation(), along);
+            [at - reach(-along), at + reach(along)]
         });
         ends.reduce(|one, other| [one[0].min(other[0]), one[1].max(other[1])]).unwrap_or([0.0; 2])
     }
@@ -84,15 +85,14 @@ impl Crowd {
     }
 }
 
-/// How far a body reaches from its centre of mass along a unit direction, m.
-fn reach(collider: &Collider, body: &BodySpec, along: DVec3) -> f64 {
-    let own =
-        PlacedCollider { collider, position: Position(DVec3::ZERO), rotation: Rotation(body.principal_rotation()) };
+/// How far a shape of that orientation reaches from its centre of mass along a unit direction, m.
+pub fn reach(collider: &Collider, rotation: DQuat, along: DVec3) -> f64 {
+    let own = PlacedCollider { collider, position: Position(DVec3::ZERO), rotation: Rotation(rotation) };
     // A plane through the centre whose inside is where it reaches to.
     let plane = PlacedCollider {
         collider: &Collider::half_space(),
         position: Position(DVec3::ZERO),
-        rotation: Rotation(bevy::math::DQuat::from_rotation_arc(DVec3::Y, -along)),
+        rotation: Rotation(DQuat::from_rotation_arc(DVec3::Y, -along)),
     };
     own.overlap(&plane).unwrap_or_else(|| collider.bounding_radius())
 }

@@ -6,6 +6,7 @@ use bevy::prelude::*;
 
 use super::blueprint::Blueprint;
 use super::names::unique_name;
+use super::room::reach;
 use super::undo::{Deed, remember};
 use crate::physics::{
     Collider, CollisionLayers, Gravity, PlacedCollider, Position, RenderOrigin, RigidBody, Rotation, Velocity,
@@ -145,16 +146,7 @@ fn find_room(
         rotation: Rotation(rotation),
     };
     let mut position = match surface {
-        Some((point, normal)) => {
-            // A plane through the point says how far the shape reaches below its centre.
-            let plane = PlacedCollider {
-                collider: &Collider::half_space(),
-                position: Position(point),
-                rotation: Rotation(DQuat::from_rotation_arc(DVec3::Y, normal)),
-            };
-            let reach = at(point).overlap(&plane).unwrap_or(size);
-            point + normal * (reach + GAP * size)
-        }
+        Some((point, normal)) => point + normal * (reach(&collider, rotation, -normal) + GAP * size),
         None => aim.origin + aim.direction * aim.distance,
     };
 

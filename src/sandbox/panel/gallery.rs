@@ -76,7 +76,9 @@ pub(super) fn show(
     };
     let mut scenes: Vec<&'static SceneInfo> = catalog().iter().filter(is_shown).collect();
     // What is called so comes before what has something to do with it.
-    scenes.sort_by_key(|info| !has_all(&names(info), &words));
+    if is_searched {
+        scenes.sort_by_cached_key(|info| !has_all(&names(info), &words));
+    }
     let files: Vec<&String> = match form.shelf {
         _ if is_searched => recent.0.iter().filter(|file| has_all(&file.to_lowercase(), &words)).collect(),
         Shelf::Yours => recent.0.iter().collect(),
@@ -85,7 +87,6 @@ pub(super) fn show(
     let mut chosen = None;
     tiles(ui, scenes.len() + files.len(), |ui, index, width| match scenes.get(index) {
         Some(info) => {
-            let about = format!("{}\n\nWhat is known of its answer: {}", info.about, info.truth);
             let face = Face::Of(info.name);
             let tile = Tile { title: info.title, face, is_chosen: info.name == current };
             let response = tile.show(ui, width, &mut pictures);
@@ -93,7 +94,7 @@ pub(super) fn show(
                 ui.set_max_width(TOLD_WIDTH);
                 ui.strong(info.title);
                 ui.monospace(info.name);
-                ui.label(about);
+                ui.label(format!("{}\n\nWhat is known of its answer: {}", info.about, info.truth));
             });
             if told.clicked() {
                 chosen = Some(info.name.to_owned());

@@ -53,8 +53,7 @@ pub(super) fn show(
                     actions.write(SandboxAction::Cut(*entity));
                 }
                 if let Some(change) = change {
-                    actions.write(SandboxAction::ChangeJoint { joint: *entity, change, continues: *changing });
-                    *changing = ui.input(|input| input.pointer.any_down());
+                    ask(ui, *entity, change, &mut changing, &mut actions);
                 }
             }
             let more = own.len().saturating_sub(LISTED);
@@ -63,10 +62,7 @@ pub(super) fn show(
             }
         }
     }
-    if now.plotted.is_some() && now.plotted != read.plotted {
-        shows_plots.set_if_neq(ShowsPlots(true));
-    }
-    read.set_if_neq(now);
+    note_readings(now, &mut read, &mut shows_plots);
 }
 
 /// The joint that is picked: all that can be changed of it.
@@ -103,9 +99,25 @@ pub(super) fn show_picked_joint(
     });
     let value = value_of(&joint, &component, &bodies);
     if let Some(change) = joint::show(ui, &joint, value, &stats) {
-        actions.write(SandboxAction::ChangeJoint { joint: entity, change, continues: *changing });
-        *changing = ui.input(|input| input.pointer.any_down());
+        ask(ui, entity, change, &mut changing, &mut actions);
     }
+    note_readings(now, &mut read, &mut shows_plots);
+}
+
+/// Asks for a change of a joint, which goes on with the last one while the button stays down.
+fn ask(
+    ui: &egui::Ui,
+    joint: Entity,
+    change: JointChange,
+    changing: &mut bool,
+    actions: &mut MessageWriter<SandboxAction>,
+) {
+    actions.write(SandboxAction::ChangeJoint { joint, change, continues: *changing });
+    *changing = ui.input(|input| input.pointer.any_down());
+}
+
+/// Takes in which joints are looked at; the plots come with the first one that is plotted.
+fn note_readings(now: ReadJoints, read: &mut ResMut<ReadJoints>, shows_plots: &mut ResMut<ShowsPlots>) {
     if now.plotted.is_some() && now.plotted != read.plotted {
         shows_plots.set_if_neq(ShowsPlots(true));
     }
