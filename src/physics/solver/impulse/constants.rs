@@ -57,7 +57,7 @@ pub(super) const XPBD_TURN: f64 = 0.01;
 
 /// Turn of a body in a substep beyond which joints do not start from the impulses of the substep before, rad: what holds a
 /// point of a body that turns by θ turns with it, and given again as it was it is wrong by more than itself from θ = π/3 on
-/// (`sweeps_give_no_energy_to_joints_that_turn_by_radians_a_substep`).
+/// (`sweeps_over_a_net_give_nothing_back_to_what_turns_by_radians_a_substep`).
 pub(super) const WARM_START_TURN: f64 = 1.0;
 
 /// Sweeps over positions in a substep of sequential impulses (`methods`: overlaps are corrected).
