@@ -28,6 +28,26 @@ pub struct ContactEnded {
     pub b: Entity,
 }
 
+/// A body came into a sensor. As an entity event it is triggered for the sensor.
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SensorStarted {
+    /// The sensor.
+    #[event_target]
+    pub sensor: Entity,
+    /// What came.
+    pub body: Entity,
+}
+
+/// A body left a sensor, or one of them is gone. As an entity event it is triggered for the sensor if that is still there.
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SensorEnded {
+    /// The sensor.
+    #[event_target]
+    pub sensor: Entity,
+    /// What left.
+    pub body: Entity,
+}
+
 /// One contact point of one step, written for bodies with [`super::ReportCollisions`] while they or what they touch are
 /// awake.
 #[derive(Message, Clone, Copy, Debug, PartialEq)]

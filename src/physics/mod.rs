@@ -32,6 +32,7 @@ mod messages;
 mod phase_times;
 mod plugin;
 mod prepare;
+mod query;
 mod readings;
 mod refill;
 mod rewind;
@@ -57,12 +58,13 @@ pub(crate) use body::{
 };
 pub use body::{
     CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, ObserveContacts,
-    Position, QuarantineReason, Quarantined, RenderOrigin, ReportCollisions, RigidBody, Rotation, Sleeping,
+    Position, QuarantineReason, Quarantined, RenderOrigin, ReportCollisions, RigidBody, Rotation, Sensor, Sleeping,
     SurfaceMaterial, Velocity,
 };
 pub use collision::PlacedCollider;
 pub(crate) use collision::{
-    ContactGraph, ContactPoint, Contacts, FeatureId, GONE, LaggedContacts, Manifold, NearPairs, Pair, VectorSet,
+    BoundingBox, ContactGraph, ContactPoint, Contacts, FeatureId, GONE, LaggedContacts, Manifold, NearPairs, Pair,
+    PairSearch, VectorSet,
 };
 pub(crate) use island::Islands;
 pub use joint::{
@@ -73,10 +75,13 @@ pub use joint::{
 pub(crate) use joint::{JoinedPairs, Joint, JointDefinition, JointSlot, Joints};
 pub use left_over::left_over;
 pub(crate) use messages::set_aside;
-pub use messages::{BodyQuarantined, Collision, ContactEnded, ContactStarted, JointBroke, LimitReached};
+pub use messages::{
+    BodyQuarantined, Collision, ContactEnded, ContactStarted, JointBroke, LimitReached, SensorEnded, SensorStarted,
+};
 pub use phase_times::PhaseTimes;
 pub use plugin::{PhysicsPlugin, headless_app, step};
 pub use prepare::AddConstraint;
+pub use query::{CastHit, PhysicsQuery, PointHit, QueryFilter, Ray, RayHit};
 pub use readings::{ContactForce, ContactForces, Diagnostics, JointForce, JointForces};
 pub(crate) use refill::Refill;
 pub use rewind::{

@@ -12,7 +12,7 @@ use super::rewind::{note_blank, step_and_note};
 use super::{
     BodyQuarantined, Collision, ContactEnded, ContactStarted, Gravity, JointBroke, Keep, LimitReached, PhysicsSchedule,
     PhysicsSystems, RenderOrigin, SolverSettings, StepStats, breaking, collision, events, island, phase_times, prepare,
-    sleep, solver, transform, write_back,
+    query, sleep, solver, transform, write_back,
 };
 
 /// Rigid bodies for a Bevy app: adds [`PhysicsSchedule`] and runs it once a fixed step.
@@ -69,6 +69,7 @@ impl Plugin for PhysicsPlugin {
                 solver::plugin,
                 write_back::plugin,
                 events::plugin,
+                query::plugin,
                 breaking::plugin,
                 diagnostics::plugin,
                 phase_times::plugin,

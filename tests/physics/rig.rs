@@ -25,6 +25,16 @@ pub fn with_effort(mut settings: SolverSettings, fitted_effort: bool) -> SolverS
     settings
 }
 
+/// Every preset, by name.
+pub fn presets() -> [(&'static str, SolverSettings); 4] {
+    [
+        ("game", SolverSettings::game()),
+        ("steady", SolverSettings::steady()),
+        ("classic", SolverSettings::classic()),
+        ("accurate", SolverSettings::accurate()),
+    ]
+}
+
 /// Starts a compute pool of four threads on any machine. The first pool of a process stays, so
 /// every test that makes an app of its own calls this before.
 pub fn start_pool() {

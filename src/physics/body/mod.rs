@@ -10,7 +10,7 @@ mod slot;
 
 pub use components::{
     CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, ObserveContacts,
-    Position, QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, Sleeping, SurfaceMaterial,
+    Position, QuarantineReason, Quarantined, ReportCollisions, RigidBody, Rotation, Sensor, Sleeping, SurfaceMaterial,
     Velocity,
 };
 pub(crate) use packed::{Bodies, Body};

@@ -32,6 +32,8 @@ pub(crate) struct Body {
     pub pulled: f64,
     /// Wants [`crate::physics::Collision`] messages.
     pub reports: bool,
+    /// Only reports what is in it.
+    pub is_sensor: bool,
     /// Collider, density or mass changed since they were computed.
     pub mass_is_stale: bool,
     /// 0 for what the solver does not move.
@@ -84,6 +86,7 @@ impl Body {
             material: SurfaceMaterial::default(),
             layers: CollisionLayers::ALL,
             reports: false,
+            is_sensor: false,
             has_stepped: false,
             computed_mass: None,
             computed_inertia: None,
@@ -95,6 +98,11 @@ impl Body {
     /// Whether contacts and joints can move it.
     pub fn is_dynamic(&self) -> bool {
         self.kind == RigidBody::Dynamic
+    }
+
+    /// Whether it has no contacts, whatever comes near.
+    pub fn touches_nothing(&self) -> bool {
+        self.is_sensor || self.layers.touch_nothing()
     }
 
     /// Moves and turns it, by a rotation vector.

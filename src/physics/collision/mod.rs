@@ -26,11 +26,13 @@ mod slots;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use broad::bounding_tree::BoundingBox;
 pub(crate) use broad::near_pairs::NearPairs;
 pub(crate) use classic::vector_set::VectorSet;
 pub(crate) use gap::{closing_distance, fastest_approach, turning_speed};
 pub(crate) use lag::LaggedContacts;
 pub(crate) use manifold::{ContactPoint, Contacts, FeatureId, Manifold, Pair};
+pub(crate) use narrow::ball::place;
 pub(crate) use narrow::contact_pair::{PairSearch, touch};
 pub use probe::PlacedCollider;
 pub(crate) use slots::graph::{ContactGraph, GONE};

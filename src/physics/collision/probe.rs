@@ -43,7 +43,7 @@ impl PlacedCollider<'_> {
     }
 
     /// None: its rotation is none.
-    fn body(&self) -> Option<Body> {
+    pub(crate) fn body(&self) -> Option<Body> {
         let mut body = Body::new(Entity::PLACEHOLDER);
         body.position = self.position.0.into();
         body.rotation = nalgebra::UnitQuaternion::new_normalize(self.rotation.0.into());

@@ -107,7 +107,7 @@ fn gather_row(
     // One that does not move is looked at again by the broad phase only if somebody else moves it.
     let known = |body: &Body| {
         let place = (body.kind == RigidBody::Static).then_some((body.position, body.rotation));
-        (body.kind, body.layers, body.material, body.changes, place)
+        (body.kind, body.layers, body.is_sensor, body.material, body.changes, place)
     };
     let before = known(body);
     body.mass_is_stale |= presence.lost_density(slot.gathered_with);

@@ -46,6 +46,7 @@ pub(super) fn gather_body(
     body.kind = table.kind[row];
     body.layers = or_default(&table.layers, row);
     body.reports = table.reports;
+    body.is_sensor = table.sensor;
     let collider = table.collider.as_ref().map(|column| &column[row]);
     let is_collider_new = table.is_collider_new(row, watch);
     body.mass_is_stale |= is_collider_new || table.is_density_or_mass_new(row, watch);

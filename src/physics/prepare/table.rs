@@ -16,7 +16,7 @@ use bevy::prelude::*;
 
 use crate::physics::{
     BodySlot, Collider, CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass,
-    PoseHistory, Position, Presence, Quarantined, Refill, ReportCollisions, RigidBody, Rotation, Sleeping,
+    PoseHistory, Position, Presence, Quarantined, Refill, ReportCollisions, RigidBody, Rotation, Sensor, Sleeping,
     SurfaceMaterial, Velocity,
 };
 
@@ -45,6 +45,7 @@ pub(super) struct BodyQuery {
     pub quarantined: Option<&'static Quarantined>,
     pub parent: Has<ChildOf>,
     pub sleeping: Has<Sleeping>,
+    pub sensor: Has<Sensor>,
 }
 
 /// All bodies with the same components, a slice each.
@@ -103,7 +104,7 @@ impl BodyTable<'_, '_> {
     }
 
     pub fn presence(&self) -> Presence {
-        let marks = [self.reports, self.quarantined.is_some(), self.parent, self.sleeping];
+        let marks = [self.reports, self.quarantined.is_some(), self.parent, self.sleeping, self.sensor];
         let present = self.optional_columns().map(|column| column.is_some()).into_iter().chain(marks);
         Presence((0..).zip(present).map(|(bit, present)| u32::from(present) << bit).sum())
     }

@@ -14,6 +14,7 @@ mod hull;
 mod measures;
 mod merge_facets;
 mod quick_hull;
+mod reach;
 mod sphere;
 mod volume_integrals;
 
@@ -30,6 +31,7 @@ pub use convex_hull::{ConvexHull, HullError};
 pub(crate) use edge_lanes::{EdgeLanes, EdgeParts};
 pub(crate) use hull::Hull;
 use measures::Measures;
+pub(crate) use reach::reach;
 
 /// The shape of a body, one per body, centred on its centre of mass. Sizes are full and in m.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]

@@ -15,7 +15,7 @@ use crate::physics::collision::gap::own_reach;
 use crate::physics::collision::manifold::Pair;
 use crate::physics::joint::{JoinedPairs, Joints};
 use crate::physics::settings::SolverSettings;
-use crate::physics::shape::Geometry;
+use crate::physics::shape::reach;
 use crate::physics::stats::StepStats;
 
 /// Pairs near each other, and what changed about them in this step.
@@ -62,36 +62,15 @@ impl BoundedBodies for InStep<'_> {
 
     fn bounds(&self, body: u32) -> Bounds {
         let body = &self.bodies[body as usize];
-        if body.layers.touch_nothing() {
+        if body.touches_nothing() {
             return Bounds::None;
         }
         let axes = body.rotation.to_rotation_matrix().into_inner();
         let gap = self.reach.map_or(body.pulled * self.h * self.h, |settings| own_reach(body, settings));
-        let reach = match &body.geometry {
-            None => return Bounds::None,
-            Some(Geometry::HalfSpace) => {
-                let normal = axes.column(1).into_owned();
-                return Bounds::HalfSpace { normal, point: body.position + normal * gap };
-            }
-            Some(Geometry::Sphere { radius }) => [Vector3::repeat(-radius), Vector3::repeat(*radius)],
-            Some(Geometry::Cuboid { half }) => {
-                let reach = axes.abs() * half;
-                [-reach, reach]
-            }
-            Some(Geometry::Cone { radius, height, .. }) => {
-                // The apex, and the disc of the base.
-                let axis = axes.column(1);
-                let disc = axis.map(|along| radius * (1.0 - along * along).max(0.0).sqrt());
-                let (apex, base) = (axis * (0.75 * height), axis * (-0.25 * height));
-                [apex.inf(&(base - disc)), apex.sup(&(base + disc))]
-            }
-            Some(Geometry::Hull(hull)) => {
-                let start = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
-                hull.vertices
-                    .iter()
-                    .map(|vertex| axes * vertex)
-                    .fold(start, |[low, high], v| [low.inf(&v), high.sup(&v)])
-            }
+        let Some(geometry) = &body.geometry else { return Bounds::None };
+        let Some(reach) = reach(geometry, &axes) else {
+            let normal = axes.column(1).into_owned();
+            return Bounds::HalfSpace { normal, point: body.position + normal * gap };
         };
         let slack = Vector3::repeat(CONTACT_TOLERANCE * body.radius);
         let [low, high] = [body.position + reach[0] - slack, body.position + reach[1] + slack];

@@ -62,8 +62,7 @@ pub(crate) fn sweep(
 
 /// Whether a body has a bounding sphere that may touch something.
 fn is_swept(body: &Body) -> bool {
-    body.geometry.as_ref().is_some_and(|geometry| !matches!(geometry, Geometry::HalfSpace))
-        && !body.layers.touch_nothing()
+    body.geometry.as_ref().is_some_and(|geometry| !matches!(geometry, Geometry::HalfSpace)) && !body.touches_nothing()
 }
 
 /// The bounding radius, and what rounding may take from a gap of zero.
@@ -143,7 +142,7 @@ impl SweepAndSort {
 
 fn half_space_pairs(bodies: &[Body], joined: &JoinedPairs, pairs: &mut Vec<Pair>) {
     let is_half_space = |body: &Body| matches!(body.geometry, Some(Geometry::HalfSpace));
-    for (a, plane) in (0..).zip(bodies).filter(|(_, body)| is_half_space(body)) {
+    for (a, plane) in (0..).zip(bodies).filter(|(_, body)| is_half_space(body) && !body.touches_nothing()) {
         let normal = plane.rotation * Vector3::y();
         for (b, body) in (0..).zip(bodies) {
             if is_swept(body)

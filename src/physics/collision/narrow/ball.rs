@@ -58,6 +58,19 @@ pub(crate) fn touch(
     Some(Overlap { normal, depth })
 }
 
+/// The unit normal out of a shape of that bounding radius along the shortest way between its surface and a point in its
+/// axes, and how far the point is out, m, negative inside.
+pub(crate) fn place(shape: &Geometry, point: &Vector3<f64>, radius: f64) -> (Vector3<f64>, f64) {
+    let Place { normal, height } = match shape {
+        Geometry::HalfSpace => Place { normal: Vector3::y(), height: point.y },
+        Geometry::Sphere { radius } => place_at_ball(*radius, point),
+        Geometry::Cuboid { half } => place_at_cuboid(half, point, radius),
+        Geometry::Cone { radius: base, height, .. } => place_at_cone(&Cone::new(*base, *height), point, radius),
+        Geometry::Hull(hull) => place_at_hull(hull, point, radius, f64::INFINITY),
+    };
+    (normal, height)
+}
+
 fn place_at_ball(radius: f64, point: &Vector3<f64>) -> Place {
     let distance = point.norm();
     let normal = if distance > ON_SURFACE * radius { point / distance } else { Vector3::y() };

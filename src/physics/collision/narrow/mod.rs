@@ -3,7 +3,7 @@
 mod apart;
 mod approach;
 mod axis_code;
-mod ball;
+pub(super) mod ball;
 mod boxes;
 pub(super) mod clipping;
 mod cone;

@@ -1,0 +1,64 @@
+//! Where a shape that moves straight on, without turning, first touches another: by conservative advancement, as of
+//! bodies that move fast ([`time_of_impact`](crate::physics::collision)).
+//!
+//! Shapes that are apart by s along a unit n from the one that moves to the other come together along n by n·d for each
+//! metre, and by no more along any way. So it is moved on by s/(n·d) and looked at again; where n·d ≤ 0 they are apart
+//! along n for ever. Where one is curved that is Newton's method for the distance.
+
+use nalgebra::Vector3;
+
+use crate::physics::collision::touch;
+use crate::physics::{Body, ContactPoint, PairSearch};
+
+/// Looks at most; what grazes takes many.
+const LOOKS: usize = 64;
+
+/// Where a shape first touches another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Impact {
+    /// How far it moved, m; 0 where they overlap from the start.
+    pub distance: f64,
+    /// A point of the other that is touched, world axes.
+    pub point: Vector3<f64>,
+    /// Unit, out of the other.
+    pub normal: Vector3<f64>,
+}
+
+/// Buffers of a cast.
+#[derive(Default)]
+pub(super) struct Buffers {
+    search: PairSearch,
+    points: Vec<ContactPoint>,
+}
+
+/// Where `mover` first touches the other on its way along a unit `direction`, within `most`, m.
+pub(super) fn cast(
+    mover: &Body,
+    other: &Body,
+    direction: &Vector3<f64>,
+    most: f64,
+    Buffers { search, points }: &mut Buffers,
+) -> Option<Impact> {
+    let (mut at, mut distance) = (mover.clone(), 0.0);
+    for look in 1..=LOOKS {
+        points.clear();
+        // What another shape was tested by is no help here.
+        search.last = None;
+        let overlap = touch(&at, other, most - distance, search, points)?;
+        let (separation, approach) = (-overlap.depth, overlap.normal.dot(direction));
+        // What the test cannot tell from touching counts as such.
+        if separation <= 0.0 || look == LOOKS {
+            let deepest = points.iter().max_by(|one, other| one.depth.total_cmp(&other.depth))?;
+            return Some(Impact { distance, point: deepest.point, normal: -overlap.normal });
+        }
+        if approach <= 0.0 {
+            return None;
+        }
+        distance += separation / approach;
+        if distance > most {
+            return None;
+        }
+        at.position = mover.position + direction * distance;
+    }
+    unreachable!("the last look returns")
+}

@@ -1,0 +1,32 @@
+//! Questions about where bodies are: what a ray or a shape on its way meets, what is nearest to a point, what a shape
+//! overlaps.
+//!
+//! [`PhysicsQuery`] is a system parameter; any number of systems can ask at once. What it knows is where the last step left
+//! the bodies: what was spawned or moved since then counts from the next step on. The first question after a step makes a
+//! tree of boxes of all bodies, whatever method moved them; where nobody asks nothing is made.
+//!
+//! | | |
+//! | --- | --- |
+//! | [`ray`] | closed forms of a ray and each shape |
+//! | [`cast`] | a shape on its way: conservative advancement |
+//! | [`box_tree`] | which bodies are looked at |
+//! | [`sensor`] | colliders that only report, which ask after each step |
+
+mod answers;
+mod box_tree;
+mod cast;
+mod filter;
+mod index;
+mod physics_query;
+mod ray;
+mod sensor;
+
+pub use answers::{CastHit, PointHit, Ray, RayHit};
+pub use filter::QueryFilter;
+pub use physics_query::PhysicsQuery;
+
+use bevy::prelude::*;
+
+pub(super) fn plugin(app: &mut App) {
+    app.init_resource::<index::QueryIndex>().add_plugins(sensor::plugin);
+}

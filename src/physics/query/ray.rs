@@ -1,0 +1,132 @@
+//! Where a ray meets a shape, in closed form.
+//!
+//! A ray is o + t d, d a unit vector, t ≥ 0. A convex shape has an interval of it: where the ray enters the last of the
+//! planes, or the quadric, that bound it, before it leaves the first.
+//!
+//! *Ball* of radius r: with b = o·d and the foot c = o − b d of the centre, t = −b − √(r² − |c|²); the foot instead of o·o
+//! keeps the digits of a small ball far away (Haines et al. 2019).
+//!
+//! *Cone* with the apex a: below it, the double cone is x² + z² = k² s², s the distance below the apex and k the radius over
+//! the height. With p = o − a and s = −p_y − t d_y, A t² + 2 B t + C = 0, A = d_x² + d_z² − k² d_y², B = p_x d_x + p_z d_z −
+//! k² p_y d_y, C = p_x² + p_z² − k² p_y². Of its roots counts that which enters where 0 ≤ s ≤ h; the base is a disc.
+
+use nalgebra::Vector3;
+
+use crate::physics::{Geometry, Hull};
+
+/// Where a ray enters a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Entry {
+    /// Along the ray, m; 0 where it begins inside.
+    pub distance: f64,
+    /// Unit, out of the shape; against the ray where it begins inside.
+    pub normal: Vector3<f64>,
+}
+
+/// Where a ray from `origin` along the unit `direction`, both in the shape's axes, enters it.
+pub(super) fn enter(geometry: &Geometry, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Entry> {
+    match geometry {
+        Geometry::HalfSpace => enter_planes([(Vector3::y(), 0.0)].into_iter(), origin, direction),
+        Geometry::Sphere { radius } => enter_ball(*radius, origin, direction),
+        Geometry::Cuboid { half } => enter_cuboid(half, origin, direction),
+        Geometry::Cone { radius, height, .. } => enter_cone(*radius, *height, origin, direction),
+        Geometry::Hull(hull) => enter_hull(hull, origin, direction),
+    }
+}
+
+fn inside(direction: &Vector3<f64>) -> Entry {
+    Entry { distance: 0.0, normal: -direction }
+}
+
+fn enter_ball(radius: f64, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Entry> {
+    if origin.norm_squared() <= radius * radius {
+        return Some(inside(direction));
+    }
+    let along = origin.dot(direction);
+    let foot = origin - direction * along;
+    let half_squared = radius * radius - foot.norm_squared();
+    if along > 0.0 || half_squared < 0.0 {
+        return None;
+    }
+    let distance = (-along - half_squared.sqrt()).max(0.0);
+    Some(Entry { distance, normal: (origin + direction * distance) / radius })
+}
+
+fn enter_cuboid(half: &Vector3<f64>, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Entry> {
+    let sides = (0..3).flat_map(|axis| {
+        [1.0, -1.0].map(|sign| {
+            let mut normal = Vector3::zeros();
+            normal[axis] = sign;
+            (normal, half[axis])
+        })
+    });
+    enter_planes(sides, origin, direction)
+}
+
+fn enter_hull(hull: &Hull, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Entry> {
+    enter_planes(hull.faces.iter().map(|face| (face.normal, face.offset)), origin, direction)
+}
+
+/// Into what is below all planes, each a unit normal and its distance from the origin.
+fn enter_planes(
+    planes: impl Iterator<Item = (Vector3<f64>, f64)>,
+    origin: &Vector3<f64>,
+    direction: &Vector3<f64>,
+) -> Option<Entry> {
+    let (mut entry, mut exit) = (inside(direction), f64::INFINITY);
+    for (normal, offset) in planes {
+        let (height, rate) = (normal.dot(origin) - offset, normal.dot(direction));
+        if height > 0.0 {
+            if rate >= 0.0 {
+                return None;
+            }
+            let distance = -height / rate;
+            if distance > entry.distance {
+                entry = Entry { distance, normal };
+            }
+        } else if rate > 0.0 {
+            exit = exit.min(-height / rate);
+        }
+    }
+    (entry.distance <= exit).then_some(entry)
+}
+
+fn enter_cone(radius: f64, height: f64, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Entry> {
+    let slope = radius / height;
+    // From the apex, y down.
+    let (from, rate) = (Vector3::new(origin.x, 0.75 * height - origin.y, origin.z), -direction.y);
+    let below_flank = from.x.hypot(from.z) <= slope * from.y;
+    if below_flank && from.y <= height {
+        return Some(inside(direction));
+    }
+    if from.y > height {
+        // Through the base, or beside it through the flank from below.
+        if rate >= 0.0 {
+            return None;
+        }
+        let distance = (height - from.y) / rate;
+        let at = origin + direction * distance;
+        if at.x.hypot(at.z) <= radius {
+            return Some(Entry { distance, normal: -Vector3::y() });
+        }
+    }
+    let k = slope * slope;
+    let a = direction.x * direction.x + direction.z * direction.z - k * rate * rate;
+    let b = from.x * direction.x + from.z * direction.z - k * from.y * rate;
+    let c = from.x * from.x + from.z * from.z - k * from.y * from.y;
+    let discriminant = b * b - a * c;
+    if discriminant < 0.0 {
+        return None;
+    }
+    // Both roots without a difference of numbers that are nearly the same.
+    let q = -(b + discriminant.sqrt().copysign(b));
+    let entry = |distance: f64| {
+        let at = origin + direction * distance;
+        let depth = from.y + rate * distance;
+        let outward = Vector3::new(at.x, k * depth, at.z);
+        let enters = distance >= 0.0 && (0.0..=height).contains(&depth) && outward.dot(direction) < 0.0;
+        (enters && outward != Vector3::zeros()).then(|| Entry { distance, normal: outward.normalize() })
+    };
+    let roots = [q / a, c / q].map(|distance| if distance.is_finite() { entry(distance) } else { None });
+    roots.into_iter().flatten().min_by(|one, other| one.distance.total_cmp(&other.distance))
+}
