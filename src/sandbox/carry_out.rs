@@ -108,6 +108,11 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         SandboxAction::ChooseTool(tool) => {
             tools::put_down(world);
             world.insert_resource(tool);
+            // What was said of the tool before is out of date.
+            world.insert_resource(Notice::None);
+            if tool == Tool::Join {
+                tools::ask_for_second(world);
+            }
         }
         SandboxAction::Redo => {
             if let Some(scene) = build::redo(world) {

@@ -32,24 +32,31 @@ fn show_help(mut contexts: EguiContexts, driving: Res<DrivingKeys>, mut open: Re
         return Ok(());
     }
     let mut stays = true;
+    let context = contexts.ctx_mut()?;
+    let room = context.content_rect().height() - 110.0;
     egui::Window::new("Help")
         .open(&mut stays)
         .collapsible(false)
         .resizable(false)
         .anchor(egui::Align2::LEFT_TOP, [24.0, 24.0])
-        .show(contexts.ctx_mut()?, |ui| {
-            let keys = BINDINGS.iter().map(|binding| (binding.label, binding.about));
-            table(ui, "Mouse", MOUSE.iter().copied());
-            ui.add_space(8.0);
-            table(ui, "Keys", keys);
-            if !driving.0.is_empty() {
-                ui.add_space(8.0);
-                let driven: Vec<_> = driving.0.iter().map(|motors| (&motors.label, driven(&motors.joints))).collect();
-                table(ui, "Motors of this scene", driven.iter().map(|(keys, what)| (keys.as_str(), what.as_str())));
-            }
+        .show(context, |ui| {
+            // A small window does not hold all of it.
+            egui::ScrollArea::vertical().max_height(room).show(ui, |ui| tables(ui, &driving));
         });
     open.set_if_neq(HelpOpen(stays));
     Ok(())
+}
+
+fn tables(ui: &mut egui::Ui, driving: &DrivingKeys) {
+    let keys = BINDINGS.iter().map(|binding| (binding.label, binding.about));
+    table(ui, "Mouse", MOUSE.iter().copied());
+    ui.add_space(8.0);
+    table(ui, "Keys", keys);
+    if !driving.0.is_empty() {
+        ui.add_space(8.0);
+        let driven: Vec<_> = driving.0.iter().map(|motors| (&motors.label, driven(&motors.joints))).collect();
+        table(ui, "Motors of this scene", driven.iter().map(|(keys, what)| (keys.as_str(), what.as_str())));
+    }
 }
 
 /// What keys drive: by name where that is short.

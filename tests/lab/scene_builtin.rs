@@ -47,7 +47,8 @@ fn all_scenes_are_there_the_start_scene_first() {
     let names: Vec<_> = catalog().iter().map(|scene| scene.name).collect();
     let expected = "limbs pendulum rods chain hanging joint_grid top heavy_top incline slide_roll rolling painleve \
                     bounce spheres cradle wall stack pyramid pyramids sandwich slab column boulder wrecking_ball arch card_house \
-                    dominoes pile heap far four_bar bricard andrews arm servo stop hinge_chain bridge tower car ragdolls";
+                    dominoes pile heap far four_bar bricard andrews arm servo stop hinge_chain bridge tower car ragdolls \
+                    empty";
     assert_eq!(names.join(" "), expected);
     for scene in catalog() {
         assert!(scene.seconds > 0.0 && !scene.about.is_empty() && !scene.truth.is_empty(), "{}", scene.name);

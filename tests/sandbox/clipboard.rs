@@ -5,9 +5,10 @@ use bevy::prelude::*;
 use plumb::physics::{
     Breakable, Collider, HingeJoint, JointMotor, MotorTarget, PlacedCollider, Position, RigidBody, Rotation,
 };
-use plumb::sandbox::{Clipboard, Notice, SandboxAction, Selection};
+use plumb::sandbox::{Clipboard, Notice, Page, SandboxAction, Selection};
 use plumb::scene::SceneSpec;
 
+use crate::eyes::{open_eyes, text_with};
 use crate::stage::Stage;
 
 /// A crank on the ground with an arm on it, and a box beside them.
@@ -248,4 +249,14 @@ fn keys_copy_nothing_while_somebody_types() {
     }
     assert_eq!(names(&mut stage), before);
     assert_eq!(stage.world().resource_mut::<Clipboard>().get(), None);
+}
+
+#[test]
+fn copies_that_no_step_has_seen_have_their_mass() {
+    let mut stage = open();
+    pick(&mut stage, &["crank", "arm 2"]);
+    stage.act(SandboxAction::Duplicate);
+    open_eyes(&mut stage, Page::Build);
+    let told = text_with(&mut stage, "of what moves");
+    assert_eq!(told.as_deref(), Some("68.0 kg of what moves"));
 }

@@ -308,3 +308,26 @@ fn what_cannot_be_put_there_stays() {
         assert!(matches!(stage.world().resource::<plumb::sandbox::Notice>(), plumb::sandbox::Notice::Error(_)));
     }
 }
+
+#[test]
+fn with_shift_held_a_click_picks_what_is_behind_a_handle() {
+    let mut stage = open();
+    let (a, b) = (stage.body("a"), stage.body("b"));
+    let near = Placement { body: b, position: DVec3::new(0.2, 2.0, 0.0), rotation: DQuat::IDENTITY, shape: None };
+    stage.act(SandboxAction::PlaceBodies { placements: vec![near], continues: false });
+    hold(&mut stage, &["a"], Tool::Move);
+    let (before, behind) = (stage.position("a"), DVec3::new(0.25, 2.0, 0.0));
+    stage.hold(KeyCode::ShiftLeft);
+    grab(&mut stage, behind);
+    let_go(&mut stage);
+    stage.let_go(KeyCode::ShiftLeft);
+    let picked: Vec<Entity> = stage.world().resource::<Selection>().bodies().collect();
+    assert_eq!(picked, [a, b]);
+    assert_eq!(stage.position("a"), before);
+    // Without it the handle is on top.
+    hold(&mut stage, &["a"], Tool::Move);
+    grab(&mut stage, behind);
+    drag_to(&mut stage, behind + DVec3::X);
+    let_go(&mut stage);
+    assert!((stage.position("a").x - before.x - 1.0).abs() < 0.02, "{}", stage.position("a"));
+}

@@ -6,7 +6,7 @@ use plumb::physics::{Mass, RigidBody, SurfaceMaterial, Velocity};
 use plumb::sandbox::{Notice, Page, SandboxAction, Selection};
 use plumb::scene::{BodySpec, ShapeSpec};
 
-use crate::eyes::{open_eyes, reads};
+use crate::eyes::{open_eyes, reads, rewrite};
 use crate::stage::Stage;
 
 /// A box in the air beside a ball.
@@ -137,4 +137,17 @@ fn it_opens_at_a_click_and_not_at_a_drag() {
     stage.act(SandboxAction::Escape);
     stage.frames(2);
     assert!(!is_open(&mut stage));
+}
+
+#[test]
+fn where_a_body_is_can_be_typed() {
+    let mut stage = Stage::open_paused(SCENE);
+    open_eyes(&mut stage, Page::Build);
+    let (before, ball) = (stage.position("ball"), stage.body("ball"));
+    stage.world().insert_resource(Selection::of_bodies([ball]));
+    stage.frames(3);
+    rewrite(&mut stage, "0.500", "at", "4.25");
+    assert_eq!(stage.position("ball"), DVec3 { y: 4.25, ..before });
+    stage.act(SandboxAction::Undo);
+    assert_eq!(stage.position("ball"), before);
 }

@@ -184,3 +184,26 @@ fn a_stroke_that_goes_nowhere_makes_nothing() {
     assert_eq!(count::<RigidBody>(&mut stage), before);
     assert!(matches!(stage.world().resource::<Notice>(), Notice::Error(_)));
 }
+
+#[test]
+fn what_a_joint_will_join_is_said_and_not_any_more_with_another_tool() {
+    let mut stage = open();
+    let said = |stage: &mut Stage| match stage.world().resource::<Notice>() {
+        Notice::Info(said) => said.clone(),
+        _ => String::new(),
+    };
+    stage.world().insert_resource(JoinKind::Hinge);
+    let ball = stage.body("ball");
+    stage.world().insert_resource(Selection::of_bodies([ball]));
+    stage.act(SandboxAction::ChooseTool(Tool::Join));
+    let hint = said(&mut stage);
+    assert!(hint.contains("joins ball") && hint.contains("axis"), "the body that is picked is the first: {hint}");
+    stage.act(SandboxAction::ChooseTool(Tool::Push));
+    assert_eq!(said(&mut stage), "");
+    stage.world().insert_resource(Selection::default());
+    stage.act(SandboxAction::ChooseTool(Tool::Join));
+    assert_eq!(said(&mut stage), "");
+    click(&mut stage, Tool::Join, ON_BOX);
+    let hint = said(&mut stage);
+    assert!(hint.contains("joins box"), "{hint}");
+}

@@ -37,6 +37,7 @@ pub(super) use joining::{cut, cut_picked, ends_of, join_picked, joint_at_pointer
 pub use joint_change::JointChange;
 pub(super) use joints::Pin;
 pub(super) use kept::KeptScene;
+pub(super) use names::name_of;
 pub use placement::Placement;
 pub(super) use placing::place_bodies;
 pub(super) use spawning::{next_body, spawn_body, throw, throw_ball};

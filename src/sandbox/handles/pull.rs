@@ -79,7 +79,10 @@ pub(super) fn hovered(world: &mut World, handles: &[Handle], frame: &Frame) -> O
 /// The left button goes down with a tool that has handles: on one, it is dragged; on a body, that is picked; beside all, a box
 /// is drawn.
 pub fn press(world: &mut World, aimed: Option<Aimed>, pointer: PointerId, place: Vec2) {
-    if let Some((handles, frame)) = shown(world)
+    let adds = world.resource::<ButtonInput<KeyCode>>().any_pressed(SHIFT_KEYS);
+    // With Shift held a click picks what is behind them.
+    if !adds
+        && let Some((handles, frame)) = shown(world)
         && let Some(handle) = hovered(world, &handles, &frame)
         && let Some(pulling) = grab(world, handle, frame, pointer)
     {
@@ -87,7 +90,6 @@ pub fn press(world: &mut World, aimed: Option<Aimed>, pointer: PointerId, place:
         return;
     }
     let before = world.resource::<Selection>().clone();
-    let adds = world.resource::<ButtonInput<KeyCode>>().any_pressed(SHIFT_KEYS);
     joint_click::press(world, pointer, place, &before);
     match aimed.filter(|aimed| !aimed.is_ground) {
         Some(aimed) => world.resource_mut::<Selection>().pick(aimed.picked, adds),

@@ -6,7 +6,7 @@ use bevy_egui::egui;
 
 use super::build::{MASSES, sizes};
 use super::buttons::toggle;
-use super::theme::Quantity;
+use super::theme::{Quantity, without_negative_zero};
 use crate::physics::{Mass, RigidBody};
 use crate::sandbox::{SandboxAction, Selection};
 use crate::scene::{BodySpec, ShapeSpec};
@@ -154,8 +154,9 @@ fn velocity(ui: &mut egui::Ui, label: &str, unit: &str, vector: &mut DVec3) {
     ui.label(label).on_hover_text(unit);
     ui.horizontal(|ui| {
         for part in vector.as_mut() {
-            let drag = egui::DragValue::new(part).speed(0.05).range(SPEEDS).fixed_decimals(2);
-            ui.add_sized([58.0, ui.spacing().interact_size.y], drag.update_while_editing(false));
+            let drag = egui::DragValue::new(part).speed(0.05).range(SPEEDS).update_while_editing(false);
+            let drag = drag.custom_formatter(|value, _| without_negative_zero(format!("{value:.2}")));
+            ui.add_sized([58.0, ui.spacing().interact_size.y], drag);
         }
         if *vector != DVec3::ZERO && ui.small_button("0").on_hover_text("stop it").clicked() {
             *vector = DVec3::ZERO;

@@ -5,18 +5,24 @@ use bevy_egui::egui;
 
 use super::buttons::{ActionButton, button_row, tooltip};
 use super::theme::Quantity;
-use crate::physics::{Mass, RigidBody};
+use crate::physics::{Collider, Density, Mass, RigidBody};
 use crate::sandbox::{SandboxAction, Selection};
 
 pub(super) fn show(
     InMut(ui): InMut<egui::Ui>,
     selection: Res<Selection>,
-    bodies: Query<(&RigidBody, Option<&Mass>)>,
+    bodies: Query<(&RigidBody, Option<&Mass>, Option<&Collider>, Option<&Density>)>,
     mut actions: MessageWriter<SandboxAction>,
 ) {
     let picked: Vec<_> = selection.bodies().filter_map(|body| bodies.get(body).ok()).collect();
-    let moving = picked.iter().filter(|(kind, _)| **kind == RigidBody::Dynamic);
-    let mass: f64 = moving.filter_map(|(_, mass)| Some(mass.as_ref()?.0)).sum();
+    let moving = picked.iter().filter(|(kind, ..)| **kind == RigidBody::Dynamic);
+    // One that no step has seen yet has no mass of its own.
+    let mass = moving.map(|&(_, mass, collider, density)| match (mass, collider) {
+        (Some(mass), _) => mass.0,
+        (None, Some(collider)) => collider.mass_properties(density.copied().unwrap_or_default().0).mass,
+        (None, None) => 0.0,
+    });
+    let mass: f64 = mass.sum();
     ui.strong(format!("{} bodies", picked.len()));
     ui.weak(format!("{} of what moves", Quantity::text(mass * 1000.0, "g")));
     ui.add_space(4.0);
@@ -34,6 +40,8 @@ pub(super) fn show(
         selection.partner.is_some(),
         egui::Button::new("🔗 Join the first and the last that were clicked"),
     );
+    let join = join
+        .on_disabled_hover_text("click one body, then another with Shift held: where they are clicked they are joined");
     if join.on_hover_text(tooltip(&SandboxAction::JoinPicked)).clicked() {
         actions.write(SandboxAction::JoinPicked);
     }

@@ -21,7 +21,7 @@ const PICTURES: &[(&str, &[u8])] = pictures![
     "limbs" "pendulum" "rods" "chain" "hanging" "joint_grid" "top" "heavy_top" "incline" "slide_roll" "rolling" "painleve"
     "bounce" "spheres" "cradle" "wall" "stack" "pyramid" "pyramids" "sandwich" "slab" "column" "boulder" "wrecking_ball" "arch"
     "card_house" "dominoes" "pile" "heap" "far" "four_bar" "bricard" "andrews" "arm" "servo" "stop" "hinge_chain" "bridge"
-    "tower" "car" "ragdolls"
+    "tower" "car" "ragdolls" "empty"
 ];
 
 /// Height over width.

@@ -1,13 +1,12 @@
 //! The picked bodies, and the joints of the first.
 
-use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_egui::egui;
 
 use super::super::any_joint::{IsJoint, WholeJoint, WholeJointItem, noun};
 use super::super::joint_readings::ReadJoints;
 use super::super::probe::{Reader, offer_body, offer_joint};
-use super::super::{JointChange, SandboxAction, Selection, ShowsPlots};
+use super::super::{JointChange, Placement, SandboxAction, Selection, ShowsPlots};
 use super::buttons::tooltip;
 use super::joint;
 use super::theme::{name_of, without_negative_zero};
@@ -18,6 +17,9 @@ use crate::scene::{JointComponent, Probes, SceneEntity};
 const LISTED: usize = 12;
 /// So few are told in full.
 const OPEN: usize = 2;
+
+/// Where bodies can be put, m.
+const PLACES: std::ops::RangeInclusive<f64> = -1e6..=1e6;
 
 /// What the section shows of bodies.
 type Bodies<'w, 's> = Query<'w, 's, (Option<&'static Name>, &'static RigidBody, &'static Position, &'static Rotation)>;
@@ -41,7 +43,7 @@ pub(super) fn show(
     match selection.entity().filter(|entity| bodies.contains(*entity)) {
         None => _ = ui.weak("none: click a body in the picture"),
         Some(body) => {
-            show_body(ui, &selection, body, &bodies, &mut probes, &mut actions);
+            show_body(ui, &selection, body, &bodies, &mut probes, &mut changing, &mut actions);
             let own = joints_of(body, &joints);
             for (entity, joint) in own.iter().take(LISTED) {
                 let of_whom = (*entity, own.len() <= OPEN);
@@ -142,14 +144,26 @@ fn show_body(
     body: Entity,
     bodies: &Bodies,
     probes: &mut ResMut<Probes>,
+    changing: &mut bool,
     actions: &mut MessageWriter<SandboxAction>,
 ) {
-    let Ok((_, _, position, _)) = bodies.get(body) else { return };
+    let Ok((_, _, position, rotation)) = bodies.get(body) else { return };
     ui.horizontal(|ui| {
         let label = egui::Label::new("at").selectable(false).sense(egui::Sense::click());
         let about = "its centre of mass; right click: plot it";
         ui.add(label).on_hover_text(about).context_menu(|ui| offer_body(ui, probes, body));
-        ui.monospace(vector_text(position.0, "m"));
+        let mut now = position.0;
+        let typed = now.as_mut().iter_mut().fold(false, |typed, part| {
+            let drag = egui::DragValue::new(part).speed(0.01).range(PLACES).update_while_editing(false);
+            let drag = drag.custom_formatter(|value, _| without_negative_zero(format!("{value:.3}")));
+            typed | ui.add_sized([62.0, ui.spacing().interact_size.y], drag).changed()
+        });
+        ui.label("m");
+        if typed {
+            let placements = vec![Placement { body, position: now, rotation: rotation.0, shape: None }];
+            actions.write(SandboxAction::PlaceBodies { placements, continues: *changing });
+            *changing = ui.input(|input| input.pointer.any_down());
+        }
     });
     ui.horizontal(|ui| {
         if ui.small_button("follow").on_hover_text(tooltip(&SandboxAction::Follow)).clicked() {
@@ -214,11 +228,6 @@ fn show_joint(
 fn value_of(joint: &WholeJointItem, component: &JointComponent, bodies: &Bodies) -> Option<f64> {
     let [Ok(a), Ok(b)] = component.bodies().map(|body| bodies.get(body)) else { return None };
     joint.value([a, b].map(|(_, _, position, rotation)| (position.0, rotation.0)))
-}
-
-fn vector_text(v: DVec3, unit: &str) -> String {
-    let [x, y, z] = v.to_array().map(|component| without_negative_zero(format!("{component:7.3}")));
-    format!("{x} {y} {z} {unit}")
 }
 
 #[cfg(test)]

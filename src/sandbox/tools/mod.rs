@@ -6,4 +6,4 @@ mod press;
 mod preview;
 
 pub(super) use plugin::plugin;
-pub(super) use press::put_down;
+pub(super) use press::{ask_for_second, put_down};

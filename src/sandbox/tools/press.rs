@@ -8,7 +8,7 @@ use crate::physics::{Inertia, Mass, Quarantined, RigidBody, Rotation, Velocity};
 use crate::sandbox::aimed::{Aimed, Picture, Targets};
 use crate::sandbox::state::report;
 use crate::sandbox::timeline::ShownStep;
-use crate::sandbox::{Notice, Selection, Tool, build, camera, handles};
+use crate::sandbox::{JoinKind, Notice, Selection, Tool, build, camera, handles};
 
 /// Speed that a kick through the centre of mass gives a body, m/s.
 const KICK: f64 = 4.0;
@@ -71,7 +71,7 @@ fn join(world: &mut World, aimed: Option<Aimed>) {
         }
         (None, Some(aimed)) => {
             world.insert_resource(Selection { body: Some(aimed.picked), ..default() });
-            *world.resource_mut::<Notice>() = Notice::Info("click the other body; Esc: none".into());
+            ask_for_second(world);
             return;
         }
         (Some(first), Some(aimed)) => (first, aimed.picked),
@@ -81,6 +81,17 @@ fn join(world: &mut World, aimed: Option<Aimed>) {
     let is_done = !matches!(world.resource::<Notice>(), Notice::Error(_));
     let body = if is_done { None } else { Some(first) };
     world.insert_resource(Selection { body, ..default() });
+}
+
+/// Says what the next click joins.
+pub fn ask_for_second(world: &mut World) {
+    let Some(first) = world.resource::<Selection>().body else { return };
+    let where_to = match world.resource::<JoinKind>() {
+        JoinKind::Hinge | JoinKind::Slider => "the other body where the joint is to be: its axis stands on that face",
+        _ => "the other body",
+    };
+    let name = build::name_of(world, first.entity);
+    *world.resource_mut::<Notice>() = Notice::Info(format!("joins {name}: click {where_to}; Esc: none"));
 }
 
 /// A kick where the body was hit, along the view: what is hit off its centre turns.

@@ -110,15 +110,18 @@ fn joint_to_pick(world: &mut World) -> Option<Preview> {
 }
 
 fn of_join(world: &World, aimed: Option<Aimed>) -> Preview {
-    let first = world.resource::<Selection>().body.and_then(|first| build::place_of(world, first.entity, first.point));
+    let picked = world.resource::<Selection>().body;
+    let first = picked.and_then(|first| build::place_of(world, first.entity, first.point));
     let Some(aimed) = aimed else { return Preview::default() };
+    // The second click decides where the axis is, and must not be on the same body.
+    let is_other = picked.is_some_and(|first| first.entity != aimed.picked.entity);
     let turned = world.get::<Rotation>(aimed.picked.entity).map_or(DQuat::IDENTITY, |rotation| rotation.0);
     let normal = aimed.picked.normal.map(|normal| turned * normal);
     let has_axis = matches!(world.resource::<JoinKind>(), JoinKind::Hinge | JoinKind::Slider);
     Preview {
         ways: first.map(|first| (vec![first, aimed.place], false)).into_iter().collect(),
         dots: vec![aimed.place],
-        axis: normal.filter(|_| has_axis && first.is_some()).map(|normal| (aimed.place, normal)),
+        axis: normal.filter(|_| has_axis && is_other).map(|normal| (aimed.place, normal)),
         ..default()
     }
 }

@@ -6,6 +6,7 @@ mod bouncing;
 mod car;
 mod dominoes;
 mod driven;
+mod empty;
 mod far;
 mod figure;
 mod gravity;
@@ -29,7 +30,7 @@ mod tower;
 use super::SceneInfo;
 
 /// Every built-in scene, the start scene first.
-pub(super) static ALL: [SceneInfo; 41] = [
+pub(super) static ALL: [SceneInfo; 42] = [
     limbs::LIMBS,
     hanging::PENDULUM,
     hanging::RODS,
@@ -71,4 +72,5 @@ pub(super) static ALL: [SceneInfo; 41] = [
     tower::TOWER,
     car::CAR,
     ragdolls::RAGDOLLS,
+    empty::EMPTY,
 ];
