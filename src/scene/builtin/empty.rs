@@ -18,7 +18,7 @@ pub(super) const EMPTY: SceneInfo = SceneInfo {
     build: |_| {
         let mut scene = SceneSpec::new("empty", EARTH);
         scene.bodies.push(BodySpec::ground().with_color(palette::GROUND));
-        scene.view = Some(ViewSpec::framing(DVec3::new(0.0, 0.8, 0.0), 3.5, DVec3::new(0.3, 0.4, 1.0)));
+        scene.view = Some(ViewSpec::framing(DVec3::new(0.0, 0.9, 0.0), 3.0, DVec3::new(0.2, 0.22, 1.0)));
         scene
     },
 };
