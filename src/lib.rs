@@ -18,10 +18,10 @@ pub mod prelude {
         ExactIntegrator, ExactSettings, ExternalForce, FixedJoint, FrictionModel, GenericJoint, Gravity, GravityScale,
         HingeJoint, ImpulseSettings, Inertia, Integrator, JointAxes, JointAxis, JointBroke, JointCoordinate,
         JointFriction, JointLimits, JointLoad, JointMotor, LimitRange, LimitReached, LockedAxes, Mass, Method,
-        MotorTarget, ObserveContacts, PhysicsPlugin, PhysicsQuery, PointHit, Position, Precision, PrescribedMotion,
-        Quarantined, QueryFilter, Ray, RayHit, RenderOrigin, ReportCollisions, RigidBody, Rotation, Sensor,
-        SensorEnded, SensorStarted, Sleeping, SliderJoint, Softness, SolverSettings, StepStats, SurfaceMaterial,
-        SweepSettings, Velocity, headless_app, step,
+        MotorTarget, ObserveContacts, PhysicsPlugin, PhysicsQuery, PlacedCollider, PointHit, Position, Precision,
+        PrescribedMotion, Quarantined, QueryFilter, Ray, RayHit, RenderOrigin, ReportCollisions, RigidBody, Rotation,
+        Sensor, SensorEnded, SensorStarted, Sleeping, SliderJoint, Softness, SolverSettings, StepStats,
+        SurfaceMaterial, SweepSettings, Velocity, headless_app, step,
     };
     pub use crate::physics::{PhysicsSchedule, PhysicsSystems};
 }

@@ -44,6 +44,8 @@ pub struct BodySpec {
     pub material: MaterialSpec,
     /// What it touches.
     pub layers: CollisionLayers,
+    /// Whether its shape only reports what is in it.
+    pub sensor: bool,
     /// World axes it does not move along or about.
     pub locked: LockedAxes,
     /// Factor on gravity.
@@ -109,6 +111,7 @@ impl BodySpec {
             torque: DVec3::ZERO,
             material: MaterialSpec { friction: 0.6, restitution: 0.0 },
             layers: CollisionLayers::ALL,
+            sensor: false,
             locked: LockedAxes::default(),
             gravity_scale: 1.0,
             damping: (0.0, 0.0),

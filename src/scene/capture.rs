@@ -11,7 +11,7 @@ use super::{BodySpec, JointParts, JointSpec, MaterialSpec, PictureMesh, Probes, 
 use crate::physics::joint::JointSlot;
 use crate::physics::{
     BodySlot, Collider, CollisionLayers, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia, LockedAxes,
-    Mass, Position, RigidBody, Rotation, Shape, SurfaceMaterial, Velocity,
+    Mass, Position, RigidBody, Rotation, Sensor, Shape, SurfaceMaterial, Velocity,
 };
 
 /// What a body without a name is called.
@@ -97,6 +97,7 @@ impl BodySpec {
             torque: force.torque,
             material: MaterialSpec { friction: material.friction, restitution: material.restitution },
             layers: body.get::<CollisionLayers>().copied().unwrap_or_default(),
+            sensor: body.contains::<Sensor>(),
             locked: body.get::<LockedAxes>().copied().unwrap_or_default(),
             gravity_scale: body.get::<GravityScale>().copied().unwrap_or_default().0,
             damping: (damping.linear, damping.angular),

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use super::{BodySpec, HullSpec, JointParts, JointSpec, MotorKeys, PictureMesh, Probes, SceneSpec, ShapeSpec};
 use crate::physics::{
     Collider, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia, Keep, Mass, Position, RenderOrigin,
-    Rotation, SurfaceMaterial, Velocity,
+    Rotation, Sensor, SurfaceMaterial, Velocity,
 };
 
 /// Marks what a scene spawned (bodies and joints), so that a reset can despawn it.
@@ -113,6 +113,9 @@ fn insert_body(body: &BodySpec, origin: RenderOrigin, entity: &mut EntityWorldMu
             SurfaceMaterial { friction: body.material.friction, restitution: body.material.restitution },
         );
         insert_unless_default(entity, body.layers);
+        if body.sensor {
+            entity.insert(Sensor);
+        }
         match shape {
             ShapeSpec::Mesh(mesh) => _ = entity.insert(PictureMesh(mesh.clone())),
             ShapeSpec::Hull(hull) => _ = entity.insert(GivenHull(hull.clone())),

@@ -78,6 +78,7 @@ fn unusual() -> SceneSpec {
         torque: DVec3::new(-0.0, 0.0, 0.0),
         layers: CollisionLayers { memberships: 5, filters: u32::MAX },
         locked: LockedAxes { translation: [false, true, false], rotation: [true; 3] },
+        sensor: true,
         gravity_scale: -0.0,
         damping: (third, 2.5),
         ..BodySpec::new("quo\"te\\ é\n", ShapeSpec::Cone { radius: third, height: 2.0 }, DVec3::new(-0.0, third, 1e7))

@@ -17,7 +17,8 @@ fn both_preludes_can_be_glob_imported() {
         named::<(GravityScale, Inertia, Integrator, JointLoad, LockedAxes, Mass, Method, ObserveContacts)>(),
         named::<(Position, Precision, Quarantined, RenderOrigin, ReportCollisions, RigidBody, Rotation)>(),
         named::<(Sleeping, Softness, SolverSettings, StepStats, SurfaceMaterial, Velocity, PhysicsPlugin)>(),
-        named::<(PhysicsSchedule, PhysicsSystems)>(),
+        named::<(PhysicsSchedule, PhysicsSystems, PhysicsQuery, PlacedCollider, QueryFilter, Ray, RayHit)>(),
+        named::<(CastHit, PointHit, Sensor, SensorStarted, SensorEnded)>(),
         named::<(App, Entity, Transform, Vec3, Quat, Time<Fixed>, World, Name, GlobalTransform)>(),
     ];
     assert!(sizes.iter().sum::<usize>() > 0);
@@ -46,6 +47,7 @@ fn components_and_resources_reflect() {
         ("Position", is_component::<Position>(registry)),
         ("Quarantined", is_component::<Quarantined>(registry)),
         ("ReportCollisions", is_component::<ReportCollisions>(registry)),
+        ("Sensor", is_component::<Sensor>(registry)),
         ("RigidBody", is_component::<RigidBody>(registry)),
         ("Rotation", is_component::<Rotation>(registry)),
         ("Sleeping", is_component::<Sleeping>(registry)),

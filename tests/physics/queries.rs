@@ -3,7 +3,6 @@
 use bevy::ecs::system::SystemState;
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
-use plumb::physics::PlacedCollider;
 use plumb::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;

@@ -78,6 +78,19 @@ fn mass_surface_kind_and_velocity_are_what_was_asked_for() {
 }
 
 #[test]
+fn what_becomes_a_sensor_is_passed_through() {
+    let mut stage = Stage::open(SCENE);
+    stage.frames(5);
+    change(&mut stage, "box", false, |body| body.sensor = true);
+    stage.frames(120);
+    assert!(stage.position("box").y < -1.0, "the ground holds it: {}", stage.position("box"));
+    stage.act(SandboxAction::Undo);
+    stage.frames(120);
+    assert!((stage.position("box").y - 0.5).abs() < 0.01, "it fell through: {}", stage.position("box"));
+    stage.replays();
+}
+
+#[test]
 fn what_makes_no_sense_is_refused() {
     let mut stage = Stage::open(SCENE);
     for (says, make) in [

@@ -17,8 +17,8 @@ use crate::physics::{
     BallJoint, BirthCounter, BodySlot, Breakable, BrokenJoint, Collider, CollisionLayers, Damping, Deeds, Density,
     DistanceJoint, ExternalForce, FixedJoint, GenericJoint, Gravity, GravityScale, HingeJoint, Inertia,
     JointCoordinate, JointFriction, JointLimits, JointMotor, JointSlot, LockedAxes, Mass, ObserveContacts, Position,
-    Quarantined, ReportCollisions, RigidBody, Rotation, Shape, SliderJoint, SolverSettings, SurfaceMaterial, Velocity,
-    bury,
+    Quarantined, ReportCollisions, RigidBody, Rotation, Sensor, Shape, SliderJoint, SolverSettings, SurfaceMaterial,
+    Velocity, bury,
 };
 use crate::scene::{BodyColor, BodySpec, SceneEntity, SceneSpec};
 
@@ -54,7 +54,15 @@ impl Kinds {
             ($($kind:ty),* $(,)?) => { $(registry.register::<$kind>();)* };
         }
         register!(RigidBody, Position, Rotation, Velocity, Collider, Mass, Density, Inertia, ExternalForce, Damping);
-        register!(SurfaceMaterial, CollisionLayers, LockedAxes, GravityScale, ReportCollisions, ObserveContacts);
+        register!(
+            SurfaceMaterial,
+            CollisionLayers,
+            LockedAxes,
+            GravityScale,
+            ReportCollisions,
+            ObserveContacts,
+            Sensor
+        );
         register!(Quarantined, Transform, BallJoint, HingeJoint, SliderJoint, FixedJoint, DistanceJoint, GenericJoint);
         register!(
             JointLimits,

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use crate::physics::{Inertia, Mass, SurfaceMaterial, Velocity};
+use crate::physics::{Inertia, Mass, Sensor, SurfaceMaterial, Velocity};
 use crate::scene::{BodyColor, BodySpec};
 
 /// Writes what of it differs, but for the pose. What it was; none where it is gone.
@@ -34,6 +34,11 @@ pub fn write_body(world: &mut World, body: Entity, asked: &BodySpec) -> Option<B
     }
     if asked.layers != was.layers {
         entity.insert(asked.layers);
+    }
+    if asked.sensor && !was.sensor {
+        entity.insert(Sensor);
+    } else if was.sensor && !asked.sensor {
+        entity.remove::<Sensor>();
     }
     let velocity = Velocity { linear: asked.linear_velocity, angular: asked.angular_velocity };
     if velocity != (Velocity { linear: was.linear_velocity, angular: was.angular_velocity }) {

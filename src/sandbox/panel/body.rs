@@ -117,6 +117,10 @@ pub(super) fn show(
                 &mut now.layers.memberships,
             );
             layers(ui, "touches", "layers that it touches", &mut now.layers.filters);
+            ui.label("sensor");
+            let about = "it only reports what is in it, and neither pushes nor is pushed";
+            ui.checkbox(&mut now.sensor, "only reports").on_hover_text(about);
+            ui.end_row();
         }
     });
     if now != *was {

@@ -67,6 +67,8 @@ pub(super) struct BodyEntry {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub layers: Option<CollisionLayers>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub locked: Option<LockedAxes>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity_scale: Option<Finite>,

@@ -135,6 +135,7 @@ impl BodyEntry {
                 restitution: self.restitution.map_or(usual.material.restitution, f64::from),
             },
             layers: self.layers.unwrap_or_default(),
+            sensor: self.sensor.unwrap_or_default(),
             locked: self.locked.unwrap_or_default(),
             gravity_scale: self.gravity_scale.map_or(1.0, f64::from),
             damping: (self.linear_damping.map_or(0.0, f64::from), self.angular_damping.map_or(0.0, f64::from)),

@@ -77,6 +77,7 @@ impl BodyEntry {
             friction: unless_same(body.material.friction, usual.material.friction).map(NonNegative::of_valid),
             restitution: unless_same(body.material.restitution, usual.material.restitution).map(Fraction::of_valid),
             layers: (body.layers != usual.layers).then_some(body.layers),
+            sensor: body.sensor.then_some(true),
             locked: (body.locked != usual.locked).then_some(body.locked),
             gravity_scale: unless_same(body.gravity_scale, usual.gravity_scale).map(Finite::of_valid),
             linear_damping: unless_same(linear_damping, usual.damping.0).map(NonNegative::of_valid),
