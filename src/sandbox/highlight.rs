@@ -146,6 +146,7 @@ fn grown(shape: &Shape, thickness: f64) -> Shape {
         Shape::HalfSpace | Shape::Hull(_) => shape.clone(),
         Shape::Sphere { radius } => Shape::Sphere { radius: radius + thickness },
         Shape::Cuboid { size } => Shape::Cuboid { size: *size + DVec3::splat(2.0 * thickness) },
+        Shape::Capsule { radius, length } => Shape::Capsule { radius: radius + thickness, length: *length },
         Shape::Cone { radius, height } => {
             let scale = 1.0 + thickness * (1.0 + radius.hypot(*height) / radius) / height;
             Shape::Cone { radius: radius * scale, height: height * scale }

@@ -126,6 +126,7 @@ impl SharedAssets {
             Shape::Cuboid { .. } | Shape::HalfSpace => 1,
             Shape::Cone { .. } => 2,
             Shape::Hull(_) => 3,
+            Shape::Capsule { .. } => 0,
         };
         match kind {
             RigidBody::Static => STATIC_COLOR,
@@ -143,7 +144,7 @@ impl SharedAssets {
 pub(super) fn picture_size(shape: &Shape) -> Vec3 {
     match shape {
         Shape::HalfSpace | Shape::Hull(_) => Vec3::ONE,
-        Shape::Sphere { radius } => Vec3::splat(*radius as f32),
+        Shape::Sphere { radius } | Shape::Capsule { radius, .. } => Vec3::splat(*radius as f32),
         Shape::Cuboid { size } => size.as_vec3(),
         // By one factor, so that its normals stay normals for whoever casts a ray at it.
         Shape::Cone { height, .. } => Vec3::splat(*height as f32),
@@ -160,6 +161,7 @@ fn picture_key(shape: &Shape, picture: Option<&PictureMesh>) -> Vec<u64> {
         Shape::Sphere { .. } => (1, vec![]),
         Shape::Cuboid { .. } => (2, vec![]),
         Shape::Cone { radius, height } => (3, vec![radius / height]),
+        Shape::Capsule { radius, length } => (6, vec![length / radius]),
         Shape::Hull(hull) => (4, hull.vertices().flat_map(|vertex| vertex.to_array()).collect()),
     };
     std::iter::once(kind).chain(sizes.into_iter().map(f64::to_bits)).collect()
@@ -172,6 +174,7 @@ pub(super) fn picture_of(shape: &Shape, picture: Option<&PictureMesh>) -> Option
         (Shape::Hull(_), Some(PictureMesh(mesh))) => Some(mesh_of_file(mesh)),
         (Shape::Sphere { .. }, _) => Some(ball(1.0).with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, ball_shades())),
         (Shape::Cuboid { .. }, _) => mesh_of(&Shape::Cuboid { size: DVec3::ONE }),
+        (Shape::Capsule { radius, length }, _) => mesh_of(&Shape::Capsule { radius: 1.0, length: length / radius }),
         (Shape::Cone { radius, height }, _) => mesh_of(&Shape::Cone { radius: radius / height, height: 1.0 }),
         _ => mesh_of(shape),
     }
@@ -184,6 +187,10 @@ pub(super) fn mesh_of(shape: &Shape) -> Option<Mesh> {
         Shape::Hull(hull) => Some(mesh_of_hull(hull)),
         Shape::Sphere { radius } => Some(ball(*radius as f32)),
         Shape::Cuboid { size } => Some(Cuboid::from_size(size.as_vec3()).into()),
+        Shape::Capsule { radius, length } => {
+            let capsule = Capsule3d { radius: *radius as f32, half_length: 0.5 * *length as f32 };
+            Some(capsule.mesh().longitudes(64).latitudes(32).build())
+        }
         // Bevy's cone is centred half-way up; the centre of mass is a quarter up.
         Shape::Cone { radius, height } => Some(
             Cone { radius: *radius as f32, height: *height as f32 }

@@ -71,6 +71,13 @@ pub enum ShapeSpec {
         /// Full extents.
         size: DVec3,
     },
+    /// A cylinder with half a ball on each end, along y.
+    Capsule {
+        /// Radius.
+        radius: f64,
+        /// Length of the cylinder.
+        length: f64,
+    },
     /// A cone, apex up.
     Cone {
         /// Base radius.
@@ -219,6 +226,7 @@ impl ShapeSpec {
             Self::HalfSpace => f64::INFINITY,
             Self::Sphere { radius } => 4.0 / 3.0 * PI * radius.powi(3),
             Self::Cuboid { size } => size.x * size.y * size.z,
+            Self::Capsule { radius, length } => PI * radius * radius * (length + 4.0 / 3.0 * radius),
             Self::Cone { radius, height } => PI / 3.0 * radius * radius * height,
             Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::volume),
         }
@@ -229,7 +237,7 @@ impl ShapeSpec {
         match self {
             Self::HalfSpace => f64::INFINITY,
             Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::thickness),
-            Self::Sphere { radius } => 2.0 * radius,
+            Self::Sphere { radius } | Self::Capsule { radius, .. } => 2.0 * radius,
             Self::Cuboid { size } => size.min_element(),
             Self::Cone { radius, height } => height.min(2.0 * *radius),
         }
@@ -242,6 +250,7 @@ impl ShapeSpec {
             Self::HalfSpace => f64::INFINITY,
             Self::Sphere { radius } => *radius,
             Self::Cuboid { size } => size.length() / 2.0,
+            Self::Capsule { radius, length } => 0.5 * length + radius,
             Self::Cone { radius, height } => radius.hypot(height / 4.0).max(0.75 * height),
             Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::bounding_radius),
         }

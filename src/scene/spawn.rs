@@ -155,6 +155,7 @@ impl ShapeSpec {
             Self::HalfSpace => Collider::half_space(),
             Self::Sphere { radius } => Collider::sphere(*radius),
             Self::Cuboid { size } => Collider::cuboid(size.x, size.y, size.z),
+            Self::Capsule { radius, length } => Collider::capsule(*radius, *length),
             Self::Cone { radius, height } => Collider::cone(*radius, *height),
             Self::Hull(hull) => Collider::hull(hull.hull().clone().expect("a valid scene's hulls have a volume")),
             Self::Mesh(mesh) => Collider::hull(mesh.hull().clone()),

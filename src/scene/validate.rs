@@ -113,6 +113,10 @@ fn check_shape(body: &BodySpec) -> Result<(), FieldFlaw> {
         }
         ShapeSpec::Sphere { radius } => number::<Positive>("shape.radius", *radius)?,
         ShapeSpec::Cuboid { size } => positive("shape.size", *size)?,
+        ShapeSpec::Capsule { radius, length } => {
+            number::<Positive>("shape.radius", *radius)?;
+            number::<Positive>("shape.length", *length)?;
+        }
         ShapeSpec::Cone { radius, height } => {
             number::<Positive>("shape.radius", *radius)?;
             number::<Positive>("shape.height", *height)?;

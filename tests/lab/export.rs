@@ -96,7 +96,8 @@ fn unusual() -> SceneSpec {
         ..JointSpec::new(&body, DVec3::new(-0.0, third, 0.0), &ball, DVec3::X)
     };
     let mut scene = SceneSpec::new("unusual", DVec3::new(-0.0, third, -1e-5));
-    scene.bodies = vec![body, ball, BodySpec::ground().with_rotation(DQuat::from_rotation_x(0.1))];
+    let capsule = BodySpec::new("capsule", ShapeSpec::Capsule { radius: third, length: 0.1 }, DVec3::Z);
+    scene.bodies = vec![body, ball, capsule, BodySpec::ground().with_rotation(DQuat::from_rotation_x(0.1))];
     scene.joints.push(joint);
     scene.view = Some(ViewSpec { eye: DVec3::splat(third), target: DVec3::NEG_X });
     scene

@@ -15,6 +15,9 @@ fn support(body: &BodySpec, direction: DVec3) -> DVec3 {
     let point = match &body.shape {
         Some(ShapeSpec::Sphere { radius }) => *radius * local.normalize_or_zero(),
         Some(ShapeSpec::Cuboid { size }) => 0.5 * *size * local.signum(),
+        Some(ShapeSpec::Capsule { radius, length }) => {
+            *radius * local.normalize_or_zero() + DVec3::Y * (0.5 * length).copysign(local.y)
+        }
         Some(ShapeSpec::Cone { radius, height }) => {
             let rim = *radius * DVec3::new(local.x, 0.0, local.z).normalize_or_zero() - 0.25 * height * DVec3::Y;
             let apex = 0.75 * height * DVec3::Y;

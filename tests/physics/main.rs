@@ -8,6 +8,7 @@ mod at_rest;
 mod bouncing;
 mod bounded_rows;
 mod breaking;
+mod capsules;
 mod classic;
 mod cones;
 mod determinism;

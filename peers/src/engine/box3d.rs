@@ -171,6 +171,11 @@ fn create_shape(id: b3BodyId, body: &Body, shape: &Shape, ground: f64) {
                 let hull = b3MakeOffsetBoxHull(half.x, half.y, half.z, vector(-GROUND_HALF_DEPTH * DVec3::Y));
                 b3CreateHullShape(id, &definition, &hull.base);
             }
+            Shape::Capsule { radius, length } => {
+                let [center1, center2] = [-0.5, 0.5].map(|end| vector(DVec3::Y * (end * length)));
+                let capsule = b3Capsule { center1, center2, radius: *radius as f32 };
+                b3CreateCapsuleShape(id, &definition, &capsule);
+            }
             Shape::Cone { radius, height } => create_hull(id, &definition, &cone_points(*radius, *height)),
             Shape::Hull(hull) => create_hull(id, &definition, &hull.vertices().map(vector).collect::<Vec<_>>()),
         }

@@ -22,6 +22,7 @@ fn reach(body: &BodySpec, direction: DVec3) -> f64 {
         None | Some(ShapeSpec::HalfSpace) => 0.0,
         Some(ShapeSpec::Sphere { radius }) => *radius,
         Some(ShapeSpec::Cuboid { size }) => (0.5 * *size).dot(direction.abs()),
+        Some(ShapeSpec::Capsule { radius, length }) => radius + 0.5 * length * direction.y.abs(),
         Some(ShapeSpec::Cone { radius, height }) => {
             let apex = 0.75 * height * direction.y;
             let rim = radius * direction.x.hypot(direction.z) - 0.25 * height * direction.y;

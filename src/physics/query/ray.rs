@@ -29,6 +29,7 @@ pub(super) fn enter(geometry: &Geometry, origin: &Vector3<f64>, direction: &Vect
         Geometry::HalfSpace => enter_planes([(Vector3::y(), 0.0)].into_iter(), origin, direction),
         Geometry::Sphere { radius } => enter_ball(*radius, origin, direction),
         Geometry::Cuboid { half } => enter_cuboid(half, origin, direction),
+        Geometry::Capsule { radius, half, .. } => enter_capsule(*radius, *half, origin, direction),
         Geometry::Cone { radius, height, .. } => enter_cone(*radius, *height, origin, direction),
         Geometry::Hull(hull) => enter_hull(hull, origin, direction),
     }
@@ -50,6 +51,25 @@ fn enter_ball(radius: f64, origin: &Vector3<f64>, direction: &Vector3<f64>) -> O
     }
     let distance = (-along - half_squared.sqrt()).max(0.0);
     Some(Entry { distance, normal: (origin + direction * distance) / radius })
+}
+
+/// Into the cylinder between the ends of the segment, or one of the balls there.
+fn enter_capsule(radius: f64, half: f64, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Entry> {
+    let inside_beside = (origin - Vector3::y() * origin.y.clamp(-half, half)).norm_squared() <= radius * radius;
+    if inside_beside {
+        return Some(inside(direction));
+    }
+    let across = |vector: &Vector3<f64>| Vector3::new(vector.x, 0.0, vector.z);
+    let (from, rate) = (across(origin), across(direction));
+    let side = rate.try_normalize(0.0).and_then(|unit| {
+        let entry = enter_ball(radius, &from, &unit)?;
+        let distance = entry.distance / rate.norm();
+        let is_between = (origin.y + direction.y * distance).abs() <= half;
+        (is_between && entry.distance > 0.0).then_some(Entry { distance, normal: entry.normal })
+    });
+    let ends = [-half, half].map(|end| enter_ball(radius, &(origin - Vector3::y() * end), direction));
+    let all = ends.into_iter().flatten().chain(side);
+    all.min_by(|one, other| one.distance.total_cmp(&other.distance))
 }
 
 fn enter_cuboid(half: &Vector3<f64>, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Entry> {

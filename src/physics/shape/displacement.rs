@@ -25,11 +25,11 @@ impl Collider {
         let farthest = |points: &mut dyn Iterator<Item = DVec3>| points.map(moves).fold(0.0, f64::max);
         match self.shape() {
             Shape::HalfSpace => centre.length(),
-            Shape::Sphere { radius } => {
-                let axis = turn.vector.normalize_or_zero();
-                let along = centre.dot(axis);
-                let across = (centre - along * axis).length() + 2.0 * turn.vector.length() * radius;
-                along.hypot(across)
+            Shape::Sphere { radius } => turn.moves_ball(centre, *radius),
+            // It is the convex hull of two balls.
+            Shape::Capsule { radius, length } => {
+                let ends = [-0.5, 0.5].map(|end| centre + turn.displace(from * (DVec3::Y * (end * length))));
+                ends.map(|end| turn.moves_ball(end, *radius)).into_iter().fold(0.0, f64::max)
             }
             Shape::Cuboid { size } => {
                 let signs = (0..8).map(|corner| [1, 2, 4].map(|bit| if corner & bit == 0 { -0.5 } else { 0.5 }));
@@ -52,6 +52,14 @@ struct Turn {
 }
 
 impl Turn {
+    /// How far the farthest point of a ball moves whose centre moves by `centre`, m.
+    fn moves_ball(&self, centre: DVec3, radius: f64) -> f64 {
+        let axis = self.vector.normalize_or_zero();
+        let along = centre.dot(axis);
+        let across = (centre - along * axis).length() + 2.0 * self.vector.length() * radius;
+        along.hypot(across)
+    }
+
     fn between(from: DQuat, to: DQuat) -> Self {
         if from == to {
             return Self { vector: DVec3::ZERO, scalar: 1.0 }; // without a rounding

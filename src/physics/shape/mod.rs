@@ -5,6 +5,7 @@
 //! about the centre of mass (m) and its geometry for collision. What touches what is not here: see
 //! `collision`.
 
+mod capsule;
 mod cone;
 mod convex_hull;
 mod cuboid;
@@ -56,6 +57,13 @@ pub enum Shape {
         /// Full extents along x, y, z, m.
         size: DVec3,
     },
+    /// All points within a radius of a segment along y: a cylinder with half a ball on each end.
+    Capsule {
+        /// Radius, m.
+        radius: f64,
+        /// Length of the segment, that of the cylinder, m.
+        length: f64,
+    },
     /// A circular cone, apex up +y; the centre of mass is a quarter of the height above the base.
     Cone {
         /// Radius of the base, m.
@@ -92,6 +100,11 @@ impl Collider {
         Self { shape: Shape::Cuboid { size: DVec3::new(x, y, z) } }
     }
 
+    /// A capsule of that radius about a segment of that length along y, m.
+    pub fn capsule(radius: f64, length: f64) -> Self {
+        Self { shape: Shape::Capsule { radius, length } }
+    }
+
     /// A cone of that base radius and height, m, apex up +y.
     pub fn cone(radius: f64, height: f64) -> Self {
         Self { shape: Shape::Cone { radius, height } }
@@ -123,6 +136,7 @@ impl Collider {
             Shape::HalfSpace | Shape::Hull(_) => true,
             Shape::Sphere { radius } => valid(*radius),
             Shape::Cuboid { size } => size.to_array().into_iter().all(valid),
+            Shape::Capsule { radius, length } => valid(*radius) && valid(*length),
             Shape::Cone { radius, height } => valid(*radius) && valid(*height),
         }
     }
@@ -132,6 +146,7 @@ impl Collider {
             Shape::HalfSpace => Measures { volume: f64::INFINITY, moments: DVec3::INFINITY, radius: f64::INFINITY },
             Shape::Sphere { radius } => sphere::measures(*radius),
             Shape::Cuboid { size } => cuboid::measures(*size),
+            Shape::Capsule { radius, length } => capsule::measures(*radius, *length),
             Shape::Cone { radius, height } => cone::measures(*radius, *height),
             Shape::Hull(hull) => hull.measures(),
         }
@@ -164,6 +179,9 @@ impl Collider {
             Shape::HalfSpace => Geometry::HalfSpace,
             Shape::Sphere { radius } => Geometry::Sphere { radius: *radius },
             Shape::Cuboid { size } => Geometry::Cuboid { half: Vector3::from(size.to_array()) / 2.0 },
+            &Shape::Capsule { radius, length } => {
+                Geometry::Capsule { radius, half: 0.5 * length, hull: Arc::new(capsule::hull(radius, length)) }
+            }
             &Shape::Cone { radius, height } => {
                 Geometry::Cone { radius, height, hull: Arc::new(cone::hull(radius, height)) }
             }
@@ -184,6 +202,14 @@ pub(crate) enum Geometry {
         /// Half extents.
         half: Vector3<f64>,
     },
+    /// About a segment along y.
+    Capsule {
+        radius: f64,
+        /// Half the segment's length.
+        half: f64,
+        /// What stands for it in the 2009 engine's contacts.
+        hull: Arc<Hull>,
+    },
     /// Apex up +y, the base a quarter of the height below the centre of mass.
     Cone {
         radius: f64,
@@ -198,6 +224,6 @@ pub(crate) enum Geometry {
 impl Geometry {
     /// Whether its surface is curved, so that where it touches does not turn with it.
     pub fn is_round(&self) -> bool {
-        matches!(self, Self::Sphere { .. } | Self::Cone { .. })
+        matches!(self, Self::Sphere { .. } | Self::Capsule { .. } | Self::Cone { .. })
     }
 }

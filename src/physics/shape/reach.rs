@@ -14,6 +14,10 @@ pub(crate) fn reach(geometry: &Geometry, axes: &Matrix3<f64>) -> Option<[Vector3
             let reach = axes.abs() * half;
             [-reach, reach]
         }
+        Geometry::Capsule { radius, half, .. } => {
+            let reach = (axes.column(1) * *half).abs().add_scalar(*radius);
+            [-reach, reach]
+        }
         Geometry::Cone { radius, height, .. } => {
             // The apex, and the disc of the base.
             let axis = axes.column(1);

@@ -46,6 +46,7 @@ impl Blueprint {
         match &self.shape {
             ShapeSpec::Sphere { .. } => "ball",
             ShapeSpec::Cuboid { .. } => "box",
+            ShapeSpec::Capsule { .. } => "capsule",
             ShapeSpec::Cone { .. } => "cone",
             ShapeSpec::HalfSpace => "ground",
             ShapeSpec::Hull(_) => "block",

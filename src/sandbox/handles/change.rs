@@ -164,6 +164,11 @@ impl Start {
     }
 }
 
+/// What is round about y grows across it by either of two handles.
+fn across(factors: DVec3) -> f64 {
+    if factors == DVec3::splat(factors.x) { factors.x } else { factors.x * factors.z }
+}
+
 /// One factor for what cannot be stretched.
 fn uniform(factors: DVec3) -> f64 {
     if factors == DVec3::splat(factors.x) { factors.x } else { factors.element_product() }
@@ -190,9 +195,11 @@ fn scaled(shape: &ShapeSpec, factors: DVec3, snap: Option<Snap>) -> Option<Shape
             let size = [0, 1, 2].map(|axis| length(size[axis], factors[axis]));
             ShapeSpec::Cuboid { size: size.into() }
         }
+        ShapeSpec::Capsule { radius, length: cylinder } => {
+            ShapeSpec::Capsule { radius: length(*radius, across(factors)), length: length(*cylinder, factors.y) }
+        }
         ShapeSpec::Cone { radius, height } => {
-            let across = if factors == DVec3::splat(factors.x) { factors.x } else { factors.x * factors.z };
-            ShapeSpec::Cone { radius: length(*radius, across), height: length(*height, factors.y) }
+            ShapeSpec::Cone { radius: length(*radius, across(factors)), height: length(*height, factors.y) }
         }
         ShapeSpec::Hull(hull) => {
             let factor = uniform(factors);

@@ -70,9 +70,8 @@ pub(super) fn show(
     // Other rows, another grid.
     let rows = (was.kind, was.shape.is_some(), matches!(was.shape, Some(ShapeSpec::Hull(_) | ShapeSpec::Mesh(_))));
     egui::Grid::new(("body", rows)).num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
-        if let Some(shape @ (ShapeSpec::Sphere { .. } | ShapeSpec::Cuboid { .. } | ShapeSpec::Cone { .. })) =
-            &mut now.shape
-        {
+        let has_sizes = !matches!(now.shape, Some(ShapeSpec::HalfSpace | ShapeSpec::Hull(_) | ShapeSpec::Mesh(_)));
+        if let Some(shape) = now.shape.as_mut().filter(|_| has_sizes) {
             ui.label("size");
             ui.horizontal(|ui| sizes(ui, shape));
             ui.end_row();

@@ -150,6 +150,10 @@ pub(super) fn sizes(ui: &mut egui::Ui, shape: &mut ShapeSpec) {
                 size(axis, value);
             }
         }
+        ShapeSpec::Capsule { radius, length } => {
+            size("radius", radius);
+            size("length", length);
+        }
         ShapeSpec::Cone { radius, height } => {
             size("radius", radius);
             size("height", height);

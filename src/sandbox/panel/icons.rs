@@ -69,6 +69,27 @@ pub const THROW: Icon = &[
 ];
 pub const BALL: Icon = &[Ring([0.5, 0.5], 0.32)];
 pub const BOX: Icon = &[Way(&[[0.2, 0.2], [0.8, 0.2], [0.8, 0.8], [0.2, 0.8], [0.2, 0.2]])];
+pub const CAPSULE: Icon = &[Way(&[
+    [0.28, 0.36],
+    [0.30, 0.28],
+    [0.34, 0.20],
+    [0.42, 0.16],
+    [0.50, 0.14],
+    [0.58, 0.16],
+    [0.66, 0.20],
+    [0.70, 0.28],
+    [0.72, 0.36],
+    [0.72, 0.64],
+    [0.70, 0.72],
+    [0.66, 0.80],
+    [0.58, 0.84],
+    [0.50, 0.86],
+    [0.42, 0.84],
+    [0.34, 0.80],
+    [0.30, 0.72],
+    [0.28, 0.64],
+    [0.28, 0.36],
+])];
 pub const CONE: Icon = &[Way(&[[0.5, 0.14], [0.82, 0.82], [0.18, 0.82], [0.5, 0.14]])];
 pub const GEM: Icon = &[
     Way(&[[0.5, 0.14], [0.84, 0.36], [0.72, 0.8], [0.28, 0.8], [0.16, 0.36], [0.5, 0.14]]),
@@ -169,8 +190,8 @@ mod tests {
     #[test]
     fn pictures_fill_their_square_and_stay_in_it() {
         for icon in [
-            DRAG, MOVE, TURN, SCALE, PUSH, THROW, BALL, BOX, CONE, GEM, BAR, BALL_JOINT, HINGE, SLIDER, FIXED, ROD,
-            ROPE, SPRING, PIN, CUT, MEASURE,
+            DRAG, MOVE, TURN, SCALE, PUSH, THROW, BALL, BOX, CAPSULE, CONE, GEM, BAR, BALL_JOINT, HINGE, SLIDER, FIXED,
+            ROD, ROPE, SPRING, PIN, CUT, MEASURE,
         ] {
             let points = icon.iter().flat_map(|stroke| match stroke {
                 Way(points) => points.to_vec(),

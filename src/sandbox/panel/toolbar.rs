@@ -20,9 +20,10 @@ const MARGIN: f32 = 8.0;
 const TOP: f32 = 52.0;
 
 /// Shapes that a button takes in hand: the name, the picture, and what each starts as.
-pub(super) const SHAPES: [(&str, Icon, ShapeSpec); 3] = [
+pub(super) const SHAPES: [(&str, Icon, ShapeSpec); 4] = [
     ("ball", icons::BALL, ShapeSpec::Sphere { radius: 0.25 }),
     ("box", icons::BOX, ShapeSpec::Cuboid { size: DVec3::splat(0.5) }),
+    ("capsule", icons::CAPSULE, ShapeSpec::Capsule { radius: 0.2, length: 0.4 }),
     ("cone", icons::CONE, ShapeSpec::Cone { radius: 0.25, height: 0.6 }),
 ];
 /// The mesh that has a button.

@@ -90,6 +90,10 @@ pub(super) enum ShapeEntry {
     Cuboid {
         size: PositiveVector,
     },
+    Capsule {
+        radius: Positive,
+        length: Positive,
+    },
     Cone {
         radius: Positive,
         height: Positive,

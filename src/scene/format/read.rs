@@ -165,6 +165,7 @@ impl ShapeEntry {
             Self::HalfSpace => ShapeSpec::HalfSpace,
             Self::Sphere { radius } => ShapeSpec::Sphere { radius: radius.into() },
             Self::Cuboid { size } => ShapeSpec::Cuboid { size: size.into() },
+            Self::Capsule { radius, length } => ShapeSpec::Capsule { radius: radius.into(), length: length.into() },
             Self::Cone { radius, height } => ShapeSpec::Cone { radius: radius.into(), height: height.into() },
             Self::Hull { points } => ShapeSpec::hull(points.into_iter().map(DVec3::from).collect::<Vec<_>>()),
             Self::Mesh { file, scale } => {

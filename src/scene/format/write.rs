@@ -93,6 +93,9 @@ impl ShapeEntry {
             ShapeSpec::HalfSpace => Self::HalfSpace,
             ShapeSpec::Sphere { radius } => Self::Sphere { radius: Positive::of_valid(*radius) },
             ShapeSpec::Cuboid { size } => Self::Cuboid { size: (*size).into() },
+            ShapeSpec::Capsule { radius, length } => {
+                Self::Capsule { radius: Positive::of_valid(*radius), length: Positive::of_valid(*length) }
+            }
             ShapeSpec::Cone { radius, height } => {
                 Self::Cone { radius: Positive::of_valid(*radius), height: Positive::of_valid(*height) }
             }

@@ -1,7 +1,7 @@
 //! A shape placed in the world, relative to body A of a pair, and the questions that the 2009
 //! engine's narrow phase asks of it: how far it reaches along an axis, which of its vertices are
-//! foremost, which of its points is nearest. Boxes and balls answer in closed form; a cone is the
-//! polygonal hull that stands for it.
+//! foremost, which of its points is nearest. Boxes and balls answer in closed form; a cone or a
+//! capsule is the polygonal hull that stands for it.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -57,7 +57,7 @@ impl<'a> Placed<'a> {
                 let reach = self.to_body(axis).abs().dot(half);
                 [middle - reach, middle + reach]
             }
-            Geometry::Hull(hull) | Geometry::Cone { hull, .. } => {
+            Geometry::Hull(hull) | Geometry::Cone { hull, .. } | Geometry::Capsule { hull, .. } => {
                 let direction = self.to_body(axis);
                 let [low, high] =
                     hull.vertices.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], vertex| {
@@ -81,10 +81,10 @@ impl<'a> Placed<'a> {
         match self.geometry {
             Geometry::HalfSpace | Geometry::Sphere { .. } => {}
             Geometry::Cuboid { .. } => axes.extend((0..3).map(|axis| self.axis(axis))),
-            Geometry::Hull(hull) | Geometry::Cone { hull, .. } if of_edges => {
+            Geometry::Hull(hull) | Geometry::Cone { hull, .. } | Geometry::Capsule { hull, .. } if of_edges => {
                 axes.extend(hull.edge_directions.iter().map(|direction| self.rotation * direction));
             }
-            Geometry::Hull(hull) | Geometry::Cone { hull, .. } => {
+            Geometry::Hull(hull) | Geometry::Cone { hull, .. } | Geometry::Capsule { hull, .. } => {
                 axes.extend(hull.faces.iter().map(|face| self.rotation * face.normal));
             }
         }
@@ -97,7 +97,9 @@ impl<'a> Placed<'a> {
         match self.geometry {
             Geometry::HalfSpace | Geometry::Sphere { .. } => self.center,
             Geometry::Cuboid { half } => self.to_world(&local.zip_map(half, |along, half| along.clamp(-half, half))),
-            Geometry::Hull(hull) | Geometry::Cone { hull, .. } => self.to_world(&nearest_on_hull(hull, &local)),
+            Geometry::Hull(hull) | Geometry::Cone { hull, .. } | Geometry::Capsule { hull, .. } => {
+                self.to_world(&nearest_on_hull(hull, &local))
+            }
         }
     }
 
@@ -106,7 +108,7 @@ impl<'a> Placed<'a> {
         match self.geometry {
             Geometry::HalfSpace => (point - self.center).dot(&self.plane_normal()) <= tolerance,
             Geometry::Sphere { radius } => (point - self.center).norm() <= radius + tolerance,
-            Geometry::Cuboid { .. } | Geometry::Hull(_) | Geometry::Cone { .. } => {
+            Geometry::Cuboid { .. } | Geometry::Hull(_) | Geometry::Cone { .. } | Geometry::Capsule { .. } => {
                 (point - self.nearest(point)).norm() <= tolerance
             }
         }
@@ -132,7 +134,7 @@ impl<'a> Placed<'a> {
                     look_at(index, self.center + arms[0] * sign(1) + arms[1] * sign(2) + arms[2] * sign(4));
                 }
             }
-            Geometry::Hull(hull) | Geometry::Cone { hull, .. } => {
+            Geometry::Hull(hull) | Geometry::Cone { hull, .. } | Geometry::Capsule { hull, .. } => {
                 (0..).zip(&hull.vertices).for_each(|(index, vertex)| look_at(index, self.to_world(vertex)));
             }
         }

@@ -28,11 +28,15 @@ fn core(body: Body) -> Body {
         Some(Geometry::Cone { radius, height, hull }) => {
             Geometry::Cone { radius: CORE_SHARE * radius, height: CORE_SHARE * height, hull: hull.clone() }
         }
+        Some(Geometry::Capsule { half, hull, .. }) => {
+            Geometry::Capsule { radius: CORE_SHARE * inner, half: *half, hull: hull.clone() }
+        }
         _ => Geometry::Sphere { radius: CORE_SHARE * inner },
     };
     let radius = match &geometry {
         Geometry::Cuboid { half } => half.norm(),
         Geometry::Sphere { radius } => *radius,
+        Geometry::Capsule { radius, half, .. } => radius + half,
         _ => CORE_SHARE * body.radius,
     };
     Body { geometry: Some(geometry), radius, ..body }

@@ -45,7 +45,7 @@ pub(crate) enum Course {
 pub(crate) fn inner_radius(body: &Body) -> f64 {
     match &body.geometry {
         None | Some(Geometry::HalfSpace) => f64::INFINITY,
-        Some(Geometry::Sphere { radius }) => *radius,
+        Some(Geometry::Sphere { radius } | Geometry::Capsule { radius, .. }) => *radius,
         Some(Geometry::Cuboid { half }) => half.min(),
         Some(Geometry::Cone { hull, .. } | Geometry::Hull(hull)) => hull.inner_radius,
     }

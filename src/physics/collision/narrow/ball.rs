@@ -41,6 +41,7 @@ pub(crate) fn touch(
     let center = ball_in_shape.center;
     let Place { normal, height } = match shape {
         Geometry::Sphere { radius: other } => place_at_ball(*other, &center),
+        Geometry::Capsule { radius: other, half, .. } => place_at_capsule(*other, *half, &center),
         Geometry::Cuboid { half } => place_at_cuboid(half, &center, radius),
         Geometry::Cone { radius: base, height, .. } => place_at_cone(&Cone::new(*base, *height), &center, radius),
         Geometry::Hull(hull) => place_at_hull(hull, &center, radius, gap),
@@ -64,6 +65,7 @@ pub(crate) fn place(shape: &Geometry, point: &Vector3<f64>, radius: f64) -> (Vec
     let Place { normal, height } = match shape {
         Geometry::HalfSpace => Place { normal: Vector3::y(), height: point.y },
         Geometry::Sphere { radius } => place_at_ball(*radius, point),
+        Geometry::Capsule { radius, half, .. } => place_at_capsule(*radius, *half, point),
         Geometry::Cuboid { half } => place_at_cuboid(half, point, radius),
         Geometry::Cone { radius: base, height, .. } => place_at_cone(&Cone::new(*base, *height), point, radius),
         Geometry::Hull(hull) => place_at_hull(hull, point, radius, f64::INFINITY),
@@ -74,6 +76,14 @@ pub(crate) fn place(shape: &Geometry, point: &Vector3<f64>, radius: f64) -> (Vec
 fn place_at_ball(radius: f64, point: &Vector3<f64>) -> Place {
     let distance = point.norm();
     let normal = if distance > ON_SURFACE * radius { point / distance } else { Vector3::y() };
+    Place { normal, height: distance - radius }
+}
+
+fn place_at_capsule(radius: f64, half: f64, point: &Vector3<f64>) -> Place {
+    let away = point - Vector3::y() * point.y.clamp(-half, half);
+    let distance = away.norm();
+    // Beside a point of the axis, any way across it is as short.
+    let normal = if distance > ON_SURFACE * radius { away / distance } else { Vector3::x() };
     Place { normal, height: distance - radius }
 }
 

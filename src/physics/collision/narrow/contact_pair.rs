@@ -5,6 +5,7 @@
 //! | --- | --- |
 //! | [`plane`] | a half-space and anything |
 //! | [`ball`] | a ball and anything |
+//! | [`capsule`] | a capsule and anything but a ball |
 //! | [`boxes`] | two boxes |
 //! | [`feature_sat`] | boxes and hulls |
 //! | [`cone_polyhedron`] | a cone and a box or hull |
@@ -21,7 +22,8 @@ use nalgebra::{Matrix3, Vector3};
 use super::clipping::keep_touching_spread;
 pub(crate) use super::feature_sat::PairSearch;
 use super::{
-    Cone, Cuboid, Frame, Overlap, Scale, ShapePair, ball, boxes, cone_cone, cone_polyhedron, feature_sat, plane,
+    Cone, Cuboid, Frame, Overlap, Scale, ShapePair, ball, boxes, capsule, cone_cone, cone_polyhedron, feature_sat,
+    plane,
 };
 use crate::physics::{Body, ContactPoint, Geometry};
 
@@ -39,10 +41,11 @@ pub(crate) fn touch(
         Geometry::HalfSpace => 0,
         Geometry::Cone { .. } => 1,
         Geometry::Cuboid { .. } | Geometry::Hull(_) => 2,
-        Geometry::Sphere { .. } => 3,
+        Geometry::Capsule { .. } => 3,
+        Geometry::Sphere { .. } => 4,
     };
     search.apart = gap;
-    // Half-spaces come first, then cones, and balls last.
+    // Half-spaces come first, then cones, and what is round about a point or a segment last.
     if rank(a.geometry.as_ref()?) <= rank(b.geometry.as_ref()?) {
         touch_ranked(a, b, gap, search, points)
     } else {
@@ -70,6 +73,9 @@ fn touch_ranked(
     let [axes_a, axes_b] = [a, b].map(|body| body.rotation.to_rotation_matrix().into_inner());
     let b_in_a = &Frame { rotation: axes_a.tr_mul(&axes_b), center: axes_a.tr_mul(&(b.position - a.position)) };
     let overlap = match (shape_a, shape_b) {
+        (_, Geometry::Capsule { radius, half, .. }) => {
+            capsule::touch(shape_a, a.radius, [*radius, *half], b_in_a, gap, &mut search.apart, points)?
+        }
         (Geometry::HalfSpace, _) => {
             plane::touch(shape_b, b.radius, b_in_a, gap, &mut search.clip, &mut search.apart, points)?
         }

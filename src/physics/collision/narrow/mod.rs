@@ -5,6 +5,7 @@ mod approach;
 mod axis_code;
 pub(super) mod ball;
 mod boxes;
+mod capsule;
 pub(super) mod clipping;
 mod cone;
 mod cone_cone;

@@ -43,6 +43,7 @@ pub(crate) fn touch(
                 add(in_plane.place(place), FeatureId::of_vertex(true, corner));
             }
         }
+        Geometry::Capsule { .. } => unreachable!("it has a routine for all shapes"),
         Geometry::HalfSpace => unreachable!("two half-spaces make no pair"),
     }
     let Some(depth) = found.iter().map(|point| point.depth).reduce(f64::max) else {

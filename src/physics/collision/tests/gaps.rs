@@ -206,6 +206,9 @@ fn distance_from_above(a: &Body, b: &Body) -> f64 {
         let point = match body.geometry.as_ref().unwrap() {
             Geometry::Sphere { radius } => local * (*radius / local.norm()),
             Geometry::Cuboid { half } => half.zip_map(&local, |half, along| half.copysign(along)),
+            Geometry::Capsule { radius, half, .. } => {
+                Vector3::y() * half.copysign(local.y) + local * (*radius / local.norm())
+            }
             Geometry::Cone { radius, height, .. } => {
                 let rim = Vector3::new(local.x, 0.0, local.z).normalize() * *radius - Vector3::y() * (0.25 * height);
                 farthest(&mut [Vector3::y() * (0.75 * height), rim].into_iter())

@@ -34,7 +34,9 @@ impl Extent {
                 };
                 (0.0, (0..8).map(corner).collect())
             }
-            Geometry::Hull(hull) | Geometry::Cone { hull, .. } => (0.0, hull.vertices.clone()),
+            Geometry::Hull(hull) | Geometry::Cone { hull, .. } | Geometry::Capsule { hull, .. } => {
+                (0.0, hull.vertices.clone())
+            }
         };
         let vertices = local.iter().map(|vertex| body.rotation * vertex).collect();
         Self { position: body.position, radius, vertices }
