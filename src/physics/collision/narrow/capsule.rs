@@ -2,9 +2,10 @@
 //! other.
 //!
 //! The signed distance d of a convex shape, negative inside, is a convex function of a point, and so of the place t along
-//! the capsule's segment c + t u. Its derivative is n·u, n the normal out of the shape there, and grows with t: where it
-//! changes its sign d is least, and there is the contact, with the normal n and the depth r − d. That is the true distance
-//! of the two wherever the segment is outside the shape; within, the least way out of its deepest point.
+//! the capsule's segment c + t u. Its derivative is n·u, n the normal out of the shape there, and grows with t: d is least
+//! where it changes its sign, which is found by chords and halving, and there is the contact, with the normal n and the depth
+//! r − d. That is the true distance of the two wherever the segment is outside the shape; within, the least way out of its
+//! deepest point.
 //!
 //! About that place d is nowhere less than the plane there, d* + (t − t*) n·u, and as much where that plane touches the
 //! shape still: above a face, along a generator line of a cone or beside a parallel capsule. As what is between is convex,
@@ -16,8 +17,14 @@ use super::ball::place;
 use super::{Frame, Overlap, Scale};
 use crate::physics::{ContactPoint, FeatureId, Geometry};
 
-/// Halvings of the segment: to rounding.
-const HALVINGS: u32 = 48;
+/// Looks for the nearest point of the segment at most: a third of them halve.
+const LOOKS: u32 = 120;
+
+/// Slope, and share of the segment, that counts as none.
+const LEVEL: f64 = 1e-13;
+
+/// Halvings of what may lie along a face: to 1e-7 of the segment.
+const HALVINGS: u32 = 24;
 
 /// How far d may be above the plane that counts as on it, as a share of the size; and how far apart two points are at
 /// least, as a share of the radius.
@@ -99,12 +106,23 @@ fn nearest(shape: &Geometry, size: f64, half: f64, along: &Vector3<f64>, at: imp
         return high;
     }
     let (mut low, mut high) = (low, high);
-    for _ in 0..HALVINGS {
-        let middle = look(0.5 * (low.t + high.t));
-        if middle.slope == 0.0 {
+    // The slopes that the chord is drawn through: that of an end which stays twice counts half (Illinois), so that both
+    // come in.
+    let (mut at_low, mut at_high, mut low_moved) = (low.slope, high.slope, None);
+    for look_at in 0..LOOKS {
+        let chord = low.t - at_low * (high.t - low.t) / (at_high - at_low);
+        // Where the slope jumps, at an edge, only halving comes in.
+        let middle = look(if look_at % 3 == 2 { 0.5 * (low.t + high.t) } else { chord });
+        if middle.slope.abs() <= LEVEL || high.t - low.t <= LEVEL * half {
             return middle;
         }
-        if middle.slope < 0.0 { low = middle } else { high = middle }
+        if middle.slope < 0.0 {
+            at_high *= if low_moved == Some(true) { 0.5 } else { 1.0 };
+            (at_low, low_moved, low) = (middle.slope, Some(true), middle);
+        } else {
+            at_low *= if low_moved == Some(false) { 0.5 } else { 1.0 };
+            (at_high, low_moved, high) = (middle.slope, Some(false), middle);
+        }
     }
     if low.distance < high.distance { low } else { high }
 }
@@ -115,7 +133,7 @@ fn reach(from: f64, end: f64, is_flat: impl Fn(f64) -> bool) -> f64 {
         return end;
     }
     let (mut flat, mut curved) = (from, end);
-    for _ in 0..HALVINGS / 2 {
+    for _ in 0..HALVINGS {
         let middle = 0.5 * (flat + curved);
         if is_flat(middle) { flat = middle } else { curved = middle }
     }
