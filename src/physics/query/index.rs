@@ -7,7 +7,6 @@ use bevy::prelude::*;
 use nalgebra::Vector3;
 
 use super::box_tree::BoxTree;
-use crate::physics::shape::reach;
 use crate::physics::{Body, BoundingBox};
 
 /// Part of its radius by which a body's box is larger than the body, as rounding might else leave something out.
@@ -64,7 +63,7 @@ impl Index {
 /// A box that holds a body's shape; none of a half-space, and of what has no shape.
 pub(super) fn box_of(body: &Body) -> Option<BoundingBox> {
     let axes = body.rotation.to_rotation_matrix().into_inner();
-    let [low, high] = reach(body.geometry.as_ref()?, &axes)?;
+    let [low, high] = body.geometry.as_ref()?.reach(&axes)?;
     let slack = Vector3::repeat(SLACK * body.radius);
     Some(BoundingBox { low: body.position + low - slack, high: body.position + high + slack })
 }

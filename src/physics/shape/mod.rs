@@ -32,7 +32,6 @@ pub use convex_hull::{ConvexHull, HullError};
 pub(crate) use edge_lanes::{EdgeLanes, EdgeParts};
 pub(crate) use hull::Hull;
 use measures::Measures;
-pub(crate) use reach::reach;
 
 /// The shape of a body, one per body, centred on its centre of mass. Sizes are full and in m.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]

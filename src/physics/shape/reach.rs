@@ -4,30 +4,35 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::Geometry;
 
-/// The least and the greatest coordinates of its points from its centre of mass, m, by the axes of its body as columns;
-/// none of a half-space.
-pub(crate) fn reach(geometry: &Geometry, axes: &Matrix3<f64>) -> Option<[Vector3<f64>; 2]> {
-    Some(match geometry {
-        Geometry::HalfSpace => return None,
-        Geometry::Sphere { radius } => [Vector3::repeat(-radius), Vector3::repeat(*radius)],
-        Geometry::Cuboid { half } => {
-            let reach = axes.abs() * half;
-            [-reach, reach]
-        }
-        Geometry::Capsule { radius, half, .. } => {
-            let reach = (axes.column(1) * *half).abs().add_scalar(*radius);
-            [-reach, reach]
-        }
-        Geometry::Cone { radius, height, .. } => {
-            // The apex, and the disc of the base.
-            let axis = axes.column(1);
-            let disc = axis.map(|along| radius * (1.0 - along * along).max(0.0).sqrt());
-            let (apex, base) = (axis * (0.75 * height), axis * (-0.25 * height));
-            [apex.inf(&(base - disc)), apex.sup(&(base + disc))]
-        }
-        Geometry::Hull(hull) => {
-            let start = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
-            hull.vertices.iter().map(|vertex| axes * vertex).fold(start, |[low, high], v| [low.inf(&v), high.sup(&v)])
-        }
-    })
+impl Geometry {
+    /// The least and the greatest coordinates of its points from its centre of mass, m, by the axes of its body as columns;
+    /// none of a half-space.
+    pub fn reach(&self, axes: &Matrix3<f64>) -> Option<[Vector3<f64>; 2]> {
+        Some(match self {
+            Self::HalfSpace => return None,
+            Self::Sphere { radius } => [Vector3::repeat(-radius), Vector3::repeat(*radius)],
+            Self::Cuboid { half } => {
+                let reach = axes.abs() * half;
+                [-reach, reach]
+            }
+            Self::Capsule { radius, half, .. } => {
+                let reach = (axes.column(1) * *half).abs().add_scalar(*radius);
+                [-reach, reach]
+            }
+            Self::Cone { radius, height, .. } => {
+                // The apex, and the disc of the base.
+                let axis = axes.column(1);
+                let disc = axis.map(|along| radius * (1.0 - along * along).max(0.0).sqrt());
+                let (apex, base) = (axis * (0.75 * height), axis * (-0.25 * height));
+                [apex.inf(&(base - disc)), apex.sup(&(base + disc))]
+            }
+            Self::Hull(hull) => {
+                let start = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
+                hull.vertices
+                    .iter()
+                    .map(|vertex| axes * vertex)
+                    .fold(start, |[low, high], v| [low.inf(&v), high.sup(&v)])
+            }
+        })
+    }
 }

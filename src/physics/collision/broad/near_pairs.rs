@@ -15,7 +15,6 @@ use crate::physics::collision::gap::own_reach;
 use crate::physics::collision::manifold::Pair;
 use crate::physics::joint::{JoinedPairs, Joints};
 use crate::physics::settings::SolverSettings;
-use crate::physics::shape::reach;
 use crate::physics::stats::StepStats;
 
 /// Pairs near each other, and what changed about them in this step.
@@ -68,7 +67,7 @@ impl BoundedBodies for InStep<'_> {
         let axes = body.rotation.to_rotation_matrix().into_inner();
         let gap = self.reach.map_or(body.pulled * self.h * self.h, |settings| own_reach(body, settings));
         let Some(geometry) = &body.geometry else { return Bounds::None };
-        let Some(reach) = reach(geometry, &axes) else {
+        let Some(reach) = geometry.reach(&axes) else {
             let normal = axes.column(1).into_owned();
             return Bounds::HalfSpace { normal, point: body.position + normal * gap };
         };
