@@ -165,3 +165,16 @@ fn where_a_body_is_can_be_typed() {
     stage.act(SandboxAction::Undo);
     assert_eq!(stage.position("ball"), before);
 }
+
+#[test]
+fn to_look_at_what_is_fast_does_not_slow_it_down() {
+    let mut stage = Stage::open_paused(SCENE);
+    let ball = stage.body("ball");
+    let fast = Velocity { linear: DVec3::Y * 2000.0, angular: DVec3::Z * -3000.0 };
+    stage.world().entity_mut(ball).insert(fast);
+    stage.world().insert_resource(Selection::of_bodies([ball]));
+    open_eyes(&mut stage, Page::Build);
+    stage.frames(5);
+    assert!(reads(&mut stage, "2000.00"), "it is shown");
+    assert_eq!(stage.world().get::<Velocity>(ball), Some(&fast));
+}

@@ -268,8 +268,9 @@ fn samples_go_with_the_moment_and_begin_anew_with_the_scene() {
     stage.act(SandboxAction::GoToNow);
     stage.frames(2);
     let rows = tracks(&mut stage).rows;
-    // On its ways it reads what was before it was asked for, too.
-    assert_eq!((steps_made(&mut stage), rows.len() as u64), (now, now), "what was read is known yet");
+    // On its ways it reads what was before it was asked for, too, from the keyframe on that it sets out from.
+    let (made, known) = (steps_made(&mut stage), rows.len() as u64);
+    assert!(made == now && (50..=now).contains(&known), "what was read is known yet: {known} of {made}");
     assert!(rows.iter().skip(1).all(|row| !row.breaks));
     stage.act(SandboxAction::Reset);
     stage.frames(2);

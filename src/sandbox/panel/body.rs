@@ -158,6 +158,8 @@ fn velocity(ui: &mut egui::Ui, label: &str, unit: &str, vector: &mut DVec3) {
     ui.horizontal(|ui| {
         for part in vector.as_mut() {
             let drag = egui::DragValue::new(part).speed(0.05).range(SPEEDS).update_while_editing(false);
+            // To look at what is faster must not slow it down.
+            let drag = drag.clamp_existing_to_range(false);
             let drag = drag.custom_formatter(|value, _| without_negative_zero(format!("{value:.2}")));
             ui.add_sized([58.0, ui.spacing().interact_size.y], drag);
         }

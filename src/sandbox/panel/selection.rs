@@ -155,6 +155,8 @@ fn show_body(
         let mut now = position.0;
         let typed = now.as_mut().iter_mut().fold(false, |typed, part| {
             let drag = egui::DragValue::new(part).speed(0.01).range(PLACES).update_while_editing(false);
+            // To look at what is farther must not bring it back.
+            let drag = drag.clamp_existing_to_range(false);
             let drag = drag.custom_formatter(|value, _| without_negative_zero(format!("{value:.3}")));
             typed | ui.add_sized([62.0, ui.spacing().interact_size.y], drag).changed()
         });
