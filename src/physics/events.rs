@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use super::{
     Bodies, Collision, ContactEnded, ContactGraph, ContactStarted, Contacts, Keep, Manifold, ObserveContacts,
-    PhysicsSchedule, PhysicsSystems, ReportCollisions, contacts_last,
+    PhysicsSchedule, PhysicsSystems, ReportCollisions, ToldPairs, contacts_last,
 };
 
 pub(super) fn plugin(app: &mut App) {
@@ -18,12 +18,9 @@ pub(super) fn plugin(app: &mut App) {
     );
 }
 
-/// The pairs that touched in the last step, sorted, the lower entity first.
+/// The pairs that touched in the last step, the lower entity first.
 #[derive(Resource, Default, Clone)]
-struct Touching {
-    pairs: Vec<(Entity, Entity)>,
-    present: Vec<(Entity, Entity)>,
-}
+struct Touching(ToldPairs);
 
 /// Tells all who listen that bodies began or ceased to touch.
 #[derive(SystemParam)]
@@ -81,22 +78,13 @@ fn report_starts_and_ends(mut graph: ResMut<ContactGraph>, mut teller: Teller) {
 }
 
 fn report_changes(bodies: Res<Bodies>, contacts: Res<Contacts>, mut touching: ResMut<Touching>, mut teller: Teller) {
-    let Touching { pairs, present } = &mut *touching;
-    present.clear();
-    let touching = |manifold: &&Manifold| contacts.points_of(manifold).iter().any(|point| point.depth >= 0.0);
-    present.extend(contacts.manifolds.iter().filter(touching).map(|manifold| {
+    let touches = |manifold: &&Manifold| contacts.points_of(manifold).iter().any(|point| point.depth >= 0.0);
+    let present = contacts.manifolds.iter().filter(touches).map(|manifold| {
         let a = bodies.list[manifold.pair.a as usize].entity;
         let b = bodies.list[manifold.pair.b as usize].entity;
         (a.min(b), a.max(b))
-    }));
-    present.sort_unstable();
-    for &(a, b) in present.iter().filter(|pair| pairs.binary_search(pair).is_err()) {
-        teller.start(a, b);
-    }
-    for &(a, b) in pairs.iter().filter(|pair| present.binary_search(pair).is_err()) {
-        teller.end(a, b);
-    }
-    std::mem::swap(pairs, present);
+    });
+    touching.0.update(present, |came, (a, b)| if came { teller.start(a, b) } else { teller.end(a, b) });
 }
 
 fn report_collisions(bodies: Res<Bodies>, contacts: Res<Contacts>, mut collisions: MessageWriter<Collision>) {

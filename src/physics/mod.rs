@@ -49,6 +49,7 @@ mod step_details;
 #[cfg(test)]
 mod testing;
 mod threads;
+mod told_pairs;
 mod transform;
 mod write_back;
 
@@ -104,4 +105,5 @@ pub use state_hash::hash_state;
 pub use stats::StepStats;
 pub use step_details::{BodyDetails, ContactDetails, JointDetails, body_details, contact_details, joint_details};
 pub(crate) use threads::{Shared, for_each_of};
+pub(crate) use told_pairs::ToldPairs;
 pub use transform::{place, stand_still, write_now};

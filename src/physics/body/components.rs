@@ -258,9 +258,9 @@ pub enum QuarantineReason {
 }
 
 /// Marks a body whose collider only reports what overlaps or touches it, and neither pushes nor is pushed: no contact, no
-/// row. It is told after each step of bodies whose [`CollisionLayers`] go with its own,
-/// by [`SensorStarted`](crate::physics::SensorStarted) and [`SensorEnded`](crate::physics::SensorEnded); not of other sensors, nor of static bodies where it is static itself. It may
-/// be of any kind and on joints.
+/// row. It is told after each step of bodies whose [`CollisionLayers`] go with its own, by
+/// [`SensorStarted`](crate::physics::SensorStarted) and [`SensorEnded`](crate::physics::SensorEnded); not of other sensors,
+/// nor of static bodies where it is static itself. It may be of any kind and on joints.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Debug, Default, PartialEq)]
 pub struct Sensor;

@@ -44,26 +44,30 @@ pub(crate) fn rotate(inertia: &Vector3<f64>, angular: &Vector3<f64>, h: f64) -> 
     let start = angular * h;
     let mean = if turns_steadily(inertia, &start) { Some(start) } else { midpoint(inertia, &start) };
     match mean {
-        Some(mean) => {
-            let turn = UnitQuaternion::new_normalize(Quaternion::from_parts(1.0, mean * 0.5));
-            FreeRotation { angular: if h == 0.0 { *angular } else { mean * (2.0 / h) - angular }, turn }
-        }
+        Some(mean) => turned_by(&mean, angular, h),
         None => rotate_in_pieces(inertia, angular, h),
     }
 }
 
-/// The same in as many equal pieces as it takes to solve for each.
+/// The step of length h, s, that has hΩ̄ for its mean.
+#[inline(always)]
+fn turned_by(mean: &Vector3<f64>, angular: &Vector3<f64>, h: f64) -> FreeRotation {
+    let turn = UnitQuaternion::new_normalize(Quaternion::from_parts(1.0, mean * 0.5));
+    FreeRotation { angular: if h == 0.0 { *angular } else { mean * (2.0 / h) - angular }, turn }
+}
+
+/// The same, which cannot be solved for at once, in as many equal pieces as it takes to solve for each.
 #[cold]
 #[inline(never)]
 fn rotate_in_pieces(inertia: &Vector3<f64>, angular: &Vector3<f64>, h: f64) -> FreeRotation {
-    let (mut done, mut pieces) = (0, 1);
+    let (mut done, mut pieces) = (0, 2);
     let mut whole = FreeRotation { angular: *angular, turn: UnitQuaternion::identity() };
     while done < pieces {
         let piece = h / f64::from(pieces);
         match midpoint(inertia, &(whole.angular * piece)) {
             Some(mean) => {
-                let turn = UnitQuaternion::new_normalize(Quaternion::from_parts(1.0, mean * 0.5));
-                whole = FreeRotation { angular: mean * (2.0 / piece) - whole.angular, turn: whole.turn * turn };
+                let FreeRotation { angular, turn } = turned_by(&mean, &whole.angular, piece);
+                whole = FreeRotation { angular, turn: whole.turn * turn };
                 done += 1;
             }
             None if pieces < PIECES => (done, pieces) = (2 * done, 2 * pieces),

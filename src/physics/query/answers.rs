@@ -57,3 +57,21 @@ pub struct CastHit {
     /// Unit, out of the body.
     pub normal: DVec3,
 }
+
+/// What is found, and how far it is.
+pub(super) trait Hit: Copy {
+    /// Its distance, and its body, by which hits at one distance are told apart.
+    fn key(&self) -> (f64, Entity);
+}
+
+macro_rules! hits {
+    ($($Hit:ty),*) => {$(
+        impl Hit for $Hit {
+            fn key(&self) -> (f64, Entity) {
+                (self.distance, self.entity)
+            }
+        }
+    )*};
+}
+
+hits!(RayHit, PointHit, CastHit);

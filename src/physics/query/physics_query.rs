@@ -8,7 +8,7 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use super::answers::{CastHit, PointHit, Ray, RayHit};
+use super::answers::{CastHit, Hit, PointHit, Ray, RayHit};
 use super::cast::{Buffers, cast};
 use super::filter::QueryFilter;
 use super::index::{Index, QueryIndex, box_of};
@@ -57,13 +57,7 @@ impl PhysicsQuery<'_> {
 
     /// All bodies that a ray meets, the nearest first, each where the ray enters it.
     pub fn ray_all(&self, ray: &Ray, filter: &QueryFilter) -> Vec<RayHit> {
-        let mut hits = Vec::new();
-        self.along(&self.index(), ray, filter, |hit, most| {
-            hits.push(hit);
-            most
-        });
-        hits.sort_by(|one, other| order((one.distance, one.entity), (other.distance, other.entity)));
-        hits
+        all(|take| self.along(&self.index(), ray, filter, take))
     }
 
     /// The first body that each of many rays meets, on as many threads as the settings allow.
@@ -81,26 +75,12 @@ impl PhysicsQuery<'_> {
 
     /// The body nearest to a point, within `most`, m.
     pub fn nearest_point(&self, point: DVec3, most: f64, filter: &QueryFilter) -> Option<PointHit> {
-        let mut nearest: Option<PointHit> = None;
-        self.around(point, most, filter, |hit, most| {
-            let key = (hit.distance, hit.entity);
-            if nearest.is_none_or(|known| order(key, (known.distance, known.entity)).is_lt()) {
-                nearest = Some(hit);
-            }
-            nearest.map_or(most, |nearest| nearest.distance)
-        });
-        nearest
+        first(|take| self.around(point, most, filter, take))
     }
 
     /// All bodies within `most`, m, of a point, the nearest first.
     pub fn nearest_points(&self, point: DVec3, most: f64, filter: &QueryFilter) -> Vec<PointHit> {
-        let mut hits = Vec::new();
-        self.around(point, most, filter, |hit, most| {
-            hits.push(hit);
-            most
-        });
-        hits.sort_by(|one, other| order((one.distance, one.entity), (other.distance, other.entity)));
-        hits
+        all(|take| self.around(point, most, filter, take))
     }
 
     /// The first body that a shape touches which moves straight on by `length`, m, along a direction. A half-space cannot
@@ -112,15 +92,7 @@ impl PhysicsQuery<'_> {
         length: f64,
         filter: &QueryFilter,
     ) -> Option<CastHit> {
-        let mut first: Option<CastHit> = None;
-        self.on_the_way(shape, direction, length, filter, |hit, most| {
-            let key = (hit.distance, hit.entity);
-            if first.is_none_or(|known| order(key, (known.distance, known.entity)).is_lt()) {
-                first = Some(hit);
-            }
-            first.map_or(most, |first| first.distance)
-        });
-        first
+        first(|take| self.on_the_way(shape, direction, length, filter, take))
     }
 
     /// All bodies that a shape touches on such a way, as if the others let it pass, the first first.
@@ -131,13 +103,7 @@ impl PhysicsQuery<'_> {
         length: f64,
         filter: &QueryFilter,
     ) -> Vec<CastHit> {
-        let mut hits = Vec::new();
-        self.on_the_way(shape, direction, length, filter, |hit, most| {
-            hits.push(hit);
-            most
-        });
-        hits.sort_by(|one, other| order((one.distance, one.entity), (other.distance, other.entity)));
-        hits
+        all(|take| self.on_the_way(shape, direction, length, filter, take))
     }
 
     /// Whether a shape overlaps or touches a body; one of them.
@@ -148,43 +114,35 @@ impl PhysicsQuery<'_> {
     /// All bodies that a shape overlaps or touches, in the order of their entities.
     pub fn overlap_all(&self, shape: &PlacedCollider, filter: &QueryFilter) -> Vec<Entity> {
         let Some(body) = shape.body() else { return Vec::new() };
-        let mut found: Vec<Entity> = self.touched_by(&body, filter).map(|other| other.entity).collect();
+        let mut found: Vec<Entity> = self.touched_by(&body, filter).into_iter().map(|other| other.entity).collect();
         found.sort_unstable();
         found
     }
 
     /// The bodies that one overlaps or touches, itself left out.
-    pub(super) fn touched_by(&self, body: &Body, filter: &QueryFilter) -> impl Iterator<Item = &Body> {
-        let index = self.index();
-        let mut found = Vec::new();
-        if let Some(bounds) = box_of(body) {
-            let distance = |other: &BoundingBox| if bounds.overlaps(other) { 0.0 } else { f64::INFINITY };
-            index.tree.search(0.0, distance, |other, most| {
-                found.push(other);
-                most
-            });
-            found.extend(&index.unbounded);
-        } else if body.geometry.is_some() {
-            index.tree.search(
-                0.0,
-                |_| 0.0,
-                |other, most| {
-                    found.push(other);
-                    most
-                },
-            );
+    pub(super) fn touched_by<'q>(&'q self, body: &Body, filter: &QueryFilter) -> Vec<&'q Body> {
+        let (index, bounds) = (self.index(), box_of(body));
+        let distance = |other: &BoundingBox| match bounds {
+            Some(bounds) if !bounds.overlaps(other) => f64::INFINITY,
+            _ => 0.0,
+        };
+        let mut near = Vec::new();
+        index.tree.search(0.0, distance, |other, most| {
+            near.push(other);
+            most
+        });
+        if bounds.is_some() {
+            // Of two half-spaces no depth tells.
+            near.extend(&index.unbounded);
         }
         let (mut search, mut points) = (PairSearch::default(), Vec::new());
-        found.retain(|&other| {
-            let other = &self.bodies.list[other as usize];
-            if other.entity == body.entity || !filter.admits(other) {
-                return false;
-            }
+        let mut touches = |other: &Body| {
             points.clear();
             search.last = None;
             touch(body, other, 0.0, &mut search, &mut points).is_some_and(|overlap| overlap.depth >= 0.0)
-        });
-        found.into_iter().map(|other| &self.bodies.list[other as usize])
+        };
+        let others = near.into_iter().map(|other| &self.bodies.list[other as usize]);
+        others.filter(|other| other.entity != body.entity && filter.admits(other) && touches(other)).collect()
     }
 
     /// All bodies of the last step.
@@ -198,19 +156,11 @@ impl PhysicsQuery<'_> {
     }
 
     fn first_on(&self, index: &Index, ray: &Ray, filter: &QueryFilter) -> Option<RayHit> {
-        let mut first: Option<RayHit> = None;
-        self.along(index, ray, filter, |hit, most| {
-            let key = (hit.distance, hit.entity);
-            if first.is_none_or(|known| order(key, (known.distance, known.entity)).is_lt()) {
-                first = Some(hit);
-            }
-            first.map_or(most, |first| first.distance)
-        });
-        first
+        first(|take| self.along(index, ray, filter, take))
     }
 
     /// Hands each body that a ray meets to `take`, which tells how far the ray matters from then on.
-    fn along(&self, index: &Index, ray: &Ray, filter: &QueryFilter, mut take: impl FnMut(RayHit, f64) -> f64) {
+    fn along(&self, index: &Index, ray: &Ray, filter: &QueryFilter, take: &mut Take<RayHit>) {
         let Some(direction) = ray.direction.try_normalize().filter(|_| ray.origin.is_finite()) else { return };
         let (origin, unit) = (Vector3::from(ray.origin), Vector3::from(direction));
         let mut look = |index: u32, most: f64| {
@@ -233,7 +183,7 @@ impl PhysicsQuery<'_> {
     }
 
     /// Hands each body about a point to `take`, which tells how far matters from then on.
-    fn around(&self, point: DVec3, most: f64, filter: &QueryFilter, mut take: impl FnMut(PointHit, f64) -> f64) {
+    fn around(&self, point: DVec3, most: f64, filter: &QueryFilter, take: &mut Take<PointHit>) {
         if !point.is_finite() {
             return;
         }
@@ -262,7 +212,7 @@ impl PhysicsQuery<'_> {
         direction: DVec3,
         length: f64,
         filter: &QueryFilter,
-        mut take: impl FnMut(CastHit, f64) -> f64,
+        take: &mut Take<CastHit>,
     ) {
         let Some(mover) = shape.body().filter(|body| body.position.iter().all(|part| part.is_finite())) else { return };
         let (Some(bounds), Some(direction)) = (box_of(&mover), direction.try_normalize()) else { return };
@@ -289,8 +239,34 @@ impl PhysicsQuery<'_> {
     }
 }
 
-fn order((one, a): (f64, Entity), (other, b): (f64, Entity)) -> Ordering {
-    one.total_cmp(&other).then(a.cmp(&b))
+/// Takes a hit, and how far matters, and tells how far matters from then on.
+type Take<'t, H> = dyn FnMut(H, f64) -> f64 + 't;
+
+/// The first of the hits that `look` hands on.
+fn first<H: Hit>(look: impl FnOnce(&mut Take<H>)) -> Option<H> {
+    let mut first: Option<H> = None;
+    look(&mut |hit, _| {
+        let nearer = first.filter(|known| order(known, &hit).is_lt()).unwrap_or(hit);
+        first = Some(nearer);
+        nearer.key().0
+    });
+    first
+}
+
+/// All hits that `look` hands on, the first first.
+fn all<H: Hit>(look: impl FnOnce(&mut Take<H>)) -> Vec<H> {
+    let mut hits = Vec::new();
+    look(&mut |hit, most| {
+        hits.push(hit);
+        most
+    });
+    hits.sort_by(order);
+    hits
+}
+
+fn order(one: &impl Hit, other: &impl Hit) -> Ordering {
+    let [(distance, a), (farther, b)] = [one.key(), other.key()];
+    distance.total_cmp(&farther).then(a.cmp(&b))
 }
 
 /// A ray as boxes are tested against it.

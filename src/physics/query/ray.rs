@@ -55,8 +55,8 @@ fn enter_ball(radius: f64, origin: &Vector3<f64>, direction: &Vector3<f64>) -> O
 
 /// Into the cylinder between the ends of the segment, or one of the balls there.
 fn enter_capsule(radius: f64, half: f64, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Entry> {
-    let inside_beside = (origin - Vector3::y() * origin.y.clamp(-half, half)).norm_squared() <= radius * radius;
-    if inside_beside {
+    let beside = origin - Vector3::y() * origin.y.clamp(-half, half);
+    if beside.norm_squared() <= radius * radius {
         return Some(inside(direction));
     }
     let across = |vector: &Vector3<f64>| Vector3::new(vector.x, 0.0, vector.z);

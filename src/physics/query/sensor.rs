@@ -4,14 +4,11 @@ use bevy::prelude::*;
 
 use super::filter::QueryFilter;
 use super::physics_query::PhysicsQuery;
-use crate::physics::{Keep, PhysicsSchedule, PhysicsSystems, RigidBody, Sensor, SensorEnded, SensorStarted};
+use crate::physics::{Keep, PhysicsSchedule, PhysicsSystems, RigidBody, Sensor, SensorEnded, SensorStarted, ToldPairs};
 
-/// The sensors and what was in each after the last step, sorted.
+/// The sensors and what was in each after the last step.
 #[derive(Resource, Default, Clone)]
-struct Sensed {
-    pairs: Vec<(Entity, Entity)>,
-    present: Vec<(Entity, Entity)>,
-}
+struct Sensed(ToldPairs);
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Sensed>()
@@ -23,7 +20,7 @@ pub(super) fn plugin(app: &mut App) {
 }
 
 fn there_may_be_news(sensors: Query<(), With<Sensor>>, sensed: Res<Sensed>) -> bool {
-    !sensors.is_empty() || !sensed.pairs.is_empty()
+    !sensors.is_empty() || !sensed.0.is_empty()
 }
 
 fn sense(
@@ -33,24 +30,22 @@ fn sense(
     mut ended: MessageWriter<SensorEnded>,
     mut commands: Commands,
 ) {
-    let Sensed { pairs, present } = &mut *sensed;
-    present.clear();
-    for sensor in query.bodies().iter().filter(|body| body.is_sensor) {
+    let sensors = query.bodies().iter().filter(|body| body.is_sensor);
+    let present = sensors.flat_map(|sensor| {
         let filter = QueryFilter { layers: Some(sensor.layers), ..default() };
         let may_meet = |kind: RigidBody| kind != RigidBody::Static || sensor.kind != RigidBody::Static;
-        let found = query.touched_by(sensor, &filter).filter(|body| may_meet(body.kind));
-        present.extend(found.map(|body| (sensor.entity, body.entity)));
-    }
-    present.sort_unstable();
-    for &(sensor, body) in present.iter().filter(|pair| pairs.binary_search(pair).is_err()) {
-        started.write(SensorStarted { sensor, body });
-        commands.trigger(SensorStarted { sensor, body });
-    }
-    for &(sensor, body) in pairs.iter().filter(|pair| present.binary_search(pair).is_err()) {
+        let found = query.touched_by(sensor, &filter).into_iter();
+        found.filter(move |body| may_meet(body.kind)).map(|body| (sensor.entity, body.entity))
+    });
+    sensed.0.update(present, |came, (sensor, body)| {
+        if came {
+            started.write(SensorStarted { sensor, body });
+            commands.trigger(SensorStarted { sensor, body });
+            return;
+        }
         ended.write(SensorEnded { sensor, body });
         if commands.get_entity(sensor).is_ok() {
             commands.trigger(SensorEnded { sensor, body });
         }
-    }
-    std::mem::swap(pairs, present);
+    });
 }

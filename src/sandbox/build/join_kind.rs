@@ -48,6 +48,11 @@ impl JoinKind {
         (Self::Spring, "spring", "pulls them back to the distance that they have now"),
     ];
 
+    /// Whether it has an axis, which the second click decides.
+    pub(in crate::sandbox) fn has_axis(self) -> bool {
+        matches!(self, Self::Hinge | Self::Slider)
+    }
+
     /// The joint of that kind at two picked places, as they lie now.
     pub(super) fn between(self, world: &World, a: Picked, b: Picked) -> Result<JointComponent, String> {
         const GONE: &str = "a picked body is gone";

@@ -6,15 +6,16 @@ use bevy_egui::egui;
 
 use super::build::{MASSES, sizes};
 use super::buttons::toggle;
-use super::theme::{Quantity, without_negative_zero};
-use crate::physics::{Mass, RigidBody};
+use super::theme::Quantity;
+use super::vector::VectorFields;
+use crate::physics::{Collider, Density, Mass, RigidBody};
 use crate::sandbox::{SandboxAction, Selection};
 use crate::scene::{BodySpec, ShapeSpec};
 
 /// Layers that have a box; the others stay as they are.
 const LAYERS: u32 = 8;
 /// Speeds that can be set, m/s and rad/s.
-const SPEEDS: std::ops::RangeInclusive<f64> = -1000.0..=1000.0;
+const SPEED: VectorFields = VectorFields { range: -1000.0..=1000.0, speed: 0.05, decimals: 2, width: 58.0 };
 
 /// The name that is being typed.
 #[derive(Default)]
@@ -54,17 +55,27 @@ pub(super) fn show_name(
     }
 }
 
+/// What a body's mass is told by.
+pub(super) type MassParts = (Option<&'static Mass>, Option<&'static Collider>, Option<&'static Density>);
+
+/// Its mass, kg: one that no step has seen yet has none of its own, but that of its shape and density.
+pub(super) fn mass_of((mass, collider, density): (Option<&Mass>, Option<&Collider>, Option<&Density>)) -> f64 {
+    match (mass, collider) {
+        (Some(mass), _) => mass.0,
+        (None, Some(collider)) => collider.mass_properties(density.copied().unwrap_or_default().0).mass,
+        (None, None) => 0.0,
+    }
+}
+
 /// The other fields. What is changed is asked for.
 pub(super) fn show(
     (InMut(ui), InRef(body)): (InMut<egui::Ui>, InRef<Described>),
-    masses: Query<&Mass>,
+    masses: Query<MassParts>,
     mut changing: Local<bool>,
     mut actions: MessageWriter<SandboxAction>,
 ) {
     let was = &body.was;
-    // One that no step has seen yet has no mass of its own.
-    let computed = || was.mass.unwrap_or(was.density * was.shape.as_ref().map_or(0.0, ShapeSpec::volume));
-    let mass = masses.get(body.entity).map_or_else(|_| computed(), |mass| mass.0);
+    let mass = masses.get(body.entity).map_or(0.0, mass_of);
     *changing &= ui.input(|input| input.pointer.any_down());
     let mut now = was.clone();
     // Other rows, another grid.
@@ -156,13 +167,7 @@ fn name_and_kind(ui: &mut egui::Ui, now: &mut BodySpec, drawn: Option<Color>, ty
 fn velocity(ui: &mut egui::Ui, label: &str, unit: &str, vector: &mut DVec3) {
     ui.label(label).on_hover_text(unit);
     ui.horizontal(|ui| {
-        for part in vector.as_mut() {
-            let drag = egui::DragValue::new(part).speed(0.05).range(SPEEDS).update_while_editing(false);
-            // To look at what is faster must not slow it down.
-            let drag = drag.clamp_existing_to_range(false);
-            let drag = drag.custom_formatter(|value, _| without_negative_zero(format!("{value:.2}")));
-            ui.add_sized([58.0, ui.spacing().interact_size.y], drag);
-        }
+        SPEED.show(ui, vector);
         if *vector != DVec3::ZERO && ui.small_button("0").on_hover_text("stop it").clicked() {
             *vector = DVec3::ZERO;
         }

@@ -3,26 +3,21 @@
 use bevy::prelude::*;
 use bevy_egui::egui;
 
+use super::body::{MassParts, mass_of};
 use super::buttons::{ActionButton, button_row, tooltip};
 use super::theme::Quantity;
-use crate::physics::{Collider, Density, Mass, RigidBody};
+use crate::physics::RigidBody;
 use crate::sandbox::{SandboxAction, Selection};
 
 pub(super) fn show(
     InMut(ui): InMut<egui::Ui>,
     selection: Res<Selection>,
-    bodies: Query<(&RigidBody, Option<&Mass>, Option<&Collider>, Option<&Density>)>,
+    bodies: Query<(&RigidBody, MassParts)>,
     mut actions: MessageWriter<SandboxAction>,
 ) {
     let picked: Vec<_> = selection.bodies().filter_map(|body| bodies.get(body).ok()).collect();
-    let moving = picked.iter().filter(|(kind, ..)| **kind == RigidBody::Dynamic);
-    // One that no step has seen yet has no mass of its own.
-    let mass = moving.map(|&(_, mass, collider, density)| match (mass, collider) {
-        (Some(mass), _) => mass.0,
-        (None, Some(collider)) => collider.mass_properties(density.copied().unwrap_or_default().0).mass,
-        (None, None) => 0.0,
-    });
-    let mass: f64 = mass.sum();
+    let moving = picked.iter().filter(|(kind, _)| **kind == RigidBody::Dynamic);
+    let mass: f64 = moving.map(|(_, parts)| mass_of(*parts)).sum();
     ui.strong(format!("{} bodies", picked.len()));
     ui.weak(format!("{} of what moves", Quantity::text(mass * 1000.0, "g")));
     ui.add_space(4.0);

@@ -33,6 +33,7 @@ mod theme;
 mod toast;
 mod toolbar;
 pub(super) mod vary;
+mod vector;
 mod world;
 
 pub(super) use buttons::toggle;

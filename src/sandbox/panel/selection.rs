@@ -9,7 +9,8 @@ use super::super::probe::{Reader, offer_body, offer_joint};
 use super::super::{JointChange, Placement, SandboxAction, Selection, ShowsPlots};
 use super::buttons::tooltip;
 use super::joint;
-use super::theme::{name_of, without_negative_zero};
+use super::theme::name_of;
+use super::vector::VectorFields;
 use crate::physics::{Position, RigidBody, Rotation, StepStats};
 use crate::scene::{JointComponent, Probes, SceneEntity};
 
@@ -19,7 +20,7 @@ const LISTED: usize = 12;
 const OPEN: usize = 2;
 
 /// Where bodies can be put, m.
-const PLACES: std::ops::RangeInclusive<f64> = -1e6..=1e6;
+const PLACE: VectorFields = VectorFields { range: -1e6..=1e6, speed: 0.01, decimals: 3, width: 62.0 };
 
 /// What the section shows of bodies.
 type Bodies<'w, 's> = Query<'w, 's, (Option<&'static Name>, &'static RigidBody, &'static Position, &'static Rotation)>;
@@ -153,15 +154,9 @@ fn show_body(
         let about = "its centre of mass; right click: plot it";
         ui.add(label).on_hover_text(about).context_menu(|ui| offer_body(ui, probes, body));
         let mut now = position.0;
-        let typed = now.as_mut().iter_mut().fold(false, |typed, part| {
-            let drag = egui::DragValue::new(part).speed(0.01).range(PLACES).update_while_editing(false);
-            // To look at what is farther must not bring it back.
-            let drag = drag.clamp_existing_to_range(false);
-            let drag = drag.custom_formatter(|value, _| without_negative_zero(format!("{value:.3}")));
-            typed | ui.add_sized([62.0, ui.spacing().interact_size.y], drag).changed()
-        });
+        let is_moved = PLACE.show(ui, &mut now);
         ui.label("m");
-        if typed {
+        if is_moved {
             let placements = vec![Placement { body, position: now, rotation: rotation.0, shape: None }];
             actions.write(SandboxAction::PlaceBodies { placements, continues: *changing });
             *changing = ui.input(|input| input.pointer.any_down());

@@ -86,9 +86,9 @@ fn join(world: &mut World, aimed: Option<Aimed>) {
 /// Says what the next click joins.
 pub fn ask_for_second(world: &mut World) {
     let Some(first) = world.resource::<Selection>().body else { return };
-    let where_to = match world.resource::<JoinKind>() {
-        JoinKind::Hinge | JoinKind::Slider => "the other body where the joint is to be: its axis stands on that face",
-        _ => "the other body",
+    let where_to = match world.resource::<JoinKind>().has_axis() {
+        true => "the other body where the joint is to be: its axis stands on that face",
+        false => "the other body",
     };
     let name = build::name_of(world, first.entity);
     *world.resource_mut::<Notice>() = Notice::Info(format!("joins {name}: click {where_to}; Esc: none"));

@@ -117,7 +117,7 @@ fn of_join(world: &World, aimed: Option<Aimed>) -> Preview {
     let is_other = picked.is_some_and(|first| first.entity != aimed.picked.entity);
     let turned = world.get::<Rotation>(aimed.picked.entity).map_or(DQuat::IDENTITY, |rotation| rotation.0);
     let normal = aimed.picked.normal.map(|normal| turned * normal);
-    let has_axis = matches!(world.resource::<JoinKind>(), JoinKind::Hinge | JoinKind::Slider);
+    let has_axis = world.resource::<JoinKind>().has_axis();
     Preview {
         ways: first.map(|first| (vec![first, aimed.place], false)).into_iter().collect(),
         dots: vec![aimed.place],
