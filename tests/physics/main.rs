@@ -23,6 +23,7 @@ mod hard_machines;
 mod heavy_loads;
 mod hulls;
 mod impact;
+mod joining;
 mod joints_and_contacts;
 mod lasting_contacts;
 mod machines;

@@ -156,9 +156,19 @@ impl AnyJoint {
         self.laws.iter_mut().for_each(|law| law.expected = 0.0);
     }
 
+    /// λ̂ of all rows.
+    pub fn expected(&self) -> Wrench<f64> {
+        self.impulses(|law, _| law.expected, &Twist::zero())
+    }
+
+    /// Expects a share of what it did.
+    pub fn expect_share(&mut self, share: f64) {
+        self.laws.iter_mut().for_each(|law| law.expected *= share);
+    }
+
     /// λ̂ as a force at the frames' origins, on B.
     pub fn expected_force(&self) -> Vector3<f64> {
-        self.wrench_on(1, &self.impulses(|law, _| law.expected, &Twist::zero())).fixed_rows::<3>(0).into()
+        self.wrench_on(1, &self.expected()).fixed_rows::<3>(0).into()
     }
 
     /// Takes in the relative motion that was solved for with what is assumed, to which the velocity goes by that share of

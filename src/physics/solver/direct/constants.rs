@@ -123,6 +123,11 @@ pub(super) const IMPULSE_TOLERANCE: f64 = 1e-3;
 pub(super) const LINE_SEARCH_SLOPE: f64 = 0.01;
 pub(super) const LINE_SEARCH_POINTS: usize = 8;
 
+/// Energy with the impulses expected over that without rows, and besides the speed of all bodies, m/s, from which on they
+/// are not to be believed: what rests, hangs and turns expects what leaves it less, or little more; what a hand jams
+/// somewhere expects its pull to change from substep to substep.
+pub(super) const EXPECTED_GAIN: [f64; 2] = [4.0, 3.0];
+
 /// Kinetic energy over that without rows which rounding does not explain.
 pub(super) const ENERGY_ROUNDING: f64 = 1.001;
 
@@ -152,6 +157,11 @@ pub(super) const POSTURE_TURN: f64 = 0.03;
 /// (`pulled`: figures that are jerked about).
 pub(super) const CURVING_TURNS: [f64; 2] = [0.25, 0.5];
 
+/// Speed at which the anchors of a joint part, over what half a substep's turning gives, up to which that is taken in:
+/// held ones part at that speed, a spin that is not held yet is ≥ 4 times as fast where anything is taken in
+/// ([`CURVING_TURNS`]; `joining`: what spins far away).
+pub(super) const JOINED_PARTING: f64 = 3.0;
+
 /// Depth or gap, over the arm, at which surfaces count as just touching: single precision cannot tell.
 pub(super) const TOUCHING: f64 = 1e-5;
 
@@ -177,6 +187,10 @@ pub(super) const DUAL_ACCEPTED: f64 = 1e-5;
 
 /// Into how many pieces a substep is cut at most where its impulses are not found (`hinge_chain`: the crack of a whip).
 pub(super) const DUAL_PIECES: u32 = 16;
+
+/// Speed along a row that only holds, m/s, up to which nothing is looked at, and the share of the energy at hand that such
+/// rows may give: a piece in which they give more is one that turns too far (`joining`: a rod whose end flies past it).
+pub(super) const DUAL_THROWN: [f64; 2] = [0.01, 0.05];
 
 /// ω h of springs up to which they are Newmark's, and from which on Euler's (`servo` from 10 Hz to 10 kHz).
 pub(super) const DUAL_STIFF: [f64; 2] = [1.0, 2.0];

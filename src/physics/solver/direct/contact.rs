@@ -153,6 +153,12 @@ impl DirectContact {
         self.expected = self.expected.map(|impulse| impulse * share);
     }
 
+    /// Has it do a share of what it did.
+    pub fn scale(&mut self, share: f64) {
+        self.points[..self.count].iter_mut().for_each(|point| point.impulse *= share);
+        self.friction = self.friction.map(|impulse| impulse * share);
+    }
+
     /// Has what it expects be what it did.
     pub fn keep_expected(&mut self) {
         self.points[..self.count].iter_mut().for_each(|point| point.impulse = point.expected);

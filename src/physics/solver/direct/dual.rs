@@ -31,7 +31,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::articulated::{ArticulatedTree, Piece, TreeJoint};
 use super::constants::{
     DUAL_ACCEPTED, DUAL_ACTIVE_SETS, DUAL_ERRORS, DUAL_ITERATIONS, DUAL_LAG, DUAL_LEFT, DUAL_LOOSE, DUAL_PIECES,
-    DUAL_PRODUCTS, DUAL_SHIFTS, DUAL_SOFTER, DUAL_START_ERROR, DUAL_STIFF,
+    DUAL_PRODUCTS, DUAL_SHIFTS, DUAL_SOFTER, DUAL_START_ERROR, DUAL_STIFF, DUAL_THROWN,
 };
 use super::posture::Posture;
 use super::world::{World, place_among, share_within, state_of, world_inertia};
@@ -243,11 +243,49 @@ impl DualSystem {
         }
         self.set_off(world, members, terms, kick);
         self.mend_start(world, members, terms);
-        let is_solved = self.find_impulses(world, members, terms) <= DUAL_ACCEPTED;
+        let is_solved =
+            self.find_impulses(world, members, terms) <= DUAL_ACCEPTED && !self.throws(world, members, kick);
         if is_solved {
             self.note(terms.h, kick);
         }
         is_solved
+    }
+
+    /// Whether rows that only hold gave the bodies a good part of their energy: a piece in which a row turns far comes to
+    /// places where it holds, but by pushing along where it was. Forces act for `kick`, s; the work of rows that do more than
+    /// hold is ½ λ (y₀ + y₁) with their rates y at both ends. Bodies beside the members that move may give any energy.
+    fn throws(&self, world: &impl World, members: &[u32], kick: f64) -> bool {
+        let (mut fastest, mut driven) = (0.0_f64, 0.0);
+        for link in &self.links {
+            let old = link.ends.map(|end| self.starts[end as usize].twist());
+            let now = link.ends.map(|end| self.velocities[end as usize]);
+            for index in link.first..link.first + link.count {
+                let row = &self.rows[index];
+                let [before, after] = [old, now].map(|[a, b]| row.jacobian.dot(&a, &b));
+                if matches!(self.aims[index], Aim::Place) && row.time_rate == 0.0 {
+                    fastest = fastest.max(after.abs());
+                } else {
+                    driven += 0.5 * (before + after) * self.impulses[index];
+                }
+            }
+        }
+        let partners = &self.starts[members.len()..];
+        if fastest <= DUAL_THROWN[0] || partners.iter().any(|state| state.twist() != Twist::zero()) {
+            return false;
+        }
+        let (mut before, mut after) = (0.0, 0.0);
+        for ((&member, state), velocity) in members.iter().zip(&self.starts).zip(&self.velocities) {
+            let body = world.body(member);
+            let inertia = world_inertia(body);
+            let linear = state.linear + body.force * (kick / body.mass);
+            let angular = state.angular + inertia.try_inverse().unwrap_or_else(Matrix3::zeros) * body.torque * kick;
+            let energy = |linear: &Vector3<f64>, angular: &Vector3<f64>| {
+                0.5 * (body.mass * linear.norm_squared() + angular.dot(&(inertia * angular)))
+            };
+            before += energy(&linear, &angular);
+            after += energy(&velocity.linear, &velocity.angular);
+        }
+        after > (1.0 + DUAL_THROWN[1]) * (before + f64::max(driven, 0.0))
     }
 
     /// The same where no impulses along the rows as they start lead to joints that hold, as the piece turns them too far:

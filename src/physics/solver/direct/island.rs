@@ -6,8 +6,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::any_joint::AnyJoint;
 use super::constants::{
-    DUAL_PRODUCTS, ENERGY_ROUNDING, IMPULSE_TOLERANCE, JOINT_PENALTY, LINE_SEARCH_POINTS, LINE_SEARCH_SLOPE,
-    REST_PRODUCTS,
+    DUAL_PRODUCTS, ENERGY_ROUNDING, EXPECTED_GAIN, IMPULSE_TOLERANCE, JOINT_PENALTY, LINE_SEARCH_POINTS,
+    LINE_SEARCH_SLOPE, REST_PRODUCTS,
 };
 use super::contact::DirectContact;
 use super::dual::DualSystem;
@@ -362,12 +362,41 @@ impl DirectIsland {
         }))
     }
 
+    /// Takes the impulses expected, q = Σ Jᵀλ̂, s times, 0 ≤ s ≤ 1, where they would throw the bodies, with
+    /// (p + q)ᵀM⁻¹(p + q) far above pᵀM⁻¹p for their momenta p: so that the former is least. Rows of contacts give way by λ̂
+    /// over their penalty, so that what iterations which did not end left there would be had as velocity.
+    pub(super) fn expect_no_throw(&mut self) {
+        let Self { contact_rows, joint_rows, any_rows, elimination, before, momentum, inertias, .. } = self;
+        before.fill(BodyVector::zeros());
+        for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
+            apply(elimination, before, rows, &rows.expected());
+        });
+        let (mut alone, mut along, mut square, mut all) = (0.0, 0.0, 0.0, 0.0);
+        for (local, (mass, inertia)) in inertias.iter().enumerate() {
+            let place = elimination.place(local as u32) as usize;
+            let [(force, torque), (linear, angular)] = [&before[place], &momentum[place]].map(halves);
+            let Some(inverse) = inertia.try_inverse() else { return };
+            let rates = (force / *mass, inverse * torque);
+            alone += linear.norm_squared() / *mass + angular.dot(&(inverse * angular));
+            along += linear.dot(&rates.0) + angular.dot(&rates.1);
+            square += force.dot(&rates.0) + torque.dot(&rates.1);
+            all += *mass;
+        }
+        let [times, speed] = EXPECTED_GAIN;
+        if alone + 2.0 * along + square > times * alone + all * speed * speed {
+            let share = (-along / square).clamp(0.0, 1.0);
+            for_each_constraint!((&mut *contact_rows, &mut *joint_rows, &mut *any_rows), |rows| {
+                rows.expect_share(share);
+            });
+        }
+    }
+
     /// Slows all down alike to the most energy that the bodies can have: what they would have alone, what springs and
     /// motors give, and what supports give that move at `speed`, m/s, which is no more than all bodies thrown ahead of
     /// them at twice that. For where the iterations did not end; rows that hold still do.
     pub(super) fn take_back_gain(&mut self, speed: f64) {
         let [kinetic, free] = self.energies();
-        let Self { joint_rows, any_rows, elimination, velocity, inertias, .. } = self;
+        let Self { contact_rows, joint_rows, any_rows, elimination, velocity, inertias, .. } = self;
         let mut given = 0.0;
         // Work on the members alone: what a hand gives that moves is in it.
         for rows in joint_rows.iter().filter(|rows| rows.softness.is_some()) {
@@ -383,6 +412,7 @@ impl DirectIsland {
         }
         let share = (most / kinetic).sqrt();
         velocity.iter_mut().for_each(|velocity| *velocity *= share);
+        contact_rows.iter_mut().for_each(|rows| rows.scale(share));
         joint_rows.iter_mut().for_each(|rows| rows.impulse *= share);
         any_rows.iter_mut().for_each(|rows| rows.scale(share));
     }

@@ -67,6 +67,16 @@ pub(super) struct DirectJoint {
 }
 
 impl DirectJoint {
+    /// The impulse expected.
+    pub fn expected(&self) -> Wrench<f64> {
+        Wrench { linear: self.expected, angular: Vector3::zeros() }
+    }
+
+    /// Expects a share of what it did.
+    pub fn expect_share(&mut self, share: f64) {
+        self.expected *= share;
+    }
+
     /// Impulse on B at a motion, with what is assumed of a soft joint.
     fn trial(&self, motion: &Twist<f64>) -> Vector3<f64> {
         match &self.softness {

@@ -184,10 +184,17 @@ impl BoundedRows {
             self.place(mechanism, time);
         }
         let comes = self.limits().any(|(row, side)| self.approach(row, side) > STOPPED_SPEED);
-        if comes || self.is_pushed_over() {
+        if comes || self.is_pushed_over() || self.parts() {
             self.impact(mechanism, None, terms.may_leave, outcome, note);
             self.place(mechanism, time);
         }
+    }
+
+    /// Whether a rigid row has a speed: its joint holds what moved freely until now.
+    fn parts(&self) -> bool {
+        let rows = self.laws.iter().zip(&self.set.rows).zip(&self.rates);
+        rows.into_iter()
+            .any(|((law, row), rate)| *law == RowLaw::Unbounded && row.spring.is_none() && rate.abs() > RESTING_SPEED)
     }
 
     /// Whether a boxed row has a speed that an unbounded force would not let it have.

@@ -216,14 +216,25 @@ impl JointProjection {
         }
     }
 
-    /// Projects velocities, with the rows of [`Self::assemble`].
-    pub fn project_velocities(&mut self, mechanism: &mut Mechanism) {
+    /// The largest rate of a row that is to have none, m/s or rad/s, with the rows of [`Self::assemble`].
+    pub fn fastest_parting(&mut self, mechanism: &Mechanism) -> f64 {
+        self.find_rates(mechanism);
+        self.errors.iter().fold(0.0, |most, rate| most.max(rate.abs()))
+    }
+
+    /// −(J v + ∂C/∂t) of all rows, zero of springs, instead of the last errors.
+    fn find_rates(&mut self, mechanism: &Mechanism) {
         self.errors.clear();
         for link in &mechanism.links {
             let own = self.rows[link.rows.clone()].iter().zip(link.rates(&self.rows, &mechanism.states));
             self.errors.extend(own.map(|(row, rate)| if row.spring.is_some() { 0.0 } else { -rate }));
         }
         self.system.given.iter().for_each(|&row| self.errors[row] = 0.0);
+    }
+
+    /// Projects velocities, with the rows of [`Self::assemble`].
+    pub fn project_velocities(&mut self, mechanism: &mut Mechanism) {
+        self.find_rates(mechanism);
         self.system.solve(mechanism, &self.errors, &mut self.impulses);
         self.system.respond(mechanism, &self.impulses, &mut self.moved);
         for (state, gained) in mechanism.states.iter_mut().zip(&self.moved) {

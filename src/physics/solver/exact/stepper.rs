@@ -9,7 +9,7 @@
 
 use super::constants::{
     CONVERGED_BEFORE_LONGER, EULER_DIVISIONS, LONGEST_TURN, MOST_DIVISIONS, MOST_EVALUATIONS, MOST_JOINT_EVALUATIONS,
-    PARTED,
+    PARTED, RESTING_SPEED,
 };
 use super::gauss::{Gauss, StageIterations};
 use super::lockstep::Lockstep;
@@ -55,6 +55,8 @@ pub(crate) struct Stepper {
     divisions: u32,
     /// Substeps in a row that converged.
     converged: u32,
+    /// Whether the mechanism was moved, or tied together, by somebody else since the last step.
+    is_new: bool,
     /// Mean of each link's load over the step: force on B, and torque about B's anchor.
     pub loads: Vec<Wrench<f64>>,
 }
@@ -67,6 +69,7 @@ impl Stepper {
         self.in_lockstep = false;
         self.divisions = 0;
         self.converged = 0;
+        self.is_new = true;
     }
 
     /// Forgets how the last step went, from which the next would be continued.
@@ -99,11 +102,31 @@ impl Stepper {
         self.loads.clear();
         self.loads.resize(mechanism.links.len(), Wrench::zero());
         let mut effort = StepEffort::default();
+        if std::mem::replace(&mut self.is_new, false) {
+            self.tie(mechanism, time, h * f64::from(substeps), &mut effort);
+        }
         for substep in 0..substeps {
             let start = time + h * f64::from(substep);
             self.advance_substep(mechanism, integrator, start, h, 1.0 / f64::from(substeps), &mut effort);
         }
         effort
+    }
+
+    /// What joints hold apart from now on, and had another speed until now, gets it by an impulse: v⁺ = v⁻ − M⁻¹Jᵀ(J M⁻¹Jᵀ)⁻¹
+    /// (J v⁻ + ∂C/∂t), which takes energy only. Integrators, which know of accelerations alone, would go on from that speed.
+    /// `step` is the length of the whole step, s.
+    fn tie(&mut self, mechanism: &mut Mechanism, time: f64, step: f64, effort: &mut StepEffort) {
+        let Self { projection, loads, .. } = self;
+        projection.assemble(mechanism, time);
+        if projection.fastest_parting(mechanism) <= RESTING_SPEED {
+            return;
+        }
+        projection.project_velocities(mechanism);
+        effort.solves += 1;
+        for (load, link) in loads.iter_mut().zip(&mechanism.links) {
+            let impulse = link.load(&link.arm_b(&mechanism.states), &projection.rows, &projection.impulses);
+            *load = load.plus(&impulse, 1.0 / step);
+        }
     }
 
     /// One step of h, s, from that time. Where it does not converge the mechanism stays where it was.
