@@ -8,27 +8,49 @@
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 
-use super::{PoseHistory, Position, RenderOrigin, RigidBody, Rotation, Sleeping, bits};
+use super::{PoseHistory, Position, RenderOrigin, RigidBody, Rotation, Sleeping, StepStats, bits};
 
 /// What is written of a body that is put somewhere else.
 type Placed = (&'static mut Position, &'static mut Rotation, &'static mut PoseHistory, &'static mut Transform);
 
 /// What a transform is written from and to.
 type Written = (
-    &'static Position,
-    &'static Rotation,
+    Ref<'static, Position>,
+    Ref<'static, Rotation>,
     &'static mut PoseHistory,
     &'static mut Transform,
     Option<Ref<'static, Sleeping>>,
 );
 
-/// Writes transforms between the last two poses; runs after the fixed loop.
+/// Of which step, and how far on from it, transforms are.
+#[derive(Default, PartialEq)]
+pub(super) struct Drawn(Option<(u64, u64)>);
+
+/// Writes transforms between the last two poses; runs after the fixed loop. Where time stands still and nobody has put
+/// anything elsewhere they are what they were.
 pub(super) fn write_interpolated(
     fixed: Option<Res<Time<Fixed>>>,
+    stats: Res<StepStats>,
     origin: Res<RenderOrigin>,
-    bodies: Query<Written, With<RigidBody>>,
+    mut bodies: Query<Written, With<RigidBody>>,
+    mut drawn: Local<Drawn>,
 ) {
-    write(fixed.map_or(1.0, |fixed| fixed.overstep_fraction_f64()), origin, bodies);
+    let alpha = alpha(fixed.as_deref());
+    let now = Drawn(Some((stats.steps, alpha.to_bits())));
+    let is_as_drawn = now == *drawn
+        && !origin.is_changed()
+        && bodies.iter_mut().all(|(position, rotation, history, ..)| {
+            !position.is_changed() && !rotation.is_changed() && !history.is_changed()
+        });
+    if !is_as_drawn {
+        *drawn = now;
+        write(alpha, origin, bodies);
+    }
+}
+
+/// How far time is on from the last step, in steps.
+fn alpha(fixed: Option<&Time<Fixed>>) -> f64 {
+    fixed.map_or(1.0, Time::overstep_fraction_f64)
 }
 
 /// Writes transforms at once: something was done since the fixed loop, and the next picture is to show it.
@@ -36,7 +58,11 @@ pub(super) fn write_interpolated(
 /// # Errors
 /// The world has no [`PhysicsPlugin`](super::PhysicsPlugin).
 pub fn write_now(world: &mut World) -> Result {
-    Ok(world.run_system_cached(write_interpolated)?)
+    let write =
+        |fixed: Option<Res<Time<Fixed>>>, origin: Res<RenderOrigin>, bodies: Query<Written, With<RigidBody>>| {
+            write(alpha(fixed.as_deref()), origin, bodies);
+        };
+    Ok(world.run_system_cached(write)?)
 }
 
 /// Puts a body somewhere else between two steps, with its velocity: the centre of mass, m, and its orientation. It is drawn
@@ -62,7 +88,7 @@ pub fn place(world: &mut World, body: Entity, position: DVec3, rotation: DQuat) 
 /// has brought to where it is.
 pub fn stand_still(world: &mut World) {
     for mut history in world.query::<&mut PoseHistory>().iter_mut(world) {
-        history.bypass_change_detection().previous = None;
+        history.previous = None;
     }
 }
 
@@ -84,12 +110,43 @@ fn write(alpha: f64, origin: Res<RenderOrigin>, mut bodies: Query<Written, With<
         let (from_position, from_rotation) = history.previous.unwrap_or((position.0, rotation.0));
         let pose = Transform {
             translation: (from_position.lerp(position.0, alpha) - origin.0).as_vec3(),
-            rotation: from_rotation.slerp(rotation.0, alpha).as_quat(),
+            rotation: between(from_rotation, rotation.0, alpha).as_quat(),
             scale: transform.scale,
         };
         if bits(&pose) != bits(&transform) {
             *transform = pose;
         }
         history.written = Some(pose);
+    }
+}
+
+/// Cosine of half the angle from which on a rotation is drawn on the chord instead of the arc: up to 0.6 rad it is 1 mrad
+/// from it, which nobody sees, and three times as fast.
+const NEAR: f64 = 0.955;
+
+/// A rotation on the way from one to another, 0 at the first and 1 at the second.
+fn between(from: DQuat, to: DQuat, alpha: f64) -> DQuat {
+    if from.dot(to) > NEAR { from.lerp(to, alpha) } else { from.slerp(to, alpha) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_chord_is_near_the_arc() {
+        let axis = DVec3::new(0.3, -0.5, 0.8).normalize();
+        let from = DQuat::from_rotation_x(0.7);
+        let mut worst: f64 = 0.0;
+        for angle in [1e-6, 0.01, 0.1, 0.3, 0.59, 0.61, 1.5, 3.0] {
+            let to = DQuat::from_axis_angle(axis, angle) * from;
+            for tenth in 0..=10 {
+                let alpha = f64::from(tenth) / 10.0;
+                let on_arc = DQuat::from_axis_angle(axis, angle * alpha) * from;
+                worst = worst.max(between(from, to, alpha).angle_between(on_arc));
+            }
+        }
+        assert!(worst < 1e-3, "{worst} rad");
+        assert!(worst > 1e-5, "the chord is not drawn on");
     }
 }

@@ -171,6 +171,8 @@ impl ExactGroup {
                 let joint = &mut joints[joint as usize];
                 joint.set_load(mean, [0.0; 6]);
                 joint.load_at_end = at_end;
+                // Another method is not to start from it.
+                joint.is_doubtful = piece.effort.unsettled > 0;
             }
         }
         for group in &self.contact_groups {

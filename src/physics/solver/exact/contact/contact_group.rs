@@ -423,7 +423,10 @@ impl ContactGroup {
             put(state, &mut bodies[index as usize]);
         }
         for (&joint, load) in self.joints.iter().zip(&self.joint_loads) {
-            joints[joint as usize].set_load(load, [0.0; 6]);
+            let joint = &mut joints[joint as usize];
+            joint.set_load(load, [0.0; 6]);
+            // Another method is not to start from it.
+            joint.is_doubtful = self.effort.unsettled > 0;
         }
     }
 
