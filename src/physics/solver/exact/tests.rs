@@ -4,10 +4,10 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
-use nalgebra::UnitQuaternion;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::physics::body::{Inertia, Mass, Position, RigidBody, Rotation, Velocity};
-use crate::physics::joint::{Frame, Hold, JointDefinition, JointLoad, Laws, Softness};
+use crate::physics::joint::{Frame, Hold, JointDefinition, JointLoad, Joints, Laws, Softness};
 use crate::physics::settings::{ExactIntegrator, ExactSettings, Gravity, SolverSettings};
 use crate::physics::shape::Collider;
 use crate::physics::stats::StepStats;
@@ -222,5 +222,24 @@ fn a_spring_of_torsion_has_its_frequency_and_its_largest_torque() {
             }
             assert!(load.force.length() < 1e-12);
         }
+    }
+}
+
+/// Held at two posts further apart than it is long: no other method is to start from what its joints carried.
+#[test]
+fn what_was_not_settled_is_doubtful() {
+    for (distance, is_held) in [(0.2, true), (3.0, false)] {
+        let mut world = world(ExactIntegrator::Gauss, 60.0);
+        let rod = body(&mut world, DVec3::ZERO, DQuat::IDENTITY, 1.0, DVec3::splat(0.01));
+        for side in [-1.0, 1.0] {
+            let post = pin(&mut world, DVec3::X * (0.5 * distance * side));
+            let frames = [0.0, 0.1 * side].map(|x| Frame::at(Vector3::x() * x));
+            world.spawn(JointDefinition { bodies: [post, rod], frames, translation: Laws::LOCKED, ..default() });
+        }
+        step(&mut world);
+        assert_eq!(world.resource::<StepStats>().unsettled == 0, is_held, "{distance} m");
+        let joints = &world.resource::<Joints>().list;
+        assert_eq!(joints.len(), 2);
+        assert!(joints.iter().all(|joint| joint.is_doubtful != is_held), "{distance} m");
     }
 }
