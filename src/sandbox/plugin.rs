@@ -1,7 +1,9 @@
 //! The plugin that adds all parts of the sandbox.
 
+use bevy::app::RunFixedMainLoop;
+use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
-use bevy_egui::EguiPlugin;
+use bevy_egui::{EguiPlugin, EguiPrimaryContextPass};
 use bevy_panorbit_camera::PanOrbitCameraPlugin;
 
 use super::{
@@ -49,5 +51,32 @@ impl Plugin for SandboxPlugin {
                 gizmos::plugin,
                 help::plugin,
             ));
+        on_one_thread(app);
+    }
+}
+
+/// Runs the systems of a frame one after the other. There are hundreds, and but for those that go over all bodies, which
+/// take threads for that by themselves, each does next to nothing: to wake a thread for it costs more (`cargo bench --bench
+/// picture`).
+fn on_one_thread(app: &mut App) {
+    let run = [
+        First.intern(),
+        PreUpdate.intern(),
+        RunFixedMainLoop.intern(),
+        FixedFirst.intern(),
+        FixedPreUpdate.intern(),
+        FixedUpdate.intern(),
+        FixedPostUpdate.intern(),
+        FixedLast.intern(),
+        Update.intern(),
+        SpawnScene.intern(),
+        PostUpdate.intern(),
+        Last.intern(),
+        EguiPrimaryContextPass.intern(),
+    ];
+    for label in run {
+        app.edit_schedule(label, |schedule| {
+            schedule.set_executor(SingleThreadedExecutor::new());
+        });
     }
 }
