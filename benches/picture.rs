@@ -57,7 +57,8 @@ fn measure(hands: &mut Hands) -> Vec<(String, Vec<Duration>)> {
         let readings = std::mem::take(&mut hands.world().resource_mut::<Readings>().0);
         let mut took = vec![("whole frame", whole)];
         took.extend(readings.windows(2).map(|pair| (pair[1].0, pair[1].1 - pair[0].1)));
-        let fixed = took.iter().find(|(name, _)| *name == "FixedPostUpdate").map_or(Duration::ZERO, |(_, took)| *took);
+        let of_steps = took.iter().filter(|(name, _)| ["FixedPostUpdate", "FixedLast"].contains(name));
+        let fixed: Duration = of_steps.map(|(_, took)| *took).sum();
         let step = Duration::from_secs_f64(hands.world().resource::<StepStats>().step_seconds).min(fixed);
         took.insert(1, ("without step and history", whole - fixed));
         took.insert(2, ("step", step));
