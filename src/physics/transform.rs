@@ -22,10 +22,6 @@ type Written = (
     Option<Ref<'static, Sleeping>>,
 );
 
-/// Of which step, and how far on from it, transforms are.
-#[derive(Default, PartialEq)]
-pub(super) struct Drawn(Option<(u64, u64)>);
-
 /// Writes transforms between the last two poses; runs after the fixed loop. Where time stands still and nobody has put
 /// anything elsewhere they are what they were.
 pub(super) fn write_interpolated(
@@ -33,10 +29,11 @@ pub(super) fn write_interpolated(
     stats: Res<StepStats>,
     origin: Res<RenderOrigin>,
     mut bodies: Query<Written, With<RigidBody>>,
-    mut drawn: Local<Drawn>,
+    // Of which step, and how far on from it, transforms are.
+    mut drawn: Local<Option<(u64, u64)>>,
 ) {
     let alpha = alpha(fixed.as_deref());
-    let now = Drawn(Some((stats.steps, alpha.to_bits())));
+    let now = Some((stats.steps, alpha.to_bits()));
     let is_as_drawn = now == *drawn
         && !origin.is_changed()
         && bodies.iter_mut().all(|(position, rotation, history, ..)| {

@@ -362,32 +362,47 @@ impl DirectIsland {
         }))
     }
 
-    /// Takes the impulses expected, q = Σ Jᵀλ̂, s times, 0 ≤ s ≤ 1, where they would throw the bodies, with
-    /// (p + q)ᵀM⁻¹(p + q) far above pᵀM⁻¹p for their momenta p: so that the former is least. Rows of contacts give way by λ̂
-    /// over their penalty, so that what iterations which did not end left there would be had as velocity.
-    pub(super) fn expect_no_throw(&mut self) {
-        let Self { contact_rows, joint_rows, any_rows, elimination, before, momentum, inertias, .. } = self;
+    /// What the impulses expected, q = Σ Jᵀλ̂, are beside what they are to leave at the present velocities, a = M v − p with
+    /// the momenta p: aᵀM⁻¹a, aᵀM⁻¹q and qᵀM⁻¹q. None where an inertia has no inverse.
+    pub(super) fn weigh_expected(&mut self) -> Option<[f64; 3]> {
+        let Self { contact_rows, joint_rows, any_rows, elimination, velocity, before, momentum, inertias, .. } = self;
         before.fill(BodyVector::zeros());
         for_each_constraint!((&*contact_rows, &*joint_rows, &*any_rows), |rows| {
             apply(elimination, before, rows, &rows.expected());
         });
-        let (mut alone, mut along, mut square, mut all) = (0.0, 0.0, 0.0, 0.0);
+        let (mut left, mut along, mut square) = (0.0, 0.0, 0.0);
         for (local, (mass, inertia)) in inertias.iter().enumerate() {
             let place = elimination.place(local as u32) as usize;
-            let [(force, torque), (linear, angular)] = [&before[place], &momentum[place]].map(halves);
-            let Some(inverse) = inertia.try_inverse() else { return };
+            let [(force, torque), (linear, angular), (momentum, spin)] =
+                [&before[place], &velocity[place], &momentum[place]].map(halves);
+            let inverse = inertia.try_inverse()?;
+            let (linear, angular) = (linear * *mass - momentum, inertia * angular - spin);
             let rates = (force / *mass, inverse * torque);
-            alone += linear.norm_squared() / *mass + angular.dot(&(inverse * angular));
-            along += linear.dot(&rates.0) + angular.dot(&rates.1);
-            square += force.dot(&rates.0) + torque.dot(&rates.1);
-            all += *mass;
+            left += linear.norm_squared() / *mass + angular.dot(&(inverse * angular));
+            along += rates.0.dot(&linear) + rates.1.dot(&angular);
+            square += rates.0.dot(&force) + rates.1.dot(&torque);
         }
+        Some([left, along, square])
+    }
+
+    /// Expects a share of what it did.
+    pub(super) fn expect_share(&mut self, share: f64) {
+        let Self { contact_rows, joint_rows, any_rows, .. } = self;
+        for_each_constraint!((contact_rows, joint_rows, any_rows), |rows| {
+            rows.expect_share(share);
+        });
+    }
+
+    /// Takes the impulses expected, q, s times, 0 ≤ s ≤ 1, where they would throw the bodies, with (p + q)ᵀM⁻¹(p + q) far
+    /// above pᵀM⁻¹p for their momenta p: so that the former is least. Rows of contacts give way by λ̂ over their penalty, so
+    /// that what iterations which did not end left there would be had as velocity.
+    pub(super) fn expect_no_throw(&mut self) {
+        self.velocity.fill(BodyVector::zeros());
+        let Some([alone, along, square]) = self.weigh_expected() else { return };
+        let mass: f64 = self.inertias.iter().map(|(mass, _)| mass).sum();
         let [times, speed] = EXPECTED_GAIN;
-        if alone + 2.0 * along + square > times * alone + all * speed * speed {
-            let share = (-along / square).clamp(0.0, 1.0);
-            for_each_constraint!((&mut *contact_rows, &mut *joint_rows, &mut *any_rows), |rows| {
-                rows.expect_share(share);
-            });
+        if alone - 2.0 * along + square > times * alone + mass * speed * speed {
+            self.expect_share((along / square).clamp(0.0, 1.0));
         }
     }
 

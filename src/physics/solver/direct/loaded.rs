@@ -221,24 +221,9 @@ impl DirectIsland {
     ///
     /// What rests expects what it takes, s = 1. After an impact contacts would expect another one.
     fn expect_what_balances(&mut self) {
-        let Self { contact_rows, elimination, velocity, before, momentum, inertias, .. } = self;
-        before.fill(BodyVector::zeros());
-        for rows in &*contact_rows {
-            apply(elimination, before, rows, &rows.expected());
-        }
-        let (mut along, mut square) = (0.0, 0.0);
-        for (local, (mass, inertia)) in inertias.iter().enumerate() {
-            let place = elimination.place(local as u32) as usize;
-            let [(force, torque), (linear, angular), (momentum, spin)] =
-                [&before[place], &velocity[place], &momentum[place]].map(halves);
-            let Some(inverse) = inertia.try_inverse() else { return };
-            let rates = (force / *mass, inverse * torque);
-            along += rates.0.dot(&(linear * *mass - momentum)) + rates.1.dot(&(inertia * angular - spin));
-            square += rates.0.dot(&force) + rates.1.dot(&torque);
-        }
+        let Some([_, along, square]) = self.weigh_expected() else { return };
         if square > 0.0 {
-            let share = (along / square).clamp(0.0, 1.0);
-            contact_rows.iter_mut().for_each(|rows| rows.expect_share(share));
+            self.expect_share((along / square).clamp(0.0, 1.0));
         }
     }
 

@@ -192,9 +192,8 @@ impl BoundedRows {
 
     /// Whether a rigid row has a speed: its joint holds what moved freely until now.
     fn parts(&self) -> bool {
-        let rows = self.laws.iter().zip(&self.set.rows).zip(&self.rates);
-        rows.into_iter()
-            .any(|((law, row), rate)| *law == RowLaw::Unbounded && row.spring.is_none() && rate.abs() > RESTING_SPEED)
+        let mut rows = self.laws.iter().zip(&self.set.rows).zip(&self.rates);
+        rows.any(|((law, row), rate)| *law == RowLaw::Unbounded && row.spring.is_none() && rate.abs() > RESTING_SPEED)
     }
 
     /// Whether a boxed row has a speed that an unbounded force would not let it have.
