@@ -1,7 +1,10 @@
-//! A tree of bounding boxes that is made at once and does not change: for questions between two steps.
+//! A tree of bounding boxes that is made at once and does not change: of all bodies, for questions between two steps, and of
+//! the parts of a shape.
 //!
 //! Items are halved by the median of their boxes' centres along the axis on which these spread most. A node's first child
 //! follows it in the list, so that a look goes through memory in order. Boxes are closed.
+
+use nalgebra::Vector3;
 
 use crate::physics::BoundingBox;
 
@@ -20,7 +23,7 @@ struct Node {
 
 /// The tree.
 #[derive(Clone, Debug, Default)]
-pub(super) struct BoxTree {
+pub(crate) struct BoxTree {
     nodes: Vec<Node>,
     /// Items by leaf, with their boxes.
     items: Vec<(u32, BoundingBox)>,
@@ -91,12 +94,43 @@ impl BoxTree {
             depth += 2;
         }
     }
+
+    /// Hands on the items whose boxes overlap one.
+    pub fn overlapping(&self, bounds: &BoundingBox, mut take: impl FnMut(u32)) {
+        let distance = |other: &BoundingBox| if bounds.overlaps(other) { 0.0 } else { f64::INFINITY };
+        self.search(0.0, distance, |item, most| {
+            take(item);
+            most
+        });
+    }
+}
+
+/// A ray as boxes are tested against it.
+pub(crate) struct Way {
+    origin: Vector3<f64>,
+    /// One over each part of the direction.
+    inverse: Vector3<f64>,
+}
+
+impl Way {
+    /// Of a ray from a point along a direction.
+    pub fn new(origin: &Vector3<f64>, direction: &Vector3<f64>) -> Self {
+        // Finite, so that nothing times it is a number.
+        let inverse = direction.map(|part| if part.abs() < 1e-300 { 1e300_f64.copysign(part) } else { part.recip() });
+        Self { origin: *origin, inverse }
+    }
+
+    /// How far along the ray a box begins, 0 inside, infinite where it is missed (Kay and Kajiya 1986).
+    pub fn enters(&self, low: &Vector3<f64>, high: &Vector3<f64>) -> f64 {
+        let one = (low - self.origin).component_mul(&self.inverse);
+        let other = (high - self.origin).component_mul(&self.inverse);
+        let (first, last) = (one.inf(&other).max().max(0.0), one.sup(&other).min());
+        if first <= last { first } else { f64::INFINITY }
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Vector3;
-
     use super::*;
     use crate::physics::testing::Random;
 

@@ -51,12 +51,17 @@ impl Teller<'_, '_> {
     }
 }
 
-/// Contacts that last touch when they push.
-fn report_starts_and_ends(mut graph: ResMut<ContactGraph>, mut teller: Teller) {
+/// Contacts that last touch when they push; bodies with parts, when any of their pairs do.
+fn report_starts_and_ends(
+    mut graph: ResMut<ContactGraph>,
+    mut changes_of_parts: Local<Vec<((Entity, Entity), i32)>>,
+    mut teller: Teller,
+) {
     let ordered = |(a, b): (Entity, Entity)| (a.min(b), a.max(b));
     let graph = graph.bypass_change_detection();
-    for (a, b) in graph.parted.drain(..).map(ordered) {
-        teller.end(a, b);
+    for (entities, is_of_parts) in graph.parted.drain(..) {
+        let (a, b) = ordered(entities);
+        if is_of_parts { changes_of_parts.push(((a, b), -1)) } else { teller.end(a, b) }
     }
     let all = std::mem::take(&mut graph.starts_changed);
     let mut changed = std::mem::take(&mut graph.fell_asleep);
@@ -69,12 +74,36 @@ fn report_starts_and_ends(mut graph: ResMut<ContactGraph>, mut teller: Teller) {
         if pushes == graph.started.contains(index) {
             continue;
         }
-        let Some(entities) = graph.slots[index as usize].entities else { continue };
+        let slot = &graph.slots[index as usize];
+        let (Some(entities), is_of_parts) = (slot.entities, slot.is_of_parts) else { continue };
         graph.started.set(index, pushes);
         let (a, b) = ordered(entities);
-        if pushes { teller.start(a, b) } else { teller.end(a, b) }
+        if is_of_parts {
+            changes_of_parts.push(((a, b), if pushes { 1 } else { -1 }));
+        } else if pushes {
+            teller.start(a, b);
+        } else {
+            teller.end(a, b);
+        }
     }
     graph.fell_asleep = changed;
+    changes_of_parts.sort_unstable();
+    for changes in changes_of_parts.chunk_by(|one, other| one.0 == other.0) {
+        let (a, b) = changes[0].0;
+        let count = graph.started_parts.entry((a, b)).or_default();
+        let before = *count;
+        *count += changes.iter().map(|(_, change)| change).sum::<i32>();
+        let now = *count;
+        if now == 0 {
+            graph.started_parts.remove(&(a, b));
+        }
+        match (before > 0, now > 0) {
+            (false, true) => teller.start(a, b),
+            (true, false) => teller.end(a, b),
+            _ => {}
+        }
+    }
+    changes_of_parts.clear();
 }
 
 fn report_changes(bodies: Res<Bodies>, contacts: Res<Contacts>, mut touching: ResMut<Touching>, mut teller: Teller) {

@@ -15,6 +15,7 @@
 
 mod bit_set;
 mod body;
+mod box_tree;
 mod breaking;
 mod collision;
 mod columns;
@@ -96,7 +97,10 @@ pub use settings::{
     Choice, Choices, ContactModel, ExactIntegrator, ExactSettings, FrictionModel, Gravity, ImpulseSettings, Integrator,
     Method, Precision, SETTINGS, Setting, SettingsError, SolverSettings, SweepSettings, WrittenSettings,
 };
-pub use shape::{Collider, ConvexHull, HullError, MassProperties, Shape};
+pub use shape::{
+    Collider, Compound, CompoundChild, CompoundError, ConvexHull, HullError, MassProperties, MeshError, Shape,
+    TriangleMesh,
+};
 pub(crate) use shape::{EdgeLanes, EdgeParts, Geometry, Hull};
 pub(crate) use sleep::Sleep;
 pub use solve_trace::{Residuals, SolveTrace};

@@ -9,7 +9,7 @@ use super::action::CarryOut;
 use super::pointer::{self, SLACK, is_down};
 use super::state::report;
 use super::{SandboxAction, Selection};
-use crate::physics::{Collider, Position, RenderOrigin, Shape};
+use crate::physics::{Collider, Position, RenderOrigin};
 use crate::scene::SceneEntity;
 
 pub(super) fn plugin(app: &mut App) {
@@ -103,7 +103,7 @@ fn pick_all(world: &mut World, bodies: Vec<Entity>, adds: bool) {
 
 /// What the picture shows and is no ground.
 fn is_thing(collider: &Collider) -> bool {
-    *collider.shape() != Shape::HalfSpace
+    !collider.shape().is_ground()
 }
 
 fn seen_in(

@@ -80,7 +80,7 @@ impl Framing {
 pub(super) fn bounds(spec: &SceneSpec) -> (DVec3, DVec3) {
     let spheres = spec.bodies.iter().filter_map(|body| {
         let radius = match &body.shape {
-            Some(ShapeSpec::HalfSpace) => return None,
+            Some(ShapeSpec::HalfSpace | ShapeSpec::Surface(_)) => return None,
             Some(shape) => shape.bounding_radius(),
             None => 0.0,
         };

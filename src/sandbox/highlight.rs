@@ -75,7 +75,9 @@ fn outline_selection(
             Some((_, mesh)) => mesh.clone(),
             None => {
                 let mesh = match shape {
-                    Shape::Hull(_) => picture_of(shape, picture).map(|mesh| inflated(mesh, thickness)),
+                    Shape::Hull(_) | Shape::Compound(_) | Shape::Mesh(_) => {
+                        picture_of(shape, picture).map(|mesh| inflated(mesh, thickness))
+                    }
                     shape => mesh_of(&grown(shape, f64::from(thickness))),
                 };
                 let Some(mesh) = mesh else { continue };
@@ -143,7 +145,7 @@ fn draw_marks(
 /// body's by less than the thickness, which does not show.
 fn grown(shape: &Shape, thickness: f64) -> Shape {
     match shape {
-        Shape::HalfSpace | Shape::Hull(_) => shape.clone(),
+        Shape::HalfSpace | Shape::Hull(_) | Shape::Compound(_) | Shape::Mesh(_) => shape.clone(),
         Shape::Sphere { radius } => Shape::Sphere { radius: radius + thickness },
         Shape::Cuboid { size } => Shape::Cuboid { size: *size + DVec3::splat(2.0 * thickness) },
         Shape::Capsule { radius, length } => Shape::Capsule { radius: radius + thickness, length: *length },

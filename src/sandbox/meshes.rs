@@ -5,12 +5,13 @@
 
 use std::collections::HashMap;
 use std::f32::consts::FRAC_PI_2;
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::NoCpuCulling;
 use bevy::ecs::entity::EntityHashMap;
 use bevy::math::DVec3;
-use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::picking::mesh_picking::ray_cast::RayCastBackfaces;
 use bevy::prelude::*;
 use bevy::render::render_resource::Face;
@@ -18,7 +19,7 @@ use bevy::render::render_resource::Face;
 use super::action::CarryOut;
 use super::quality::Quality;
 use super::state::CurrentScene;
-use crate::physics::{Collider, ConvexHull, Keep, RigidBody, Shape};
+use crate::physics::{Collider, Compound, CompoundChild, ConvexHull, Keep, RigidBody, Shape};
 use crate::scene::{BodyColor, MeshSpec, PictureMesh};
 
 /// Shades of dynamic bodies without a color, sRGB, one row a shape: spheres, cuboids, cones, hulls. Neighbors in a
@@ -93,7 +94,7 @@ pub(super) fn dress_bodies(
             }
         };
         // A mesh file may be open, or its triangles turned either way.
-        let has_insides = picture.is_some();
+        let has_insides = picture.is_some() || matches!(collider.shape(), Shape::Mesh(_));
         let material = shared
             .materials
             .entry((color.to_linear().to_f32_array().map(f32::to_bits), has_insides))
@@ -125,7 +126,7 @@ impl SharedAssets {
             Shape::Sphere { .. } => 0,
             Shape::Cuboid { .. } | Shape::HalfSpace => 1,
             Shape::Cone { .. } => 2,
-            Shape::Hull(_) => 3,
+            Shape::Hull(_) | Shape::Compound(_) | Shape::Mesh(_) => 3,
             Shape::Capsule { .. } => 0,
         };
         match kind {
@@ -143,7 +144,7 @@ impl SharedAssets {
 /// What the picture of a shape is scaled with: what [`picture_of`] makes is of size 1 where shapes of other sizes are as it is.
 pub(super) fn picture_size(shape: &Shape) -> Vec3 {
     match shape {
-        Shape::HalfSpace | Shape::Hull(_) => Vec3::ONE,
+        Shape::HalfSpace | Shape::Hull(_) | Shape::Compound(_) | Shape::Mesh(_) => Vec3::ONE,
         Shape::Sphere { radius } | Shape::Capsule { radius, .. } => Vec3::splat(*radius as f32),
         Shape::Cuboid { size } => size.as_vec3(),
         // By one factor, so that its normals stay normals for whoever casts a ray at it.
@@ -163,6 +164,20 @@ fn picture_key(shape: &Shape, picture: Option<&PictureMesh>) -> Vec<u64> {
         Shape::Cone { radius, height } => (3, vec![radius / height]),
         Shape::Capsule { radius, length } => (6, vec![length / radius]),
         Shape::Hull(hull) => (4, hull.vertices().flat_map(|vertex| vertex.to_array()).collect()),
+        Shape::Compound(compound) => {
+            let child = |child: &CompoundChild| {
+                let pose = child.position.to_array().into_iter().chain(child.rotation.to_array()).map(f64::to_bits);
+                let size = picture_size(child.collider.shape()).to_array().map(|size| u64::from(size.to_bits()));
+                picture_key(child.collider.shape(), None).into_iter().chain(pose).chain(size).collect::<Vec<_>>()
+            };
+            return std::iter::once(7).chain(compound.children().iter().flat_map(child)).collect();
+        }
+        Shape::Mesh(mesh) => {
+            let mut hasher = DefaultHasher::new();
+            mesh.vertices().for_each(|vertex| vertex.to_array().map(f64::to_bits).hash(&mut hasher));
+            mesh.triangles().hash(&mut hasher);
+            return vec![8, hasher.finish()];
+        }
     };
     std::iter::once(kind).chain(sizes.into_iter().map(f64::to_bits)).collect()
 }
@@ -185,6 +200,12 @@ pub(super) fn mesh_of(shape: &Shape) -> Option<Mesh> {
     match shape {
         Shape::HalfSpace => None,
         Shape::Hull(hull) => Some(mesh_of_hull(hull)),
+        Shape::Compound(compound) => Some(mesh_of_compound(compound)),
+        Shape::Mesh(mesh) => {
+            let vertices: Vec<Vec3> = mesh.vertices().map(|vertex| vertex.as_vec3()).collect();
+            let corners = mesh.triangles().iter().flatten().map(|&corner| vertices[corner as usize]);
+            Some(triangle_list(corners.collect()).with_computed_flat_normals())
+        }
         Shape::Sphere { radius } => Some(ball(*radius as f32)),
         Shape::Cuboid { size } => Some(Cuboid::from_size(size.as_vec3()).into()),
         Shape::Capsule { radius, length } => {
@@ -257,6 +278,20 @@ fn mesh_of_hull(hull: &ConvexHull) -> Mesh {
         fan.flatten().map(|corner| vertices[corner as usize]).collect::<Vec<_>>()
     });
     triangle_list(triangles.collect()).with_computed_flat_normals()
+}
+
+/// The children where they are, as one list of triangles.
+fn mesh_of_compound(compound: &Compound) -> Mesh {
+    let (mut corners, mut normals) = (Vec::new(), Vec::new());
+    for child in compound.children() {
+        let Some(mut mesh) = mesh_of(child.collider.shape()) else { continue };
+        mesh.duplicate_vertices();
+        let (at, turn) = (child.position.as_vec3(), child.rotation.as_quat());
+        let floats = |name| mesh.attribute(name).and_then(VertexAttributeValues::as_float3).unwrap_or_default();
+        corners.extend(floats(Mesh::ATTRIBUTE_POSITION).iter().map(|&place| at + turn * Vec3::from(place)));
+        normals.extend(floats(Mesh::ATTRIBUTE_NORMAL).iter().map(|&normal| turn * Vec3::from(normal)));
+    }
+    triangle_list(corners).with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
 }
 
 /// The triangles of a mesh file, from the centre of mass of its hull, in the hull's principal axes.

@@ -43,8 +43,7 @@ impl Watch {
             return self;
         }
         for body in &spec.bodies {
-            if let Some(ShapeSpec::Mesh(mesh)) = &body.shape
-                && let Some(path) = mesh.path()
+            if let Some(path) = body.shape.as_ref().and_then(ShapeSpec::path)
                 && !self.files.iter().any(|file| file == path)
             {
                 self.add(path.to_owned());

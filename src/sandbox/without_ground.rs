@@ -11,7 +11,7 @@ use super::ground::GroundOf;
 use super::in_front::in_front;
 use super::panel::Quantity;
 use crate::lab::round_step;
-use crate::physics::{Gravity, RenderOrigin, RigidBody};
+use crate::physics::{Collider, Gravity, RenderOrigin, RigidBody};
 use crate::scene::{SceneEntity, SceneSpec};
 
 /// Cells of the grid from its middle to its edge.
@@ -49,8 +49,12 @@ pub(super) fn plugin(app: &mut App) {
         .add_systems(EguiPrimaryContextPass, letter.run_if(has_no_ground));
 }
 
-fn has_no_ground(scene: Option<Res<CurrentScene>>, grounds: Query<(), With<GroundOf>>) -> bool {
-    scene.is_some() && grounds.is_empty()
+fn has_no_ground(
+    scene: Option<Res<CurrentScene>>,
+    grounds: Query<(), With<GroundOf>>,
+    bodies: Query<&Collider, With<SceneEntity>>,
+) -> bool {
+    scene.is_some() && grounds.is_empty() && !bodies.iter().any(|collider| collider.shape().is_ground())
 }
 
 /// The grid of the scene on view.

@@ -1,11 +1,9 @@
 //! The data of a body. Plain numbers in SI; [`SceneSpec::validate`](super::SceneSpec::validate) says what they may be.
 
-use std::f64::consts::PI;
-
 use bevy::math::{DQuat, DVec3};
 
-use super::{HullSpec, MeshSpec};
-use crate::physics::{CollisionLayers, ConvexHull, LockedAxes, RigidBody};
+use super::ShapeSpec;
+use crate::physics::{CollisionLayers, LockedAxes, RigidBody};
 
 /// What joints call the fixed world.
 pub(super) const WORLD: &str = "world";
@@ -54,41 +52,6 @@ pub struct BodySpec {
     pub damping: (f64, f64),
     /// sRGB colour in the picture, 0 to 1 each; none: chosen from the shape.
     pub color: Option<[f32; 3]>,
-}
-
-/// A body's shape; full sizes, m. Cheap to clone.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ShapeSpec {
-    /// The ground: all below the plane through the body's position, normal +y in body axes.
-    HalfSpace,
-    /// A ball.
-    Sphere {
-        /// Radius.
-        radius: f64,
-    },
-    /// A box.
-    Cuboid {
-        /// Full extents.
-        size: DVec3,
-    },
-    /// A cylinder with half a ball on each end, along y.
-    Capsule {
-        /// Radius.
-        radius: f64,
-        /// Length of the cylinder.
-        length: f64,
-    },
-    /// A cone, apex up.
-    Cone {
-        /// Base radius.
-        radius: f64,
-        /// Height.
-        height: f64,
-    },
-    /// The convex hull of points, wherever they lie: the body's position is its centre of mass.
-    Hull(HullSpec),
-    /// The convex hull of a mesh, which it looks like.
-    Mesh(MeshSpec),
 }
 
 /// Friction and restitution of a surface.
@@ -183,10 +146,10 @@ impl BodySpec {
     }
 
     /// Orientation of the principal axes, the simulated body's: that of the axes which the shape is
-    /// given in, but for hulls that lie askew in these.
+    /// given in, but for hulls and compounds that lie askew in these.
     pub fn principal_rotation(&self) -> DQuat {
-        let hull = self.shape.as_ref().and_then(ShapeSpec::convex_hull);
-        hull.map_or(self.rotation, |hull| self.rotation * hull.axes())
+        let axes = self.shape.as_ref().and_then(ShapeSpec::own_axes);
+        axes.map_or(self.rotation, |axes| self.rotation * axes)
     }
 
     /// A point of the world, m, as this body's anchor: from its centre of mass, in its own axes.
@@ -197,62 +160,5 @@ impl BodySpec {
     /// A point of this body, from its centre of mass in its own axes, as a point of the world, m.
     pub fn point(&self, anchor: DVec3) -> DVec3 {
         self.position + self.rotation * anchor
-    }
-}
-
-impl ShapeSpec {
-    /// The convex hull of points, m.
-    pub fn hull(points: impl Into<Box<[DVec3]>>) -> Self {
-        Self::Hull(HullSpec::new(points))
-    }
-
-    /// The hull, of a hull or mesh that has one.
-    pub fn convex_hull(&self) -> Option<&ConvexHull> {
-        match self {
-            Self::Hull(hull) => hull.hull().as_ref().ok(),
-            Self::Mesh(mesh) => Some(mesh.hull()),
-            _ => None,
-        }
-    }
-
-    /// Turns principal axes into those which the shape is given in: see [`ConvexHull::axes`].
-    pub fn axes(&self) -> DQuat {
-        self.convex_hull().map_or(DQuat::IDENTITY, ConvexHull::axes)
-    }
-
-    /// m³; a half-space's is infinite.
-    pub fn volume(&self) -> f64 {
-        match self {
-            Self::HalfSpace => f64::INFINITY,
-            Self::Sphere { radius } => 4.0 / 3.0 * PI * radius.powi(3),
-            Self::Cuboid { size } => size.x * size.y * size.z,
-            Self::Capsule { radius, length } => PI * radius * radius * (length + 4.0 / 3.0 * radius),
-            Self::Cone { radius, height } => PI / 3.0 * radius * radius * height,
-            Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::volume),
-        }
-    }
-
-    /// Smallest full extent, m: the size that errors are measured by; a half-space's is infinite.
-    pub fn smallest_extent(&self) -> f64 {
-        match self {
-            Self::HalfSpace => f64::INFINITY,
-            Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::thickness),
-            Self::Sphere { radius } | Self::Capsule { radius, .. } => 2.0 * radius,
-            Self::Cuboid { size } => size.min_element(),
-            Self::Cone { radius, height } => height.min(2.0 * *radius),
-        }
-    }
-
-    /// Radius of the smallest ball about the centre of mass that holds the shape, m; a
-    /// half-space's is infinite.
-    pub fn bounding_radius(&self) -> f64 {
-        match self {
-            Self::HalfSpace => f64::INFINITY,
-            Self::Sphere { radius } => *radius,
-            Self::Cuboid { size } => size.length() / 2.0,
-            Self::Capsule { radius, length } => 0.5 * length + radius,
-            Self::Cone { radius, height } => radius.hypot(height / 4.0).max(0.75 * height),
-            Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::bounding_radius),
-        }
     }
 }

@@ -6,12 +6,14 @@ use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 
 use super::body::WORLD_PREFIX;
-use super::spawn::{BodyColor, GivenHull, SceneEntity};
-use super::{BodySpec, JointParts, JointSpec, MaterialSpec, PictureMesh, Probes, SceneSpec, ShapeSpec};
+use super::spawn::{BodyColor, GivenShape, SceneEntity};
+use super::{
+    BodySpec, ChildSpec, CompoundSpec, JointParts, JointSpec, MaterialSpec, PictureMesh, Probes, SceneSpec, ShapeSpec,
+};
 use crate::physics::joint::JointSlot;
 use crate::physics::{
-    BodySlot, Collider, CollisionLayers, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia, LockedAxes,
-    Mass, Position, RigidBody, Rotation, Sensor, Shape, SurfaceMaterial, Velocity,
+    BodySlot, Collider, CollisionLayers, Compound, CompoundChild, Damping, Density, ExternalForce, Gravity,
+    GravityScale, Inertia, LockedAxes, Mass, Position, RigidBody, Rotation, Sensor, Shape, SurfaceMaterial, Velocity,
 };
 
 /// What a body without a name is called.
@@ -85,9 +87,9 @@ impl BodySpec {
             density,
             mass,
             inertia,
-            // Only hulls have axes of their own, and a turn by none costs rounding.
-            rotation: match shape.as_ref().and_then(ShapeSpec::convex_hull) {
-                Some(hull) => rotation * hull.axes().inverse(),
+            // Only hulls and compounds have axes of their own, and a turn by none costs rounding.
+            rotation: match shape.as_ref().and_then(ShapeSpec::own_axes) {
+                Some(axes) => rotation * axes.inverse(),
                 None => rotation,
             },
             shape,
@@ -128,7 +130,8 @@ fn joint_between(joint: &JointParts, bodies: &HashMap<Entity, &BodySpec>) -> Opt
 }
 
 /// The shape as a scene gave it, where it is still that one.
-fn shape_of(collider: &Collider, mesh: Option<&PictureMesh>, points: Option<&GivenHull>) -> ShapeSpec {
+fn shape_of(collider: &Collider, mesh: Option<&PictureMesh>, given: Option<&GivenShape>) -> ShapeSpec {
+    let given = given.map(|given| &given.0);
     match collider.shape() {
         Shape::HalfSpace => ShapeSpec::HalfSpace,
         Shape::Sphere { radius } => ShapeSpec::Sphere { radius: *radius },
@@ -137,11 +140,31 @@ fn shape_of(collider: &Collider, mesh: Option<&PictureMesh>, points: Option<&Giv
         Shape::Cone { radius, height } => ShapeSpec::Cone { radius: *radius, height: *height },
         Shape::Hull(hull) => {
             let mesh = mesh.map(|picture| ShapeSpec::Mesh(picture.0.clone()));
-            let points = points.map(|given| ShapeSpec::Hull(given.0.clone()));
-            let given = mesh.into_iter().chain(points).find(|shape| shape.convex_hull() == Some(hull));
+            let given = mesh.into_iter().chain(given.cloned()).find(|shape| shape.convex_hull() == Some(hull));
             given.unwrap_or_else(|| ShapeSpec::Hull(hull.clone().into()))
         }
+        Shape::Compound(compound) => match given {
+            Some(ShapeSpec::Compound(given)) if given.compound() == compound => ShapeSpec::Compound(given.clone()),
+            _ => ShapeSpec::Compound(compound_of(compound)),
+        },
+        Shape::Mesh(mesh) => match given {
+            Some(ShapeSpec::Surface(given)) if given.mesh() == mesh => ShapeSpec::Surface(given.clone()),
+            _ => ShapeSpec::Surface(mesh.into()),
+        },
     }
+}
+
+/// The children of a compound where its axes are those that they were given in.
+fn compound_of(compound: &Compound) -> CompoundSpec {
+    let children = compound.children().iter().map(|CompoundChild { collider, position, rotation }| {
+        let shape = shape_of(collider, None, None);
+        ChildSpec {
+            position: compound.center() + compound.axes() * *position,
+            rotation: compound.axes() * *rotation * shape.axes().inverse(),
+            shape,
+        }
+    });
+    CompoundSpec::new(children.collect()).expect("it is a compound")
 }
 
 /// Mass and principal moments, each only if they are not what shape and density give.

@@ -11,7 +11,8 @@ use bevy::math::{DVec3, Vec3};
 use bevy::prelude::Component;
 use xxhash_rust::xxh3::xxh3_64;
 
-use crate::physics::{ConvexHull, HullError};
+use super::surface::{SurfaceForm, SurfaceSpec};
+use crate::physics::{ConvexHull, HullError, MeshError, TriangleMesh};
 
 /// Largest mesh file that is read, bytes: some millions of triangles.
 pub const MAX_MESH_BYTES: u64 = 256 << 20;
@@ -36,7 +37,7 @@ pub fn builtin_meshes() -> impl Iterator<Item = String> {
 
 /// Triangles as a mesh file has them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TriangleMesh {
+pub struct ObjMesh {
     /// The vertices that triangles use, m at scale 1.
     pub positions: Vec<DVec3>,
     /// Indices of positions, counter-clockwise seen from outside.
@@ -53,7 +54,7 @@ pub struct MeshSpec {
     file: Arc<str>,
     path: Option<Arc<Path>>,
     scale: f64,
-    mesh: Arc<TriangleMesh>,
+    mesh: Arc<ObjMesh>,
     hull: ConvexHull,
 }
 
@@ -64,7 +65,7 @@ pub struct PictureMesh(pub MeshSpec);
 
 /// Why a mesh could not be had. Displays as one line.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum MeshError {
+pub enum ObjError {
     /// None of that name comes with Plumb.
     #[error("no mesh '{file}' comes with Plumb; there are {}", builtin_meshes().collect::<Vec<_>>().join(", "))]
     UnknownBuiltin {
@@ -107,6 +108,14 @@ pub enum MeshError {
         /// The vertex.
         vertex: DVec3,
     },
+    /// Its triangles are no surface.
+    #[error("{file}: {error}")]
+    Surface {
+        /// The file.
+        file: String,
+        /// What is wrong with them.
+        error: MeshError,
+    },
     /// Its hull has no volume, or too much.
     #[error("{file}: {error}")]
     Hull {
@@ -124,7 +133,7 @@ impl MeshSpec {
     ///
     /// # Errors
     /// The file is missing, too large, not an OBJ mesh, or its hull has no volume.
-    pub fn load(file: &str, folder: &Path, scale: f64) -> Result<Self, MeshError> {
+    pub fn load(file: &str, folder: &Path, scale: f64) -> Result<Self, ObjError> {
         Meshes::new(folder).load(file, scale)
     }
 
@@ -153,7 +162,7 @@ impl MeshSpec {
     }
 
     /// The triangles, at scale 1.
-    pub fn mesh(&self) -> &Arc<TriangleMesh> {
+    pub fn mesh(&self) -> &Arc<ObjMesh> {
         &self.mesh
     }
 
@@ -166,7 +175,7 @@ impl MeshSpec {
 /// The meshes of one scene: each file is read once, and the hull of each size built once.
 pub(super) struct Meshes {
     folder: PathBuf,
-    read: HashMap<String, Arc<TriangleMesh>>,
+    read: HashMap<String, Arc<ObjMesh>>,
     made: HashMap<(String, u64), MeshSpec>,
 }
 
@@ -177,55 +186,78 @@ impl Meshes {
     }
 
     /// As [`MeshSpec::load`].
-    pub fn load(&mut self, file: &str, scale: f64) -> Result<MeshSpec, MeshError> {
+    pub fn load(&mut self, file: &str, scale: f64) -> Result<MeshSpec, ObjError> {
         let slot = match self.made.entry((file.to_owned(), scale.to_bits())) {
             Entry::Occupied(made) => return Ok(made.get().clone()),
             Entry::Vacant(slot) => slot,
         };
-        let path = (!file.starts_with(BUILTIN_PREFIX)).then(|| self.folder.join(file));
-        let shown = path.as_ref().map_or(file.to_owned(), |path| path.display().to_string());
-        let mesh = match self.read.entry(file.to_owned()) {
-            Entry::Occupied(read) => read.get().clone(),
-            Entry::Vacant(slot) => {
-                let mesh = match &path {
-                    Some(path) => parse(&read(path)?, &shown)?,
-                    None => parse(builtin(file)?.as_bytes(), &shown)?,
-                };
-                slot.insert(Arc::new(mesh)).clone()
-            }
-        };
+        let ReadMesh { mesh, path, shown } = read_once(&mut self.read, &self.folder, file)?;
         let points: Vec<DVec3> = mesh.positions.iter().map(|&position| position * scale).collect();
-        let hull = ConvexHull::new(&points).map_err(|error| MeshError::Hull { file: shown, error })?;
+        let hull = ConvexHull::new(&points).map_err(|error| ObjError::Hull { file: shown, error })?;
         Ok(slot.insert(MeshSpec { file: file.into(), path: path.map(Into::into), scale, mesh, hull }).clone())
+    }
+
+    /// The surface that the triangles of a file are, that many times as large.
+    pub fn load_surface(&mut self, file: &str, scale: f64, two_sided: bool) -> Result<SurfaceSpec, ObjError> {
+        let ReadMesh { mesh, path, shown } = read_once(&mut self.read, &self.folder, file)?;
+        let vertices: Vec<DVec3> = mesh.positions.iter().map(|&position| position * scale).collect();
+        let form = SurfaceForm::File { file: file.into(), path: path.map(Into::into), scale };
+        let made =
+            TriangleMesh::new(&vertices, &mesh.triangles).and_then(|mesh| SurfaceSpec::of(form, mesh, two_sided));
+        made.map_err(|error| ObjError::Surface { file: shown, error })
     }
 }
 
-fn builtin(file: &str) -> Result<&'static str, MeshError> {
-    let known = BUILTIN.iter().find(|(name, _)| file.strip_prefix(BUILTIN_PREFIX) == Some(name));
-    known.map(|&(_, text)| text).ok_or_else(|| MeshError::UnknownBuiltin { file: file.to_owned() })
+/// The triangles of a file, and where it is.
+struct ReadMesh {
+    mesh: Arc<ObjMesh>,
+    path: Option<PathBuf>,
+    /// As errors name it.
+    shown: String,
 }
 
-fn read(path: &Path) -> Result<Vec<u8>, MeshError> {
-    let unreadable = |error: io::Error| MeshError::Unreadable { path: path.to_owned(), problem: error.to_string() };
+fn read_once(known: &mut HashMap<String, Arc<ObjMesh>>, folder: &Path, file: &str) -> Result<ReadMesh, ObjError> {
+    let path = (!file.starts_with(BUILTIN_PREFIX)).then(|| folder.join(file));
+    let shown = path.as_ref().map_or(file.to_owned(), |path| path.display().to_string());
+    let mesh = match known.entry(file.to_owned()) {
+        Entry::Occupied(read) => read.get().clone(),
+        Entry::Vacant(slot) => {
+            let mesh = match &path {
+                Some(path) => parse(&read(path)?, &shown)?,
+                None => parse(builtin(file)?.as_bytes(), &shown)?,
+            };
+            slot.insert(Arc::new(mesh)).clone()
+        }
+    };
+    Ok(ReadMesh { mesh, path, shown })
+}
+
+fn builtin(file: &str) -> Result<&'static str, ObjError> {
+    let known = BUILTIN.iter().find(|(name, _)| file.strip_prefix(BUILTIN_PREFIX) == Some(name));
+    known.map(|&(_, text)| text).ok_or_else(|| ObjError::UnknownBuiltin { file: file.to_owned() })
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, ObjError> {
+    let unreadable = |error: io::Error| ObjError::Unreadable { path: path.to_owned(), problem: error.to_string() };
     // One byte more than allowed tells a file that is too large from one that just fits.
     let limit = MAX_MESH_BYTES + 1;
     let mut bytes = Vec::new();
     File::open(path).and_then(|file| file.take(limit).read_to_end(&mut bytes)).map_err(unreadable)?;
     if bytes.len() as u64 == limit {
-        return Err(MeshError::TooLarge { path: path.to_owned() });
+        return Err(ObjError::TooLarge { path: path.to_owned() });
     }
     Ok(bytes)
 }
 
-fn parse(mut text: &[u8], file: &str) -> Result<TriangleMesh, MeshError> {
+fn parse(mut text: &[u8], file: &str) -> Result<ObjMesh, ObjError> {
     let fingerprint = xxh3_64(text);
     let options =
         tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
     // Colours come from the scene: material files are not looked for.
     let no_materials = |_: &Path| Ok((Vec::new(), Default::default()));
     let (models, _) = tobj::load_obj_buf(&mut text, &options, no_materials)
-        .map_err(|error| MeshError::NotObj { file: file.to_owned(), problem: error.to_string() })?;
-    let mut mesh = TriangleMesh { positions: Vec::new(), triangles: Vec::new(), normals: Vec::new(), fingerprint };
+        .map_err(|error| ObjError::NotObj { file: file.to_owned(), problem: error.to_string() })?;
+    let mut mesh = ObjMesh { positions: Vec::new(), triangles: Vec::new(), normals: Vec::new(), fingerprint };
     let mut has_normals = true;
     for model in models {
         let part = model.mesh;
@@ -240,10 +272,10 @@ fn parse(mut text: &[u8], file: &str) -> Result<TriangleMesh, MeshError> {
         mesh.normals.clear();
     }
     if mesh.triangles.is_empty() {
-        return Err(MeshError::NoFaces { file: file.to_owned() });
+        return Err(ObjError::NoFaces { file: file.to_owned() });
     }
     match mesh.positions.iter().find(|position| !position.is_finite()) {
-        Some(&vertex) => Err(MeshError::NotFinite { file: file.to_owned(), vertex }),
+        Some(&vertex) => Err(ObjError::NotFinite { file: file.to_owned(), vertex }),
         None => Ok(mesh),
     }
 }

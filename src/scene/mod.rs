@@ -17,11 +17,13 @@ mod joint;
 mod mesh;
 mod number;
 mod probe;
+mod shape;
 mod spawn;
 mod spec;
+mod surface;
 mod validate;
 
-pub use body::{BodySpec, MaterialSpec, ShapeSpec};
+pub use body::{BodySpec, MaterialSpec};
 pub use catalog::{catalog, find, is_path, load};
 pub use error::SceneError;
 pub use format::MAX_FILE_BYTES;
@@ -31,9 +33,11 @@ pub use info::{Parameter, SceneInfo, Subject};
 pub(crate) use joint::JointComponent;
 pub(crate) use joint::JointParts;
 pub use joint::{JointKindSpec, JointSpec, LimitSpec, MotorKeys};
-pub use mesh::{MAX_MESH_BYTES, MeshError, MeshSpec, PictureMesh, TriangleMesh, builtin_meshes};
+pub use mesh::{MAX_MESH_BYTES, MeshSpec, ObjError, ObjMesh, PictureMesh, builtin_meshes};
 pub use probe::{MAX_PROBES, Probe, ProbePlot, ProbePoint, ProbeSpec, ProbeSubject, Probes};
+pub use shape::{ChildSpec, CompoundSpec, ShapeSpec};
 pub use spawn::{BodyColor, SceneEntity, SpawnedScene, keep_scene};
 pub use spec::{MAX_BODIES, SceneSpec, ViewSpec};
+pub use surface::{SurfaceError, SurfaceForm, SurfaceSpec};
 #[cfg(feature = "sandbox")]
 pub(crate) use validate::check_parts;

@@ -4,10 +4,10 @@ use std::collections::HashMap;
 
 use bevy::prelude::*;
 
-use super::{BodySpec, HullSpec, JointParts, JointSpec, MotorKeys, PictureMesh, Probes, SceneSpec, ShapeSpec};
+use super::{BodySpec, JointParts, JointSpec, MotorKeys, PictureMesh, Probes, SceneSpec, ShapeSpec};
 use crate::physics::{
-    Collider, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia, Keep, Mass, Position, RenderOrigin,
-    Rotation, Sensor, SurfaceMaterial, Velocity,
+    Damping, Density, ExternalForce, Gravity, GravityScale, Inertia, Keep, Mass, Position, RenderOrigin, Rotation,
+    Sensor, SurfaceMaterial, Velocity,
 };
 
 /// Marks what a scene spawned (bodies and joints), so that a reset can despawn it.
@@ -20,9 +20,9 @@ pub struct SceneEntity;
 #[reflect(Component, Debug, PartialEq)]
 pub struct BodyColor(pub [f32; 3]);
 
-/// The points that a body's hull was given by.
+/// The shape as the scene has it, where the collider does not tell.
 #[derive(Component, Clone, Debug)]
-pub(super) struct GivenHull(pub HullSpec);
+pub(super) struct GivenShape(pub ShapeSpec);
 
 /// The entities of a spawned scene, in the order of its lists.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -118,7 +118,9 @@ fn insert_body(body: &BodySpec, origin: RenderOrigin, entity: &mut EntityWorldMu
         }
         match shape {
             ShapeSpec::Mesh(mesh) => _ = entity.insert(PictureMesh(mesh.clone())),
-            ShapeSpec::Hull(hull) => _ = entity.insert(GivenHull(hull.clone())),
+            ShapeSpec::Hull(_) | ShapeSpec::Compound(_) | ShapeSpec::Surface(_) => {
+                entity.insert(GivenShape(shape.clone()));
+            }
             _ => {}
         }
     }
@@ -145,24 +147,6 @@ fn insert_unless_default<C: Component + Default + PartialEq>(entity: &mut Entity
     }
 }
 
-impl ShapeSpec {
-    /// As a component. The shape must be valid.
-    ///
-    /// # Panics
-    /// A hull has no volume.
-    pub fn collider(&self) -> Collider {
-        match self {
-            Self::HalfSpace => Collider::half_space(),
-            Self::Sphere { radius } => Collider::sphere(*radius),
-            Self::Cuboid { size } => Collider::cuboid(size.x, size.y, size.z),
-            Self::Capsule { radius, length } => Collider::capsule(*radius, *length),
-            Self::Cone { radius, height } => Collider::cone(*radius, *height),
-            Self::Hull(hull) => Collider::hull(hull.hull().clone().expect("a valid scene's hulls have a volume")),
-            Self::Mesh(mesh) => Collider::hull(mesh.hull().clone()),
-        }
-    }
-}
-
 fn spawn_joint(joint: &JointSpec, bodies: &HashMap<&str, (Entity, &BodySpec)>, world: &mut World) -> Entity {
     let ends = [&joint.body_a, &joint.body_b].map(|name| bodies[name.as_str()]);
     let name = Name::new(format!("{} to {}", joint.body_a, joint.body_b));
@@ -174,5 +158,5 @@ fn spawn_joint(joint: &JointSpec, bodies: &HashMap<&str, (Entity, &BodySpec)>, w
 /// Has bodies and joints of scenes that come back by [`go_to`](crate::physics::go_to) be what they were to a scene.
 pub fn keep_scene(app: &mut App) {
     app.keep_look::<MotorKeys>();
-    app.keep_look::<SceneEntity>().keep_look::<BodyColor>().keep_look::<PictureMesh>().keep_look::<GivenHull>();
+    app.keep_look::<SceneEntity>().keep_look::<BodyColor>().keep_look::<PictureMesh>().keep_look::<GivenShape>();
 }

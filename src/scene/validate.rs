@@ -122,7 +122,13 @@ fn check_shape(body: &BodySpec) -> Result<(), FieldFlaw> {
             number::<Positive>("shape.height", *height)?;
         }
         ShapeSpec::Hull(hull) => _ = hull.hull().as_ref().map_err(|error| ("shape.points", error.to_string()))?,
-        ShapeSpec::Mesh(_) => {} // has a hull
+        ShapeSpec::Mesh(_) => {}     // has a hull
+        ShapeSpec::Compound(_) => {} // is one
+        ShapeSpec::Surface(_) if body.kind == RigidBody::Dynamic => {
+            let problem = "a surface has no mass: say kind: Static, or Kinematic for one that moves as it is told";
+            return Err(("shape", problem.to_owned()));
+        }
+        ShapeSpec::Surface(_) => return Ok(()),
     }
     // Sizes and densities that are fine alone can together leave f64's range.
     let mass = body.mass.unwrap_or(body.density * shape.volume());

@@ -266,8 +266,8 @@ fn refusals_stay_on_one_line_whatever_they_quote() {
 #[cfg(not(feature = "sandbox"))]
 #[test]
 fn refuses_a_window_in_a_build_without_one() {
-    refuses(&[], &["no window", "plumb run"]);
-    refuses(&["pendulum"], &["no window", "plumb run"]);
+    refuses(&[], &["draws nothing", "plumb run"]);
+    refuses(&["pendulum"], &["draws nothing", "plumb run"]);
 }
 
 #[test]

@@ -18,6 +18,7 @@ mod scene_errors;
 mod scene_format;
 mod scene_meshes;
 mod scene_overlap;
+mod scene_parts;
 mod settings_page;
 mod stability;
 mod standing;

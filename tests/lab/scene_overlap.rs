@@ -29,7 +29,7 @@ fn support(body: &BodySpec, direction: DVec3) -> DVec3 {
             let farthest = hull.vertices().max_by(|a, b| a.dot(local).total_cmp(&b.dot(local)));
             hull.axes() * farthest.expect("a hull has vertices")
         }
-        Some(ShapeSpec::HalfSpace) | None => DVec3::ZERO,
+        Some(ShapeSpec::HalfSpace | ShapeSpec::Compound(_) | ShapeSpec::Surface(_)) | None => DVec3::ZERO,
     };
     body.position + body.rotation * point
 }

@@ -128,6 +128,7 @@ pub fn clearance(world: &World, body: Entity) -> f64 {
         }
         Shape::Capsule { radius, length } => radius + 0.5 * length * up.y.abs(),
         Shape::Hull(hull) => hull.vertices().map(|vertex| -up.dot(vertex)).fold(f64::NEG_INFINITY, f64::max),
+        Shape::Compound(_) | Shape::Mesh(_) => unreachable!("none is asked how high it is"),
         Shape::HalfSpace => unreachable!("a half-space does not move"),
     };
     position(world, body).y - reach

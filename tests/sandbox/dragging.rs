@@ -226,3 +226,40 @@ fn the_picture_follows_a_camera_that_goes_far() {
     assert!((drawn + origin).length() < 1e-3, "the box stays where it is in the world");
     assert_eq!(stage.position("box"), DVec3::ZERO, "and is not teleported");
 }
+
+/// Two cubes that are one body, with nothing between, before a wall of two triangles.
+const DUMB_BELL: &str = r#"(
+    gravity: (0, 0, 0),
+    bodies: [
+        (name: "dumb-bell", mass: 10, shape: Compound(children: [
+            (shape: Cuboid(size: (1, 1, 1)), position: (-1, 0, 0)),
+            (shape: Cuboid(size: (1, 1, 1)), position: (1, 0, 0)),
+        ])),
+        (name: "wall", position: (0, 0, -2), shape: Surface(
+            vertices: [(-4, -4, 0), (4, -4, 0), (4, 4, 0), (-4, 4, 0)],
+            triangles: [(0, 1, 2), (0, 2, 3)],
+        )),
+    ],
+    view: (eye: (0, 0, 8), target: (0, 0, 0)),
+)"#;
+
+#[test]
+fn a_compound_is_held_by_its_children_and_not_where_it_has_none() {
+    let mut stage = Stage::open(DUMB_BELL);
+    let (held, body) = (DVec3::new(1.1, 0.2, 0.5), stage.body("dumb-bell"));
+    let place = grab(&mut stage, held);
+    stage.move_to(place + Vec2::new(40.0, -60.0));
+    stage.frames(240);
+    let now = point_of(&mut stage, body, held);
+    let seen = stage.seen_at(now);
+    assert!(seen.distance(place + Vec2::new(40.0, -60.0)) < 2.0, "the held point is seen at {seen}");
+    assert_eq!(stage.world().resource::<Selection>().entity(), Some(body));
+
+    let mut stage = Stage::open(DUMB_BELL);
+    let (wall, before) = (stage.body("wall"), handles(&mut stage));
+    grab(&mut stage, DVec3::ZERO);
+    stage.frames(3);
+    // What is seen through the gap does not move.
+    assert_eq!(stage.world().resource::<Selection>().entity(), Some(wall));
+    assert_eq!(handles(&mut stage), before);
+}

@@ -165,6 +165,7 @@ fn collider(shape: &Shape) -> Collider {
         Shape::Hull(hull) => {
             Collider::convex_hull(hull.vertices().map(|vertex| vertex.as_vec3()).collect()).expect(NO_HULL)
         }
+        Shape::Compound(_) | Shape::Mesh(_) => unreachable!("not translated"),
     }
 }
 

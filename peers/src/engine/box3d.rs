@@ -178,6 +178,7 @@ fn create_shape(id: b3BodyId, body: &Body, shape: &Shape, ground: f64) {
             }
             Shape::Cone { radius, height } => create_hull(id, &definition, &cone_points(*radius, *height)),
             Shape::Hull(hull) => create_hull(id, &definition, &hull.vertices().map(vector).collect::<Vec<_>>()),
+            Shape::Compound(_) | Shape::Mesh(_) => unreachable!("not translated"),
         }
     }
 }

@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 
 use ::plumb::lab::BodyState;
 use ::plumb::physics::{Breakable, DistanceLaw, PrescribedMotion, RigidBody, SolverSettings};
-use ::plumb::scene::JointKindSpec;
+use ::plumb::scene::{BodySpec, JointKindSpec, ShapeSpec};
 use bevy::math::DVec3;
 
 use crate::joint::{Drive, Joint, Motor};
@@ -260,6 +260,8 @@ fn check_translatable(scene: &Scene) -> Result<(), Unable> {
     missing(scene.joints.iter().filter(is_distance).any(attached), "limits and motors of distances")?;
     let is_spring = |joint: &Joint| matches!(joint.kind, JointKindSpec::Distance(DistanceLaw::Spring { .. }));
     missing(scene.joints.iter().any(is_spring), "springs between points")?;
+    let has_parts = |body: &BodySpec| matches!(body.shape, Some(ShapeSpec::Compound(_) | ShapeSpec::Surface(_)));
+    missing(bodies.iter().any(has_parts), "compounds and surfaces")?;
     missing(bodies.iter().any(|body| body.kind == RigidBody::Kinematic), "kinematic bodies")?;
     missing(bodies.iter().any(|body| body.locked != Default::default()), "locked axes")
 }

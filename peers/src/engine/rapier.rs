@@ -132,6 +132,7 @@ fn shape(shape: &Shape) -> ColliderBuilder {
             let points: Vec<Vector> = hull.vertices().map(vector).collect();
             ColliderBuilder::convex_hull(&points).expect(NO_HULL)
         }
+        Shape::Compound(_) | Shape::Mesh(_) => unreachable!("not translated"),
     }
 }
 

@@ -3,7 +3,7 @@
 use bevy::math::DVec3;
 
 use crate::physics::ConvexHull;
-use crate::scene::{BodySpec, SceneSpec, ShapeSpec};
+use crate::scene::{BodySpec, ChildSpec, SceneSpec, ShapeSpec};
 
 /// Extent of some bodies at their start along gravity, m.
 pub(super) fn height<'a>(scene: &SceneSpec, bodies: impl Iterator<Item = &'a BodySpec>) -> f64 {
@@ -17,21 +17,35 @@ pub(super) fn height<'a>(scene: &SceneSpec, bodies: impl Iterator<Item = &'a Bod
 
 /// How far a body reaches from its centre of mass along a unit direction.
 fn reach(body: &BodySpec, direction: DVec3) -> f64 {
-    let direction = body.rotation.inverse() * direction;
-    match &body.shape {
-        None | Some(ShapeSpec::HalfSpace) => 0.0,
-        Some(ShapeSpec::Sphere { radius }) => *radius,
-        Some(ShapeSpec::Cuboid { size }) => (0.5 * *size).dot(direction.abs()),
-        Some(ShapeSpec::Capsule { radius, length }) => radius + 0.5 * length * direction.y.abs(),
-        Some(ShapeSpec::Cone { radius, height }) => {
+    body.shape.as_ref().map_or(0.0, |shape| reach_of(shape, body.rotation.inverse() * direction))
+}
+
+/// Likewise, of a shape in the axes that it is given in.
+fn reach_of(shape: &ShapeSpec, direction: DVec3) -> f64 {
+    match shape {
+        ShapeSpec::HalfSpace => 0.0,
+        ShapeSpec::Sphere { radius } => *radius,
+        ShapeSpec::Cuboid { size } => (0.5 * *size).dot(direction.abs()),
+        ShapeSpec::Capsule { radius, length } => radius + 0.5 * length * direction.y.abs(),
+        ShapeSpec::Cone { radius, height } => {
             let apex = 0.75 * height * direction.y;
             let rim = radius * direction.x.hypot(direction.z) - 0.25 * height * direction.y;
             apex.max(rim)
         }
-        Some(shape @ (ShapeSpec::Hull(_) | ShapeSpec::Mesh(_))) => {
+        ShapeSpec::Hull(_) | ShapeSpec::Mesh(_) => {
             let direction = shape.axes().inverse() * direction;
             let vertices = shape.convex_hull().into_iter().flat_map(ConvexHull::vertices);
             vertices.map(|vertex| vertex.dot(direction)).fold(0.0, f64::max)
+        }
+        ShapeSpec::Compound(compound) => {
+            let center = compound.compound().center();
+            let children = compound.children().iter().map(|ChildSpec { shape, position, rotation }| {
+                (*position - center).dot(direction) + reach_of(shape, rotation.inverse() * direction)
+            });
+            children.fold(0.0, f64::max)
+        }
+        ShapeSpec::Surface(surface) => {
+            surface.mesh().vertices().map(|vertex| vertex.dot(direction)).fold(0.0, f64::max)
         }
     }
 }

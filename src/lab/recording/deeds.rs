@@ -115,7 +115,7 @@ impl Kinds {
             let values = kinds.into_iter().filter_map(|kind| {
                 let component = self.registry.get_type_data::<ReflectComponent>(kind)?;
                 let value = component.reflect(whole)?;
-                let hull = (kind == TypeId::of::<Collider>()).then(|| hull_text(world, entity)).flatten();
+                let hull = (kind == TypeId::of::<Collider>()).then(|| shape_text(world, entity)).flatten();
                 let text = hull.or_else(|| self.value_text(value.as_partial_reflect(), numbers))?;
                 Some((name(kind)?, text))
             });
@@ -175,7 +175,7 @@ impl Kinds {
                 let (registration, component) = self.component(&kind)?;
                 let Ok(mut entity) = world.get_entity_mut(entity) else { continue };
                 if registration.type_id() == TypeId::of::<Collider>()
-                    && let Some(collider) = hull_of(&text)?
+                    && let Some(collider) = shape_of(&text)?
                 {
                     entity.insert(collider);
                     continue;
@@ -253,9 +253,9 @@ fn born(world: &World, entity: Entity) -> (bool, u64) {
     body.or_else(|| world.get::<JointSlot>(entity).map(|slot| (true, slot.born))).unwrap_or((true, u64::MAX))
 }
 
-/// The scene file of a body whose shape is a hull.
-fn hull_text(world: &World, entity: Entity) -> Option<String> {
-    if !matches!(world.get::<Collider>(entity)?.shape(), Shape::Hull(_)) {
+/// The scene file of a body whose shape is no plain one.
+fn shape_text(world: &World, entity: Entity) -> Option<String> {
+    if !matches!(world.get::<Collider>(entity)?.shape(), Shape::Hull(_) | Shape::Compound(_) | Shape::Mesh(_)) {
         return None;
     }
     let mut body = BodySpec::of_entity(world, entity)?;
@@ -266,7 +266,7 @@ fn hull_text(world: &World, entity: Entity) -> Option<String> {
 }
 
 /// The collider of such a text; none of another.
-fn hull_of(text: &str) -> Result<Option<Collider>, String> {
+fn shape_of(text: &str) -> Result<Option<Collider>, String> {
     if !text.contains("bodies") {
         return Ok(None);
     }

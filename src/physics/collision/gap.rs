@@ -67,7 +67,8 @@ pub(super) fn own_reach(body: &Body, settings: &SolverSettings) -> f64 {
     if settings.method != Method::Exact {
         return moved;
     }
-    let margin = if body.radius.is_finite() { SPECULATIVE_MARGIN * body.radius } else { 0.0 };
+    let reaches_far = !body.radius.is_finite() || body.geometry.as_ref().is_some_and(Geometry::is_mesh);
+    let margin = if reaches_far { 0.0 } else { SPECULATIVE_MARGIN * body.radius };
     margin + moved + pull(body) * h * h
 }
 

@@ -12,6 +12,28 @@ pub(crate) struct Pair {
     pub b: u32,
 }
 
+/// Which parts of the two shapes of a pair, by number; 0 of a shape that is not made of parts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(crate) struct PartPair {
+    pub a: u32,
+    pub b: u32,
+}
+
+impl PartPair {
+    /// Seen from the other body.
+    pub fn swapped(self) -> Self {
+        Self { a: self.b, b: self.a }
+    }
+}
+
+/// By which a pair that is looked at is known: its slot, those of the 2009 way have none, its bodies and their parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PairKey {
+    pub slot: Option<u32>,
+    pub pair: Pair,
+    pub parts: PartPair,
+}
+
 /// Identifies a contact point of a pair from one step to the next: which features of A and B
 /// (faces, edges, vertices) made it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -74,6 +96,8 @@ pub(crate) struct Manifold {
     /// The pair's slot; those of the 2009 way have none.
     pub slot: Option<u32>,
     pub pair: Pair,
+    /// Which parts of their shapes.
+    pub parts: PartPair,
     /// Unit, from A to B, world axes.
     pub normal: Vector3<f64>,
     /// Range in [`Contacts::points`].
@@ -93,6 +117,13 @@ pub(crate) struct Contacts {
     pub points: Vec<ContactPoint>,
     /// Simulation time of the poses they were found at, s.
     pub time: f64,
+}
+
+impl Manifold {
+    /// By which its pair is known.
+    pub fn key(&self) -> PairKey {
+        PairKey { slot: self.slot, pair: self.pair, parts: self.parts }
+    }
 }
 
 impl Contacts {

@@ -10,9 +10,10 @@ use super::classic::extreme_vertices;
 use super::classic::sat::AxisBuffers;
 use super::classic::sweep_and_sort::{SweptPairs, begin};
 use super::gap::contact_gap;
-use super::manifold::{ContactPoint, Contacts, Manifold, Overlap, Pair};
+use super::manifold::{ContactPoint, Contacts, Manifold, Overlap, Pair, PairKey, PartPair};
 use super::narrow::contact_pair::{self, PairSearch};
 use super::narrow::feature_sat::Feature;
+use super::parts::parts_within;
 use super::slots::graph::{Carried, ContactGraph};
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::constants::{CONTACT_TOLERANCE, PAIRS_A_BLOCK};
@@ -39,9 +40,6 @@ pub(super) struct Buffers {
     pub search: PairSearch,
 }
 
-/// A pair to be looked at, with its slot.
-type Candidate = (Option<u32>, Pair);
-
 /// Fills [`Contacts`] for the present poses.
 pub(super) fn find_contacts(
     bodies: Res<Bodies>,
@@ -49,7 +47,7 @@ pub(super) fn find_contacts(
     swept: Res<SweptPairs>,
     settings: Res<SolverSettings>,
     mut graph: ResMut<ContactGraph>,
-    mut candidates: Local<Vec<Candidate>>,
+    (mut candidates, mut near_parts): (Local<Vec<PairKey>>, Local<Vec<PartPair>>),
     mut blocks: Local<Vec<Block>>,
     mut contacts: ResMut<Contacts>,
     mut stats: ResMut<StepStats>,
@@ -60,11 +58,16 @@ pub(super) fn find_contacts(
     if settings.contact_model() == ContactModel::Clipping {
         graph.take_pairs(&near, &bodies.list);
         graph.carried.resize(graph.slots.len(), Carried::default());
-        candidates.extend(graph.active().map(|slot| (Some(slot), graph.slots[slot as usize].pair)));
+        let slots = graph.active().map(|slot| (slot, &graph.slots[slot as usize]));
+        candidates.extend(slots.map(|(index, slot)| PairKey { slot: Some(index), pair: slot.pair, parts: slot.parts }));
         sort_along_x(&mut candidates, &bodies.list);
         stats.pairs = candidates.len() as u32;
     } else {
-        candidates.extend(swept.0.iter().map(|&pair| (None, pair)));
+        for &pair in &swept.0 {
+            let [a, b] = [pair.a, pair.b].map(|body| &bodies.list[body as usize]);
+            parts_within(a, b, contact_gap(a, b, &settings), &mut near_parts);
+            candidates.extend(near_parts.iter().map(|&parts| PairKey { slot: None, pair, parts }));
+        }
     }
     contacts.time = stats.time;
     contacts.manifolds.clear();
@@ -93,37 +96,38 @@ pub(super) fn find_contacts(
 
 /// Half-spaces first, then as the 2009 sweep finds them: rows are swept in this order, and it does not depend on the
 /// slots, which depend on the past.
-fn sort_along_x(candidates: &mut [Candidate], bodies: &[Body]) {
-    candidates.sort_unstable_by_key(|&(_, Pair { a, b })| {
+fn sort_along_x(candidates: &mut [PairKey], bodies: &[Body]) {
+    candidates.sort_unstable_by_key(|&PairKey { pair: Pair { a, b }, parts, .. }| {
         if matches!(bodies[a as usize].geometry, Some(Geometry::HalfSpace)) {
-            return [(i64::MIN, a), (i64::MIN, b)];
+            return ([(i64::MIN, a), (i64::MIN, b)], parts);
         }
         let (a, b) = (begin(bodies, a), begin(bodies, b));
-        [a.min(b), a.max(b)]
+        ([a.min(b), a.max(b)], parts)
     });
 }
 
 impl Block {
-    fn find(&mut self, bodies: &[Body], candidates: &[Candidate], settings: &SolverSettings, carried: &[Carried]) {
+    fn find(&mut self, bodies: &[Body], candidates: &[PairKey], settings: &SolverSettings, carried: &[Carried]) {
         self.manifolds.clear();
         self.points.clear();
         self.axes.clear();
         self.buffers.axes.axes = 0;
         self.buffers.search.axes = 0;
-        for &(slot, pair) in candidates {
+        for &PairKey { slot, pair, parts } in candidates {
             let (a, b) = (&bodies[pair.a as usize], &bodies[pair.b as usize]);
             if are_spheres_apart(a, b, contact_gap(a, b, settings)) {
                 continue;
             }
             let first = self.points.len();
             self.buffers.search.last = slot.and_then(|slot| carried[slot as usize].axis);
-            let touching = touch(a, b, settings, &mut self.buffers, &mut self.points);
+            let touching = touch([a, b], parts, settings, &mut self.buffers, &mut self.points);
             self.axes.extend(slot.map(|slot| (slot, self.buffers.search.last)));
             let Some(overlap) = touching else { continue };
             let surface = surface(a, b, settings.friction);
             self.manifolds.push(Manifold {
                 slot,
                 pair,
+                parts,
                 normal: overlap.normal,
                 first_point: first as u32,
                 point_count: (self.points.len() - first) as u32,
@@ -143,16 +147,18 @@ fn are_spheres_apart(a: &Body, b: &Body, gap: f64) -> bool {
 
 /// Adds the contact points of two bodies in world axes, if they touch.
 pub(super) fn touch(
-    a: &Body,
-    b: &Body,
+    [a, b]: [&Body; 2],
+    parts: PartPair,
     settings: &SolverSettings,
     buffers: &mut Buffers,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
     match settings.contact_model() {
-        ContactModel::Clipping => contact_pair::touch(a, b, contact_gap(a, b, settings), &mut buffers.search, points),
+        ContactModel::Clipping => {
+            contact_pair::touch([a, b], parts, contact_gap(a, b, settings), &mut buffers.search, points)
+        }
         ContactModel::ExtremeVertices | ContactModel::SinglePoint => {
-            extreme_vertices::touch(a, b, settings, &mut buffers.axes, points)
+            extreme_vertices::touch([a, b], parts, settings, &mut buffers.axes, points)
         }
     }
 }

@@ -2,7 +2,9 @@
 
 use bevy::prelude::*;
 
+use super::manifold::PartPair;
 use super::narrow::contact_pair::{self, PairSearch};
+use super::parts::parts_within;
 use crate::physics::body::Body;
 use crate::physics::shape::{Collider, Geometry, Shape};
 use crate::physics::{Position, Rotation};
@@ -38,8 +40,15 @@ impl PlacedCollider<'_> {
         if matches!(b.geometry, Some(Geometry::HalfSpace)) {
             std::mem::swap(&mut a, &mut b); // as in every pair of the broad phase
         }
-        let overlap = contact_pair::touch(&a, &b, 0.0, &mut PairSearch::default(), &mut Vec::new())?;
-        (overlap.depth >= 0.0).then_some(overlap.depth)
+        let (mut search, mut points, mut parts) = (PairSearch::default(), Vec::new(), Vec::new());
+        parts_within(&a, &b, 0.0, &mut parts);
+        let mut depth_of = |&parts: &PartPair| {
+            points.clear();
+            search.last = None;
+            let overlap = contact_pair::touch([&a, &b], parts, 0.0, &mut search, &mut points)?;
+            (overlap.depth >= 0.0).then_some(overlap.depth)
+        };
+        parts.iter().filter_map(&mut depth_of).max_by(f64::total_cmp)
     }
 
     /// None: its rotation is none.

@@ -13,6 +13,7 @@ fn joint(a: u32, b: u32) -> Joint {
 fn touch(a: u32, b: u32) -> Manifold {
     let normal = Vector3::y();
     Manifold {
+        parts: Default::default(),
         slot: None,
         pair: Pair { a, b },
         normal,

@@ -109,7 +109,12 @@ fn gather_surface(material: SurfaceMaterial, damping: Damping, body: &mut Body, 
 
 fn gather_shape(collider: Option<&Collider>, is_new: bool, body: &mut Body) -> Verdict {
     let can_have = |collider: &&Collider| {
-        collider.is_valid() && (body.kind == RigidBody::Static || *collider.shape() != Shape::HalfSpace)
+        let is_for = match collider.shape() {
+            Shape::HalfSpace => body.kind == RigidBody::Static,
+            Shape::Mesh(_) => body.kind != RigidBody::Dynamic,
+            _ => true,
+        };
+        is_for && collider.is_valid()
     };
     match collider.filter(can_have) {
         None => {

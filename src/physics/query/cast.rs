@@ -7,7 +7,7 @@
 
 use nalgebra::Vector3;
 
-use crate::physics::collision::touch;
+use crate::physics::collision::{PartPair, parts_within, touch};
 use crate::physics::{Body, ContactPoint, PairSearch};
 
 /// Looks at most; what grazes takes many.
@@ -29,6 +29,7 @@ pub(super) struct Impact {
 pub(super) struct Buffers {
     search: PairSearch,
     points: Vec<ContactPoint>,
+    parts: Vec<PartPair>,
 }
 
 /// Where `mover` first touches the other on its way along a unit `direction`, within `most`, m.
@@ -37,14 +38,36 @@ pub(super) fn cast(
     other: &Body,
     direction: &Vector3<f64>,
     most: f64,
-    Buffers { search, points }: &mut Buffers,
+    buffers: &mut Buffers,
+) -> Option<Impact> {
+    let mut list = std::mem::take(&mut buffers.parts);
+    parts_within(mover, other, most, &mut list);
+    let first = list.iter().fold(None, |first: Option<Impact>, &parts| {
+        let most = first.map_or(most, |impact| impact.distance);
+        let nearer = cast_parts([mover, other], parts, direction, most, buffers);
+        nearer.filter(|impact| first.is_none_or(|first| impact.distance < first.distance)).or(first)
+    });
+    buffers.parts = list;
+    first
+}
+
+/// Likewise, of those parts.
+fn cast_parts(
+    [mover, other]: [&Body; 2],
+    parts: PartPair,
+    direction: &Vector3<f64>,
+    most: f64,
+    Buffers { search, points, .. }: &mut Buffers,
 ) -> Option<Impact> {
     let (mut at, mut distance) = (mover.clone(), 0.0);
     for look in 1..=LOOKS {
         points.clear();
         // What another shape was tested by is no help here.
         search.last = None;
-        let overlap = touch(&at, other, most - distance, search, points)?;
+        search.any_normal = true;
+        let overlap = touch([&at, other], parts, most - distance, search, points);
+        search.any_normal = false;
+        let overlap = overlap?;
         let (separation, approach) = (-overlap.depth, overlap.normal.dot(direction));
         // What the test cannot tell from touching counts as such.
         if separation <= 0.0 || look == LOOKS {

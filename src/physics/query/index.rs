@@ -6,7 +6,7 @@ use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use super::box_tree::BoxTree;
+use crate::physics::box_tree::BoxTree;
 use crate::physics::{Body, BoundingBox};
 
 /// Part of its radius by which a body's box is larger than the body, as rounding might else leave something out.

@@ -9,11 +9,10 @@
 //! | --- | --- |
 //! | [`ray`] | closed forms of a ray and each shape |
 //! | [`cast`] | a shape on its way: conservative advancement |
-//! | [`box_tree`] | which bodies are looked at |
+//! | [`box_tree`](super::box_tree) | which bodies are looked at |
 //! | [`sensor`] | colliders that only report, which ask after each step |
 
 mod answers;
-mod box_tree;
 mod cast;
 mod filter;
 mod index;

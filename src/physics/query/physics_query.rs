@@ -13,7 +13,8 @@ use super::cast::{Buffers, cast};
 use super::filter::QueryFilter;
 use super::index::{Index, QueryIndex, box_of};
 use super::ray::enter;
-use crate::physics::collision::{PlacedCollider, place, touch};
+use crate::physics::box_tree::Way;
+use crate::physics::collision::{PlacedCollider, parts_within, place, touch};
 use crate::physics::{Bodies, Body, BoundingBox, PairSearch, SolverSettings, StepStats, for_each_of};
 
 /// Rays that one thread takes at a time.
@@ -135,11 +136,15 @@ impl PhysicsQuery<'_> {
             // Of two half-spaces no depth tells.
             near.extend(&index.unbounded);
         }
-        let (mut search, mut points) = (PairSearch::default(), Vec::new());
+        let (mut search, mut points, mut parts) = (PairSearch::default(), Vec::new(), Vec::new());
         let mut touches = |other: &Body| {
-            points.clear();
-            search.last = None;
-            touch(body, other, 0.0, &mut search, &mut points).is_some_and(|overlap| overlap.depth >= 0.0)
+            parts_within(body, other, 0.0, &mut parts);
+            parts.iter().any(|&parts| {
+                points.clear();
+                search.last = None;
+                let found = touch([body, other], parts, 0.0, &mut search, &mut points);
+                found.is_some_and(|overlap| overlap.depth >= 0.0)
+            })
         };
         let others = near.into_iter().map(|other| &self.bodies.list[other as usize]);
         others.filter(|other| other.entity != body.entity && filter.admits(other) && touches(other)).collect()
@@ -267,27 +272,4 @@ fn all<H: Hit>(look: impl FnOnce(&mut Take<H>)) -> Vec<H> {
 fn order(one: &impl Hit, other: &impl Hit) -> Ordering {
     let [(distance, a), (farther, b)] = [one.key(), other.key()];
     distance.total_cmp(&farther).then(a.cmp(&b))
-}
-
-/// A ray as boxes are tested against it.
-struct Way {
-    origin: Vector3<f64>,
-    /// One over each part of the direction.
-    inverse: Vector3<f64>,
-}
-
-impl Way {
-    fn new(origin: &Vector3<f64>, direction: &Vector3<f64>) -> Self {
-        // Finite, so that nothing times it is a number.
-        let inverse = direction.map(|part| if part.abs() < 1e-300 { 1e300_f64.copysign(part) } else { part.recip() });
-        Self { origin: *origin, inverse }
-    }
-
-    /// How far along the ray a box begins, 0 inside, infinite where it is missed (Kay and Kajiya 1986).
-    fn enters(&self, low: &Vector3<f64>, high: &Vector3<f64>) -> f64 {
-        let one = (low - self.origin).component_mul(&self.inverse);
-        let other = (high - self.origin).component_mul(&self.inverse);
-        let (first, last) = (one.inf(&other).max().max(0.0), one.sup(&other).min());
-        if first <= last { first } else { f64::INFINITY }
-    }
 }

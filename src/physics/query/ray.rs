@@ -12,7 +12,9 @@
 
 use nalgebra::Vector3;
 
-use crate::physics::{Geometry, Hull};
+use crate::physics::box_tree::Way;
+use crate::physics::shape::{PartList, Parts, Solid};
+use crate::physics::{BoundingBox, Geometry, Hull};
 
 /// Where a ray enters a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +34,56 @@ pub(super) fn enter(geometry: &Geometry, origin: &Vector3<f64>, direction: &Vect
         Geometry::Capsule { radius, half, .. } => enter_capsule(*radius, *half, origin, direction),
         Geometry::Cone { radius, height, .. } => enter_cone(*radius, *height, origin, direction),
         Geometry::Hull(hull) => enter_hull(hull, origin, direction),
+        Geometry::Parts(parts) => enter_parts(parts, origin, direction),
     }
+}
+
+/// Into the first of the parts; through a triangle from its front.
+fn enter_parts(parts: &Parts, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Entry> {
+    let way = Way::new(origin, direction);
+    let begins = |bounds: &BoundingBox| way.enters(&bounds.low, &bounds.high);
+    let mut first: Option<Entry> = None;
+    let mut take = |entry: Option<Entry>, most: f64| match entry {
+        Some(entry) if first.is_none_or(|first| entry.distance < first.distance) => {
+            first = Some(entry);
+            entry.distance
+        }
+        _ => most,
+    };
+    parts.tree().search(f64::INFINITY, begins, |part, most| match &parts.list {
+        PartList::Triangles(mesh) => {
+            let mut most = most;
+            mesh.search(part, most, begins, |triangle, so_far| {
+                most = take(enter_triangle(&mesh.corners_of(triangle), origin, direction), so_far);
+                most
+            });
+            most
+        }
+        PartList::Solids(solids) => {
+            let Solid { geometry, position, rotation, .. } = &solids[part as usize];
+            let into_part = |v: &Vector3<f64>| rotation.inverse_transform_vector(v);
+            let entry = enter(geometry, &into_part(&(origin - position)), &into_part(direction));
+            take(entry.map(|entry| Entry { normal: rotation * entry.normal, ..entry }), most)
+        }
+    });
+    first
+}
+
+/// Where a + u (b − a) + v (c − a) = o + t d with u, v ≥ 0 and u + v ≤ 1, by Cramer's rule (Möller and Trumbore 1997).
+fn enter_triangle([a, b, c]: &[Vector3<f64>; 3], origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Entry> {
+    let (ab, ac) = (b - a, c - a);
+    let across = direction.cross(&ac);
+    let determinant = ab.dot(&across);
+    if determinant <= 0.0 {
+        return None;
+    }
+    let from = origin - a;
+    let u = from.dot(&across);
+    let beside = from.cross(&ab);
+    let v = direction.dot(&beside);
+    let distance = ac.dot(&beside) / determinant;
+    let is_met = u >= 0.0 && v >= 0.0 && u + v <= determinant && distance >= 0.0;
+    is_met.then(|| Entry { distance, normal: ab.cross(&ac).normalize() })
 }
 
 fn inside(direction: &Vector3<f64>) -> Entry {

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 use bevy::math::{DQuat, DVec3};
 
-use super::{Collider, Shape};
+use super::{Collider, CompoundChild, Shape};
 
 /// Points of a cone's rim that are looked at first, and how often the interval about the farthest is cut after that: to
 /// 1e-9 of a turn.
@@ -41,6 +41,14 @@ impl Collider {
                 apex.max(largest_round_a_turn(rim))
             }
             Shape::Hull(hull) => farthest(&mut hull.vertices()),
+            Shape::Mesh(mesh) => farthest(&mut mesh.vertices()),
+            Shape::Compound(compound) => {
+                let of_child = |child: &CompoundChild| {
+                    let moved = centre + turn.displace(from * child.position);
+                    child.collider.largest_displacement(moved, [from, to].map(|rotation| rotation * child.rotation))
+                };
+                compound.children().iter().map(of_child).fold(0.0, f64::max)
+            }
         }
     }
 }

@@ -26,6 +26,7 @@ impl Geometry {
                 let (apex, base) = (axis * (0.75 * height), axis * (-0.25 * height));
                 [apex.inf(&(base - disc)), apex.sup(&(base + disc))]
             }
+            Self::Parts(parts) => parts.reach(axes),
             Self::Hull(hull) => {
                 let start = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
                 hull.vertices

@@ -50,6 +50,8 @@ impl Blueprint {
             ShapeSpec::Cone { .. } => "cone",
             ShapeSpec::HalfSpace => "ground",
             ShapeSpec::Hull(_) => "block",
+            ShapeSpec::Compound(_) => "compound",
+            ShapeSpec::Surface(_) => "surface",
             ShapeSpec::Mesh(mesh) => stem(mesh.file()),
         }
     }

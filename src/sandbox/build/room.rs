@@ -3,7 +3,7 @@
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 
-use crate::physics::{Collider, CollisionLayers, PlacedCollider, Position, RigidBody, Rotation, Shape};
+use crate::physics::{Collider, CollisionLayers, PlacedCollider, Position, RigidBody, Rotation};
 use crate::scene::{BodySpec, SceneSpec};
 
 /// Gap to what is there, in mean bounding radii.
@@ -23,8 +23,7 @@ impl Crowd {
     /// Of a scene; what is drawn of it.
     pub fn new(scene: &SceneSpec) -> Self {
         let shaped = scene.bodies.iter().filter_map(|body| Some((body.shape.as_ref()?.collider(), body.clone())));
-        let bodies: Vec<(Collider, BodySpec)> =
-            shaped.filter(|(collider, _)| *collider.shape() != Shape::HalfSpace).collect();
+        let bodies: Vec<(Collider, BodySpec)> = shaped.filter(|(collider, _)| !collider.shape().is_ground()).collect();
         let radii: f64 = bodies.iter().map(|(collider, _)| collider.bounding_radius()).sum();
         Self { size: radii / bodies.len().max(1) as f64, bodies }
     }
@@ -73,7 +72,7 @@ impl Crowd {
                     let other = PlacedCollider { collider: other, position: **position, rotation: **rotation };
                     let depth = now.overlap(&other)?;
                     // What lies on the ground goes on lying as deep in it.
-                    let is_ground = *other.collider.shape() == Shape::HalfSpace;
+                    let is_ground = other.collider.shape().is_ground();
                     let deepest = if is_ground { before.overlap(&other).unwrap_or(0.0) + 1e-9 } else { 0.0 };
                     (depth > deepest).then_some(depth)
                 })

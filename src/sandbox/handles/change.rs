@@ -205,8 +205,8 @@ fn scaled(shape: &ShapeSpec, factors: DVec3, snap: Option<Snap>) -> Option<Shape
             let factor = uniform(factors);
             ShapeSpec::hull(hull.points().iter().map(|point| *point * factor).collect::<Vec<_>>())
         }
-        // Its picture is the file's.
-        ShapeSpec::Mesh(_) | ShapeSpec::HalfSpace => return None,
+        // Its picture is the file's, or its parts would have to grow with their places.
+        ShapeSpec::Mesh(_) | ShapeSpec::HalfSpace | ShapeSpec::Compound(_) | ShapeSpec::Surface(_) => return None,
     })
 }
 

@@ -4,13 +4,13 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_egui::egui;
 
-use super::build::{MASSES, sizes};
+use super::build::{MASSES, has_sizes, sizes};
 use super::buttons::toggle;
 use super::theme::Quantity;
 use super::vector::VectorFields;
 use crate::physics::{Collider, Density, Mass, RigidBody};
 use crate::sandbox::{SandboxAction, Selection};
-use crate::scene::{BodySpec, ShapeSpec};
+use crate::scene::BodySpec;
 
 /// Layers that have a box; the others stay as they are.
 const LAYERS: u32 = 8;
@@ -79,9 +79,9 @@ pub(super) fn show(
     *changing &= ui.input(|input| input.pointer.any_down());
     let mut now = was.clone();
     // Other rows, another grid.
-    let rows = (was.kind, was.shape.is_some(), matches!(was.shape, Some(ShapeSpec::Hull(_) | ShapeSpec::Mesh(_))));
+    let has_sizes = was.shape.as_ref().is_some_and(has_sizes);
+    let rows = (was.kind, was.shape.is_some(), has_sizes);
     egui::Grid::new(("body", rows)).num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
-        let has_sizes = !matches!(now.shape, Some(ShapeSpec::HalfSpace | ShapeSpec::Hull(_) | ShapeSpec::Mesh(_)));
         if let Some(shape) = now.shape.as_mut().filter(|_| has_sizes) {
             ui.label("size");
             ui.horizontal(|ui| sizes(ui, shape));

@@ -138,12 +138,24 @@ fn join_kind(ui: &mut egui::Ui, chosen: &mut ResMut<JoinKind>) {
     });
 }
 
+/// Whether a shape is told by a few sizes.
+pub(super) fn has_sizes(shape: &ShapeSpec) -> bool {
+    matches!(
+        shape,
+        ShapeSpec::Sphere { .. } | ShapeSpec::Cuboid { .. } | ShapeSpec::Capsule { .. } | ShapeSpec::Cone { .. }
+    )
+}
+
 pub(super) fn sizes(ui: &mut egui::Ui, shape: &mut ShapeSpec) {
     let mut size = |label: &str, value: &mut f64| {
         ui.add(egui::DragValue::new(value).prefix(format!("{label} ")).speed(0.01).range(SIZES).max_decimals(3));
     };
     match shape {
-        ShapeSpec::HalfSpace | ShapeSpec::Hull(_) | ShapeSpec::Mesh(_) => {}
+        ShapeSpec::HalfSpace
+        | ShapeSpec::Hull(_)
+        | ShapeSpec::Mesh(_)
+        | ShapeSpec::Compound(_)
+        | ShapeSpec::Surface(_) => {}
         ShapeSpec::Sphere { radius } => size("radius", radius),
         ShapeSpec::Cuboid { size: extents } => {
             for (axis, value) in ["x", "y", "z"].into_iter().zip(extents.as_mut()) {

@@ -187,7 +187,7 @@ fn draw_body(gizmos: &mut Gizmos<PreviewLines>, body: &BodySpec, at: Vec3) {
                 gizmos.line(base + turned * out, base + turned * Vec3::Y * height, WILL_BE);
             }
         }
-        Some(ShapeSpec::Hull(_) | ShapeSpec::Mesh(_)) => {
+        Some(ShapeSpec::Hull(_) | ShapeSpec::Mesh(_) | ShapeSpec::Compound(_) | ShapeSpec::Surface(_)) => {
             let radius = body.shape.as_ref().map_or(0.0, ShapeSpec::bounding_radius);
             gizmos.sphere(pose, radius as f32, WILL_BE).resolution(32);
         }

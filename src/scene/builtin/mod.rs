@@ -24,13 +24,14 @@ mod random;
 mod sliding;
 mod stacking;
 mod standing;
+mod terrain;
 mod tops;
 mod tower;
 
 use super::SceneInfo;
 
 /// Every built-in scene, the start scene first.
-pub(super) static ALL: [SceneInfo; 42] = [
+pub(super) static ALL: [SceneInfo; 43] = [
     limbs::LIMBS,
     hanging::PENDULUM,
     hanging::RODS,
@@ -60,6 +61,7 @@ pub(super) static ALL: [SceneInfo; 42] = [
     dominoes::DOMINOES,
     pile::PILE,
     heap::HEAP,
+    terrain::TERRAIN,
     far::FAR,
     linkages::FOUR_BAR,
     linkages::BRICARD,

@@ -106,6 +106,37 @@ pub(super) enum ShapeEntry {
         #[serde(skip_serializing_if = "Option::is_none")]
         scale: Option<Positive>,
     },
+    Compound {
+        children: Vec<ChildEntry>,
+    },
+    Heights {
+        size: (Positive, Positive),
+        rows: Vec<Vec<Finite>>,
+    },
+    Surface {
+        #[serde(skip_serializing_if = "Option::is_none")]
+        file: Option<String>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        scale: Option<Positive>,
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        vertices: Vec<Vector>,
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        triangles: Vec<(u32, u32, u32)>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        two_sided: Option<bool>,
+    },
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "Child", deny_unknown_fields)]
+pub(super) struct ChildEntry {
+    pub shape: ShapeEntry,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<Vector>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<Quaternion>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation_degrees: Option<Vector>,
 }
 
 #[derive(Serialize, Deserialize)]

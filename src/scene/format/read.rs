@@ -7,14 +7,16 @@ use std::path::Path;
 
 use bevy::math::{DQuat, DVec3, EulerRot};
 
-use super::entry::{self, BodyEntry, SceneEntry, ShapeEntry, USUAL_GRAVITY};
+use super::entry::{self, BodyEntry, ChildEntry, SceneEntry, ShapeEntry, USUAL_GRAVITY};
 use super::joint::JointEntry;
 use crate::physics::RigidBody;
 use crate::scene::body::{WORLD, WORLD_PREFIX};
 use crate::scene::error::Flaw;
 use crate::scene::mesh::Meshes;
+use crate::scene::number::{Quaternion, Vector};
 use crate::scene::{
-    BodySpec, JointSpec, MAX_BODIES, MaterialSpec, SceneError, SceneSpec, ShapeSpec, ViewSpec, validate,
+    BodySpec, ChildSpec, CompoundSpec, JointSpec, MAX_BODIES, MaterialSpec, SceneError, SceneSpec, ShapeSpec,
+    SurfaceSpec, ViewSpec, validate,
 };
 
 /// Largest scene file that is read, bytes: several times what [`MAX_BODIES`] take.
@@ -101,15 +103,8 @@ impl BodyEntry {
             let problem = format!("'{}' is kept for what does not move; choose another", self.name);
             return Err(Flaw::new(format!("bodies[{index}].name"), problem));
         }
-        let rotation = match (self.rotation, self.rotation_degrees) {
-            (Some(_), Some(_)) => {
-                let problem = "give either 'rotation' or 'rotation_degrees', not both";
-                return Err(Flaw::new(format!("bodies[{index}].rotation"), problem));
-            }
-            (Some(rotation), None) => rotation.into(),
-            (None, Some(degrees)) => rotation_about_world_axes(degrees.into()),
-            (None, None) => DQuat::IDENTITY,
-        };
+        let rotation = rotation_of(self.rotation, self.rotation_degrees)
+            .map_err(|problem| Flaw::new(format!("bodies[{index}].rotation"), problem))?;
         let shape = match self.shape {
             Some(entry) => Some(
                 entry
@@ -148,7 +143,18 @@ impl BodyEntry {
 impl BodyEntry {
     /// What a body of that shape is unless it says otherwise.
     pub(super) fn usual_kind(shape: Option<&ShapeSpec>) -> RigidBody {
-        if shape == Some(&ShapeSpec::HalfSpace) { RigidBody::Static } else { RigidBody::Dynamic }
+        let stays = matches!(shape, Some(ShapeSpec::HalfSpace | ShapeSpec::Surface(_)));
+        if stays { RigidBody::Static } else { RigidBody::Dynamic }
+    }
+}
+
+/// As given in one of two ways, or why it is none.
+fn rotation_of(rotation: Option<Quaternion>, degrees: Option<Vector>) -> Result<DQuat, &'static str> {
+    match (rotation, degrees) {
+        (Some(_), Some(_)) => Err("give either 'rotation' or 'rotation_degrees', not both"),
+        (Some(rotation), None) => Ok(rotation.into()),
+        (None, Some(degrees)) => Ok(rotation_about_world_axes(degrees.into())),
+        (None, None) => Ok(DQuat::IDENTITY),
     }
 }
 
@@ -160,7 +166,7 @@ fn rotation_about_world_axes(degrees: DVec3) -> DQuat {
 
 impl ShapeEntry {
     /// Fails with the field that is wrong, and how.
-    fn into_shape(self, meshes: &mut Meshes) -> Result<ShapeSpec, (&'static str, String)> {
+    fn into_shape(self, meshes: &mut Meshes) -> Result<ShapeSpec, (String, String)> {
         Ok(match self {
             Self::HalfSpace => ShapeSpec::HalfSpace,
             Self::Sphere { radius } => ShapeSpec::Sphere { radius: radius.into() },
@@ -170,8 +176,67 @@ impl ShapeEntry {
             Self::Hull { points } => ShapeSpec::hull(points.into_iter().map(DVec3::from).collect::<Vec<_>>()),
             Self::Mesh { file, scale } => {
                 let mesh = meshes.load(&file, scale.map_or(1.0, f64::from));
-                ShapeSpec::Mesh(mesh.map_err(|error| ("file", error.to_string()))?)
+                ShapeSpec::Mesh(mesh.map_err(|error| ("file".to_owned(), error.to_string()))?)
             }
+            Self::Compound { children } => {
+                let children: Result<_, _> =
+                    children.into_iter().enumerate().map(|(index, child)| child.into_child(index, meshes)).collect();
+                let made = CompoundSpec::new(children?);
+                ShapeSpec::Compound(made.map_err(|error| ("children".to_owned(), error.to_string()))?)
+            }
+            Self::Heights { size: (x, z), rows } => {
+                let rows = rows.into_iter().map(|row| row.into_iter().map(f64::from).collect()).collect();
+                let made = SurfaceSpec::heights([x.into(), z.into()], rows);
+                ShapeSpec::Surface(made.map_err(|error| ("rows".to_owned(), error.to_string()))?)
+            }
+            Self::Surface { file, scale, vertices, triangles, two_sided } => {
+                let two_sided = two_sided.unwrap_or_default();
+                let has_own = !vertices.is_empty() || !triangles.is_empty();
+                let made = match file {
+                    Some(_) if has_own => {
+                        let problem = "give either 'file' or 'vertices' and 'triangles', not both";
+                        return Err(("file".to_owned(), problem.to_owned()));
+                    }
+                    Some(file) => meshes
+                        .load_surface(&file, scale.map_or(1.0, f64::from), two_sided)
+                        .map_err(|error| ("file".to_owned(), error.to_string())),
+                    None if scale.is_some() => {
+                        let problem = "a scale is for a 'file'; give vertices as large as they are";
+                        return Err(("scale".to_owned(), problem.to_owned()));
+                    }
+                    None => {
+                        let vertices = vertices.into_iter().map(DVec3::from).collect();
+                        let triangles = triangles.into_iter().map(|(a, b, c)| [a, b, c]).collect();
+                        let made = SurfaceSpec::triangles(vertices, triangles, two_sided);
+                        made.map_err(|error| ("triangles".to_owned(), error.to_string()))
+                    }
+                };
+                ShapeSpec::Surface(made?)
+            }
+        })
+    }
+}
+
+impl ChildEntry {
+    /// Fails with the field that is wrong, and how.
+    fn into_child(self, index: usize, meshes: &mut Meshes) -> Result<ChildSpec, (String, String)> {
+        let flaw = |field: &str, problem: String| (format!("children[{index}].{field}"), problem);
+        let shape =
+            self.shape.into_shape(meshes).map_err(|(field, problem)| flaw(&format!("shape.{field}"), problem))?;
+        let solid = match &shape {
+            ShapeSpec::Hull(hull) => hull.hull().as_ref().map(|_| ()).map_err(|error| ("points", error.to_string())),
+            ShapeSpec::HalfSpace | ShapeSpec::Surface(_) => {
+                Err(("", "no solid; give balls, boxes, capsules, cones, hulls or meshes".to_owned()))
+            }
+            ShapeSpec::Compound(_) => Err(("", "a compound in a compound; give its children instead".to_owned())),
+            _ => Ok(()),
+        };
+        solid.map_err(|(field, problem)| flaw(format!("shape.{field}").trim_end_matches('.'), problem))?;
+        let rotation = rotation_of(self.rotation, self.rotation_degrees);
+        Ok(ChildSpec {
+            shape,
+            position: self.position.map_or(DVec3::ZERO, DVec3::from),
+            rotation: rotation.map_err(|problem| flaw("rotation", problem.to_owned()))?,
         })
     }
 }

@@ -6,14 +6,16 @@ use std::path::{self, Component, MAIN_SEPARATOR, Path, PathBuf};
 use bevy::math::{DQuat, DVec3};
 use ron::ser::PrettyConfig;
 
-use super::entry::{self, BodyEntry, SceneEntry, ShapeEntry, USUAL_GRAVITY, ViewEntry};
+use super::entry::{self, BodyEntry, ChildEntry, SceneEntry, ShapeEntry, USUAL_GRAVITY, ViewEntry};
 use super::joint::JointEntry;
 use super::probe::ProbeEntry;
 use super::usual::unless_same;
 use crate::scene::body::WORLD;
 use crate::scene::error::Flaw;
 use crate::scene::number::{Finite, Fraction, NonNegative, Positive};
-use crate::scene::{BodySpec, JointSpec, MeshSpec, ProbePoint, ProbeSpec, SceneError, SceneSpec, ShapeSpec};
+use crate::scene::{
+    BodySpec, ChildSpec, JointSpec, ProbePoint, ProbeSpec, SceneError, SceneSpec, ShapeSpec, SurfaceForm, SurfaceSpec,
+};
 
 impl SceneSpec {
     /// The scene as the text of a RON file, one body or joint a line, without what is at its
@@ -101,9 +103,49 @@ impl ShapeEntry {
             }
             ShapeSpec::Hull(hull) => Self::Hull { points: hull.points().iter().map(|&point| point.into()).collect() },
             ShapeSpec::Mesh(mesh) => Self::Mesh {
-                file: file_of(mesh, folder)?,
+                file: file_of(mesh.file(), mesh.path(), folder)?,
                 scale: unless_same(mesh.scale(), 1.0).map(Positive::of_valid),
             },
+            ShapeSpec::Compound(compound) => {
+                let children = compound.children().iter().map(|child| ChildEntry::of(child, folder));
+                Self::Compound { children: children.collect::<Result<_, _>>()? }
+            }
+            ShapeSpec::Surface(surface) => Self::of_surface(surface, folder)?,
+        })
+    }
+
+    fn of_surface(surface: &SurfaceSpec, folder: Option<&Path>) -> Result<Self, String> {
+        let two_sided = surface.is_two_sided().then_some(true);
+        Ok(match surface.form() {
+            SurfaceForm::Heights { size: [x, z], rows } => Self::Heights {
+                size: (Positive::of_valid(*x), Positive::of_valid(*z)),
+                rows: rows.iter().map(|row| row.iter().map(|&height| Finite::of_valid(height)).collect()).collect(),
+            },
+            SurfaceForm::File { file, path, scale } => Self::Surface {
+                file: Some(file_of(file, path.as_deref(), folder)?),
+                scale: unless_same(*scale, 1.0).map(Positive::of_valid),
+                vertices: Vec::new(),
+                triangles: Vec::new(),
+                two_sided,
+            },
+            SurfaceForm::Triangles { vertices, triangles } => Self::Surface {
+                file: None,
+                scale: None,
+                vertices: vertices.iter().map(|&vertex| vertex.into()).collect(),
+                triangles: triangles.iter().map(|&[a, b, c]| (a, b, c)).collect(),
+                two_sided,
+            },
+        })
+    }
+}
+
+impl ChildEntry {
+    fn of(ChildSpec { shape, position, rotation }: &ChildSpec, folder: Option<&Path>) -> Result<Self, String> {
+        Ok(Self {
+            shape: ShapeEntry::of(shape, folder)?,
+            position: unless_same(*position, DVec3::ZERO).map(Into::into),
+            rotation: unless_same(*rotation, DQuat::IDENTITY).map(Into::into),
+            rotation_degrees: None,
         })
     }
 }
@@ -131,8 +173,8 @@ fn probe_entry(probe: &ProbeSpec, bodies: &HashMap<&str, &BodySpec>) -> ProbeEnt
 }
 
 /// What a scene in `folder` calls the file of a mesh.
-fn file_of(mesh: &MeshSpec, folder: Option<&Path>) -> Result<String, String> {
-    let Some(file) = mesh.path() else { return Ok(mesh.file().to_owned()) };
+fn file_of(name: &str, path: Option<&Path>, folder: Option<&Path>) -> Result<String, String> {
+    let Some(file) = path else { return Ok(name.to_owned()) };
     let named = folder.and_then(|folder| relative(file, folder));
     // A path that cannot be made absolute is kept as it is: so the file was found.
     let named = named.unwrap_or_else(|| path::absolute(file).unwrap_or_else(|_| file.to_owned()));

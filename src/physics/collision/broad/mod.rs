@@ -3,8 +3,10 @@
 
 pub(super) mod bounding_tree;
 pub(super) mod fat_box;
+pub(super) mod in_step;
 pub(super) mod near_pairs;
 pub(super) mod pair_slots;
+mod part_pairs;
 pub(super) mod persistent_pairs;
 #[cfg(test)]
 mod tests;

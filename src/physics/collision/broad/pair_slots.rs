@@ -6,7 +6,7 @@
 //! many the bodies have (a floor has thousands). A *pair end* 2 s + k is the pair of slot s seen
 //! from A (k = 0) or B (k = 1).
 
-use crate::physics::collision::manifold::Pair;
+use crate::physics::collision::manifold::{Pair, PartPair};
 
 const NONE: u32 = u32::MAX;
 
@@ -34,6 +34,8 @@ pub(crate) struct PairEnd {
 pub(crate) struct PairSlots {
     /// A of a free slot is NONE.
     pairs: Vec<Pair>,
+    /// Which parts of the two shapes each is of.
+    parts: Vec<PartPair>,
     /// Two a slot.
     links: Vec<Link>,
     /// First pair end of each body.
@@ -43,7 +45,7 @@ pub(crate) struct PairSlots {
 
 impl Default for PairSlots {
     fn default() -> Self {
-        Self { pairs: Vec::new(), links: Vec::new(), heads: Vec::new(), free: NONE }
+        Self { pairs: Vec::new(), parts: Vec::new(), links: Vec::new(), heads: Vec::new(), free: NONE }
     }
 }
 
@@ -58,13 +60,18 @@ impl PairSlots {
         self.pairs.get(slot.0 as usize).copied().filter(|pair| pair.a != NONE)
     }
 
+    /// The parts of the shapes that a slot is of.
+    pub fn parts(&self, slot: PairSlot) -> PartPair {
+        self.parts[slot.0 as usize]
+    }
+
     /// The slots of the pairs of one body, and the bodies at the other end; the youngest pair first.
     pub fn of_body(&self, body: u32) -> impl Iterator<Item = (PairSlot, u32)> {
         let first = self.first_of(body);
         std::iter::successors(first, |at| self.after(*at)).map(|at| (at.slot, at.other))
     }
 
-    /// Looks for the pair of two bodies in the shorter of their lists.
+    /// Looks for a pair of two bodies in the shorter of their lists.
     pub fn find(&self, a: u32, b: u32) -> Option<PairSlot> {
         let (mut of_a, mut of_b) = (self.first_of(a), self.first_of(b));
         while let (Some(at_a), Some(at_b)) = (of_a, of_b) {
@@ -102,14 +109,21 @@ impl PairSlots {
 
     /// Adds a pair that is not there yet.
     pub(crate) fn insert(&mut self, pair: Pair) -> PairSlot {
+        self.insert_parts(pair, PartPair::default())
+    }
+
+    /// Adds one of parts. The two bodies then have several slots.
+    pub(crate) fn insert_parts(&mut self, pair: Pair, parts: PartPair) -> PairSlot {
         let slot = self.free;
         let slot = if slot == NONE {
             self.pairs.push(pair);
+            self.parts.push(parts);
             self.links.extend([Link { next: NONE, previous: NONE }; 2]);
             self.pairs.len() as u32 - 1
         } else {
             self.free = self.links[2 * slot as usize].next;
             self.pairs[slot as usize] = pair;
+            self.parts[slot as usize] = parts;
             slot
         };
         for (end, body) in [(2 * slot, pair.a), (2 * slot + 1, pair.b)] {

@@ -26,7 +26,7 @@ use super::bounding_tree::{BoundingBox, BoundingTree, Leaf};
 use super::fat_box::{Extent, Placement, Room};
 use super::pair_slots::{PairSlot, PairSlots};
 use crate::physics::collision::constants::{BODIES_A_CHUNK, MOVED_A_CHUNK};
-use crate::physics::collision::manifold::Pair;
+use crate::physics::collision::manifold::{Pair, PartPair};
 use crate::physics::refill::Refill;
 use crate::physics::threads::for_each_of;
 
@@ -128,6 +128,26 @@ impl PersistentPairs {
     /// The pairs as they are.
     pub fn pairs(&self) -> &PairSlots {
         &self.pairs
+    }
+
+    /// The box that pairs of a body are made of; none of a half-space.
+    pub fn paired_within(&self, body: u32) -> Option<BoundingBox> {
+        self.leaves[body as usize].map(|_| self.fat[body as usize])
+    }
+
+    /// The bodies that got a new one in the last update.
+    pub fn moved(&self) -> &[u32] {
+        &self.moved
+    }
+
+    /// Adds a pair of parts of two bodies that are a pair. It goes when that goes.
+    pub fn insert_parts(&mut self, pair: Pair, parts: PartPair) -> PairSlot {
+        self.pairs.insert_parts(pair, parts)
+    }
+
+    /// Takes out a pair of parts.
+    pub fn remove_parts(&mut self, slot: PairSlot) -> Pair {
+        self.pairs.remove(slot)
     }
 
     /// To be called when a body is new, was teleported, or changed its shape, its layers or its
@@ -380,12 +400,15 @@ impl PersistentPairs {
             }
             let may_pair = self.meet(a, b) && bodies.may_pair(a, b);
             match self.pairs.find(a, b) {
-                Some(slot) if !may_pair => {
-                    let pair = self.pairs.remove(slot);
-                    // A pair that this very update made was never seen.
-                    match changes.added.iter().position(|&added| added == slot) {
-                        Some(place) => _ = changes.added.remove(place),
-                        None => changes.removed.push((slot, pair)),
+                // Pairs of parts as well.
+                Some(_) if !may_pair => {
+                    while let Some(slot) = self.pairs.find(a, b) {
+                        let pair = self.pairs.remove(slot);
+                        // A pair that this very update made was never seen.
+                        match changes.added.iter().position(|&added| added == slot) {
+                            Some(place) => _ = changes.added.remove(place),
+                            None => changes.removed.push((slot, pair)),
+                        }
                     }
                 }
                 None if may_pair => {

@@ -10,30 +10,110 @@ use nalgebra::Vector3;
 use super::placed::Placed;
 use super::sat::{self, AxisBuffers};
 use crate::physics::collision::constants::{CONTACT_TOLERANCE, EXTREME_SHARE};
-use crate::physics::collision::manifold::Overlap;
-use crate::physics::{Body, ContactModel, ContactPoint, FeatureId, Geometry, SolverSettings};
+use crate::physics::collision::manifold::{Overlap, PartPair};
+use crate::physics::collision::parts::{self, PartShape};
+use crate::physics::shape::{Triangle, Triangles};
+use crate::physics::{Body, BoundingBox, ContactModel, ContactPoint, FeatureId, Geometry, SolverSettings};
 
-/// Adds the contact points of two bodies in world axes, if they overlap.
+/// Adds the contact points of those parts of two bodies in world axes, if they overlap.
 pub(crate) fn touch(
-    a: &Body,
-    b: &Body,
+    [a, b]: [&Body; 2],
+    parts: PartPair,
     settings: &SolverSettings,
     buffers: &mut AxisBuffers,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
     let origin = a.position;
-    let (shape_a, shape_b) = (Placed::new(a, &origin)?, Placed::new(b, &origin)?);
-    let overlap = sat::overlap(&shape_a, &shape_b, &settings.sweeps, buffers)?;
+    let (one, other) = (parts::Placed::of(a, parts.a)?, parts::Placed::of(b, parts.b)?);
     let first = points.len();
-    if settings.contact_model() == ContactModel::SinglePoint {
-        points.extend(single_point(&shape_a, &shape_b, &overlap));
-    } else {
-        contact_points(&shape_a, &shape_b, &overlap, points);
-    }
+    let overlap = match (&one.shape, &other.shape) {
+        (PartShape::Solid(of_a), PartShape::Solid(of_b)) => {
+            let (shape_a, shape_b) = (Placed::new(&one, of_a, &origin), Placed::new(&other, of_b, &origin));
+            let overlap = sat::overlap(&shape_a, &shape_b, &settings.sweeps, buffers)?;
+            if settings.contact_model() == ContactModel::SinglePoint {
+                points.extend(single_point(&shape_a, &shape_b, &overlap));
+            } else {
+                contact_points(&shape_a, &shape_b, &overlap, points);
+            }
+            overlap
+        }
+        (PartShape::Facet(mesh, facet), PartShape::Solid(of_b)) => {
+            touch_facet((mesh, *facet, &one), &Placed::new(&other, of_b, &origin), &origin, true, points)?
+        }
+        (PartShape::Solid(of_a), PartShape::Facet(mesh, facet)) => {
+            let shape = Placed::new(&one, of_a, &origin);
+            let overlap = touch_facet((mesh, *facet, &other), &shape, &origin, false, points)?;
+            Overlap { normal: -overlap.normal, ..overlap }
+        }
+        (PartShape::Facet(..), PartShape::Facet(..)) => return None,
+    };
     for point in &mut points[first..] {
         point.point += origin;
     }
     Some(overlap)
+}
+
+/// A facet of a mesh, triangle by triangle; a vertex over the side between two of them counts once.
+fn touch_facet(
+    (mesh, facet, placed): (&Triangles, u32, &parts::Placed),
+    shape: &Placed,
+    origin: &Vector3<f64>,
+    shape_is_b: bool,
+    points: &mut Vec<ContactPoint>,
+) -> Option<Overlap> {
+    let into_mesh = placed.rotation.inverse();
+    let local = into_mesh * (shape.center + origin - placed.position);
+    let reach = Vector3::repeat(shape.radius * (1.0 + CONTACT_TOLERANCE));
+    let (first, mut overlap) = (points.len(), None);
+    mesh.in_facet(facet, &BoundingBox { low: local - reach, high: local + reach }, |index| {
+        let from = points.len();
+        let found = touch_triangle((&mesh.get(index), placed), shape, origin, shape_is_b, points);
+        overlap = found.or(overlap);
+        for at in (from..points.len()).rev() {
+            if points[first..from].iter().any(|known| known.feature == points[at].feature) {
+                points.remove(at);
+            }
+        }
+    });
+    overlap
+}
+
+/// A triangle of a mesh, which the 2009 engine did not have: the plane of it, under those extreme vertices of the other shape
+/// that are over the triangle. The normal points out of it.
+fn touch_triangle(
+    (triangle, placed): (&Triangle, &parts::Placed),
+    shape: &Placed,
+    origin: &Vector3<f64>,
+    shape_is_b: bool,
+    points: &mut Vec<ContactPoint>,
+) -> Option<Overlap> {
+    let normal = placed.rotation * triangle.normal;
+    let middle = placed.position + placed.rotation * triangle.middle - origin;
+    let level = middle.dot(&normal);
+    if shape.center.dot(&normal) <= level {
+        return None;
+    }
+    let depth = level - shape.project(&normal)[0];
+    let tolerance = CONTACT_TOLERANCE * shape.radius;
+    if depth < -tolerance {
+        return None;
+    }
+    let depth = depth.max(0.0);
+    let corners = triangle.corners.map(|corner| middle + placed.rotation * corner);
+    let is_over = |point: &Vector3<f64>| {
+        (0..3).all(|from| {
+            let outward = (corners[(from + 1) % 3] - corners[from]).cross(&normal);
+            outward.dot(&(point - corners[from])) <= tolerance * outward.norm()
+        })
+    };
+    let first = points.len();
+    shape.for_each_extreme(&-normal, EXTREME_SHARE * shape.radius, |index, vertex| {
+        if is_over(&vertex) {
+            let feature = FeatureId::of_vertex(shape_is_b, index);
+            points.push(ContactPoint { point: vertex + normal * depth, depth, feature });
+        }
+    });
+    (points.len() > first).then_some(Overlap { normal, depth })
 }
 
 /// Adds the contact points of an overlap, relative to body A: A's first, then B's.

@@ -1,12 +1,13 @@
 //! A shape placed in the world, relative to body A of a pair, and the questions that the 2009
 //! engine's narrow phase asks of it: how far it reaches along an axis, which of its vertices are
 //! foremost, which of its points is nearest. Boxes and balls answer in closed form; a cone or a
-//! capsule is the polygonal hull that stands for it.
+//! capsule is the polygonal hull that stands for it, and parts come one by one.
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::physics::Geometry;
 use crate::physics::collision::narrow::polyhedron::nearest_on_hull;
-use crate::physics::{Body, Geometry};
+use crate::physics::collision::parts;
 
 /// A body's shape, its centre relative to body A of the pair, in world axes.
 pub(crate) struct Placed<'a> {
@@ -19,14 +20,14 @@ pub(crate) struct Placed<'a> {
 }
 
 impl<'a> Placed<'a> {
-    /// A body's shape relative to `origin`, unless it has none.
-    pub fn new(body: &'a Body, origin: &Vector3<f64>) -> Option<Self> {
-        Some(Self {
-            geometry: body.geometry.as_ref()?,
-            center: body.position - origin,
-            rotation: body.rotation.to_rotation_matrix().into_inner(),
-            radius: body.radius,
-        })
+    /// A shape of those axes relative to `origin`.
+    pub fn new(placed: &parts::Placed, geometry: &'a Geometry, origin: &Vector3<f64>) -> Self {
+        Self {
+            geometry,
+            center: placed.position - origin,
+            rotation: placed.rotation.to_rotation_matrix().into_inner(),
+            radius: placed.radius,
+        }
     }
 
     fn axis(&self, index: usize) -> Vector3<f64> {
@@ -51,7 +52,7 @@ impl<'a> Placed<'a> {
     pub fn project(&self, axis: &Vector3<f64>) -> [f64; 2] {
         let middle = self.center.dot(axis);
         match self.geometry {
-            Geometry::HalfSpace => [f64::NEG_INFINITY, middle],
+            Geometry::HalfSpace | Geometry::Parts(_) => [f64::NEG_INFINITY, middle],
             Geometry::Sphere { radius } => [middle - radius, middle + radius],
             Geometry::Cuboid { half } => {
                 let reach = self.to_body(axis).abs().dot(half);
@@ -79,7 +80,7 @@ impl<'a> Placed<'a> {
     pub fn axes(&self, of_edges: bool, axes: &mut Vec<Vector3<f64>>) {
         axes.clear();
         match self.geometry {
-            Geometry::HalfSpace | Geometry::Sphere { .. } => {}
+            Geometry::HalfSpace | Geometry::Sphere { .. } | Geometry::Parts(_) => {}
             Geometry::Cuboid { .. } => axes.extend((0..3).map(|axis| self.axis(axis))),
             Geometry::Hull(hull) | Geometry::Cone { hull, .. } | Geometry::Capsule { hull, .. } if of_edges => {
                 axes.extend(hull.edge_directions.iter().map(|direction| self.rotation * direction));
@@ -95,7 +96,7 @@ impl<'a> Placed<'a> {
     pub fn nearest(&self, point: &Vector3<f64>) -> Vector3<f64> {
         let local = self.to_body(&(point - self.center));
         match self.geometry {
-            Geometry::HalfSpace | Geometry::Sphere { .. } => self.center,
+            Geometry::HalfSpace | Geometry::Sphere { .. } | Geometry::Parts(_) => self.center,
             Geometry::Cuboid { half } => self.to_world(&local.zip_map(half, |along, half| along.clamp(-half, half))),
             Geometry::Hull(hull) | Geometry::Cone { hull, .. } | Geometry::Capsule { hull, .. } => {
                 self.to_world(&nearest_on_hull(hull, &local))
@@ -106,7 +107,7 @@ impl<'a> Placed<'a> {
     /// Whether a point lies in the shape, or no farther outside than the tolerance.
     pub fn holds(&self, point: &Vector3<f64>, tolerance: f64) -> bool {
         match self.geometry {
-            Geometry::HalfSpace => (point - self.center).dot(&self.plane_normal()) <= tolerance,
+            Geometry::HalfSpace | Geometry::Parts(_) => (point - self.center).dot(&self.plane_normal()) <= tolerance,
             Geometry::Sphere { radius } => (point - self.center).norm() <= radius + tolerance,
             Geometry::Cuboid { .. } | Geometry::Hull(_) | Geometry::Cone { .. } | Geometry::Capsule { .. } => {
                 (point - self.nearest(point)).norm() <= tolerance
@@ -125,7 +126,7 @@ impl<'a> Placed<'a> {
             }
         };
         match self.geometry {
-            Geometry::HalfSpace => {}
+            Geometry::HalfSpace | Geometry::Parts(_) => {}
             Geometry::Sphere { radius } => visit(0, self.center + direction * *radius),
             Geometry::Cuboid { half } => {
                 let arms: [_; 3] = std::array::from_fn(|axis| self.axis(axis) * half[axis]);

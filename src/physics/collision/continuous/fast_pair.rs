@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::time_of_impact::{self, advanced};
+use crate::physics::collision::manifold::PartPair;
 use crate::physics::{Body, Pair};
 
 /// State of a body at the start of the step.
@@ -45,6 +46,7 @@ impl Start {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FastPair {
     pub pair: Pair,
+    pub parts: PartPair,
     pub starts: [Start; 2],
     /// Which of the two are fast.
     pub fast: [bool; 2],
@@ -53,8 +55,8 @@ pub(crate) struct FastPair {
 }
 
 impl FastPair {
-    pub fn new(pair: Pair, a: &Body, b: &Body, h: f64, impact: Option<f64>) -> Self {
+    pub fn new(pair: Pair, parts: PartPair, [a, b]: [&Body; 2], h: f64, impact: Option<f64>) -> Self {
         let fast = [time_of_impact::moves_far(a, b, h), time_of_impact::moves_far(b, a, h)];
-        Self { pair, starts: [Start::of(a), Start::of(b)], fast, impact }
+        Self { pair, parts, starts: [Start::of(a), Start::of(b)], fast, impact }
     }
 }

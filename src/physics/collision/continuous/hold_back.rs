@@ -20,8 +20,11 @@ use crate::physics::collision::narrow::contact_pair::PairSearch;
 use crate::physics::contact::{rebound, restitution_threshold};
 use crate::physics::{Bodies, Body, ContactGraph, ContactPoint, Geometry, Pair, SolverSettings, world_inverse_inertia};
 
-/// The body with its core for its shape.
+/// The body with its core for its shape; a compound is all core.
 fn core(body: Body) -> Body {
+    if matches!(body.geometry, Some(Geometry::Parts(_))) {
+        return body;
+    }
     let inner = inner_radius(&body);
     let geometry = match &body.geometry {
         Some(Geometry::Cuboid { half }) => Geometry::Cuboid { half: half.add_scalar(-CORE_SHARE * inner) },
@@ -64,7 +67,7 @@ pub(crate) fn hold_back(
         let first = first_impacts.partition_point(|&(known, _)| known < body);
         first_impacts.get(first).filter(|(known, _)| *known == body).map_or(h, |(_, time)| *time)
     };
-    for &FastPair { pair: Pair { a, b }, starts, fast, .. } in &graph.fast {
+    for &FastPair { pair: Pair { a, b }, parts, starts, fast, .. } in &graph.fast {
         let turned_aside = first_impact(a).min(first_impact(b));
         let since = if turned_aside < h { turned_aside } else { 0.0 };
         let pair = [a as usize, b as usize];
@@ -80,7 +83,7 @@ pub(crate) fn hold_back(
         let [one, other] =
             std::array::from_fn(|one| if fast[one] { core(paths[one].clone()) } else { paths[one].clone() });
         search.last = None;
-        let course = time_of_impact::course(&one, &other, h - since, &mut search, &mut points);
+        let course = time_of_impact::course([&one, &other], parts, h - since, &mut search, &mut points);
         if let Course::Impact(impact) = course {
             hold(&mut bodies.list, pair, &paths, fast, impact.time);
             stop(&mut bodies.list, pair, &impact, &points, restitution_threshold(&settings));

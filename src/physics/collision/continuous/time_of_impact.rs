@@ -17,7 +17,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::physics::collision::constants::{IMPACT_TOLERANCE, LONGEST_ARM, MOST_ADVANCES};
 use crate::physics::collision::gap::{fastest_approach, turning_speed};
-use crate::physics::collision::manifold::Overlap;
+use crate::physics::collision::manifold::{Overlap, PartPair};
 use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
 use crate::physics::{Body, ContactPoint, Geometry, RigidBody, rotation_by};
 
@@ -43,12 +43,7 @@ pub(crate) enum Course {
 
 /// The radius of a ball that the shape holds, about its centre of mass, m.
 pub(crate) fn inner_radius(body: &Body) -> f64 {
-    match &body.geometry {
-        None | Some(Geometry::HalfSpace) => f64::INFINITY,
-        Some(Geometry::Sphere { radius } | Geometry::Capsule { radius, .. }) => *radius,
-        Some(Geometry::Cuboid { half }) => half.min(),
-        Some(Geometry::Cone { hull, .. } | Geometry::Hull(hull)) => hull.inner_radius,
-    }
+    body.geometry.as_ref().map_or(f64::INFINITY, Geometry::inner_radius)
 }
 
 /// Whether a point of a body moves farther against another within a time h, s, than the body is thick: then
@@ -74,23 +69,39 @@ pub(crate) fn pass_by(from: &Vector3<f64>, way: &Vector3<f64>, reach: f64) -> bo
 
 /// Follows a pair through a time h, s. On impact the contact points, up to the gap that may yet close, are those of
 /// the poses at the impact, world axes; otherwise there are none.
-pub(crate) fn course(a: &Body, b: &Body, h: f64, search: &mut PairSearch, points: &mut Vec<ContactPoint>) -> Course {
+pub(crate) fn course(
+    [a, b]: [&Body; 2],
+    parts: PartPair,
+    h: f64,
+    search: &mut PairSearch,
+    points: &mut Vec<ContactPoint>,
+) -> Course {
     let tolerance = IMPACT_TOLERANCE * inner_radius(a).min(inner_radius(b));
     points.clear();
     if pass_by(&(b.position - a.position), &((b.linear - a.linear) * h), a.radius + b.radius + tolerance) {
         return Course::Apart;
     }
+    let is_with_mesh = [a, b].iter().any(|body| body.geometry.as_ref().is_some_and(Geometry::is_mesh));
     let fastest = fastest_approach(a, b);
     let (mut at_a, mut at_b, mut time) = (a.clone(), b.clone(), 0.0);
     for look in 0.. {
         points.clear();
         let reach = fastest * (h - time) + tolerance;
-        let Some(overlap) = contact_pair::touch(&at_a, &at_b, reach, search, points) else { break };
+        // On the way to a mesh any normal tells how far it is.
+        search.any_normal = true;
+        let found = contact_pair::touch([&at_a, &at_b], parts, reach, search, points);
+        search.any_normal = false;
+        let Some(mut overlap) = found else { break };
         let separation = -overlap.depth;
         if separation <= tolerance || look == MOST_ADVANCES {
             if time == 0.0 {
                 points.clear();
                 return Course::Touching;
+            }
+            if is_with_mesh {
+                points.clear();
+                let Some(found) = contact_pair::touch([&at_a, &at_b], parts, reach, search, points) else { break };
+                overlap = found;
             }
             return Course::Impact(Impact { time, at: [at_a.position, at_b.position], overlap });
         }

@@ -45,7 +45,7 @@ pub(crate) fn touch(
         Geometry::Cuboid { half } => place_at_cuboid(half, &center, radius),
         Geometry::Cone { radius: base, height, .. } => place_at_cone(&Cone::new(*base, *height), &center, radius),
         Geometry::Hull(hull) => place_at_hull(hull, &center, radius, gap),
-        Geometry::HalfSpace => unreachable!("the plane comes first"),
+        Geometry::HalfSpace | Geometry::Parts(_) => unreachable!("the plane comes first, and parts one by one"),
     };
     let scale = Scale::new(shape_radius, radius, gap);
     let depth = radius - height;
@@ -59,7 +59,7 @@ pub(crate) fn touch(
     Some(Overlap { normal, depth })
 }
 
-/// The unit normal out of a shape of that bounding radius along the shortest way between its surface and a point in its
+/// The unit normal out of a solid of that bounding radius along the shortest way between its surface and a point in its
 /// axes, and how far the point is out, m, negative inside.
 pub(crate) fn place(shape: &Geometry, point: &Vector3<f64>, radius: f64) -> (Vector3<f64>, f64) {
     let Place { normal, height } = match shape {
@@ -69,6 +69,7 @@ pub(crate) fn place(shape: &Geometry, point: &Vector3<f64>, radius: f64) -> (Vec
         Geometry::Cuboid { half } => place_at_cuboid(half, point, radius),
         Geometry::Cone { radius: base, height, .. } => place_at_cone(&Cone::new(*base, *height), point, radius),
         Geometry::Hull(hull) => place_at_hull(hull, point, radius, f64::INFINITY),
+        Geometry::Parts(_) => unreachable!("parts come one by one"),
     };
     (normal, height)
 }

@@ -52,18 +52,32 @@ pub(crate) fn touch(
     apart: &mut f64,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
+    let size = if shape_radius.is_finite() { shape_radius } else { radius };
+    touch_placed(|point| place(shape, point, size), size, [radius, half], capsule_in_shape, gap, apart, points)
+}
+
+/// Likewise, of any convex shape about that size, m, of which `place` tells the unit normal out of it along the shortest way
+/// between its surface and a point, and how far the point is out.
+pub(crate) fn touch_placed(
+    place: impl Fn(&Vector3<f64>) -> (Vector3<f64>, f64),
+    size: f64,
+    [radius, half]: [f64; 2],
+    capsule_in_shape: &Frame,
+    gap: f64,
+    apart: &mut f64,
+    points: &mut Vec<ContactPoint>,
+) -> Option<Overlap> {
     let along = capsule_in_shape.rotation.column(1).into_owned();
     let at = |t: f64| capsule_in_shape.center + along * t;
-    let size = if shape_radius.is_finite() { shape_radius } else { radius };
     let scale = Scale::new(size, radius + half, gap);
-    let Nearest { t, normal, distance, slope } = nearest(shape, size, half, &along, at);
+    let Nearest { t, normal, distance, slope } = nearest(&place, half, &along, at);
     if scale.separates(radius - distance) {
         *apart = distance - radius;
         return None;
     }
     let depth = |place: f64| scale.rounded(radius - (distance + (place - t) * slope));
     let is_flat = |place_at: f64| {
-        let (_, height) = place(shape, &at(place_at), size);
+        let (_, height) = place(&at(place_at));
         height - (distance + (place_at - t) * slope) <= FLAT * (size + radius + half)
     };
     // As far as points may yet touch.
@@ -93,9 +107,14 @@ pub(crate) fn touch(
     Some(Overlap { normal, depth: depth(t) })
 }
 
-fn nearest(shape: &Geometry, size: f64, half: f64, along: &Vector3<f64>, at: impl Fn(f64) -> Vector3<f64>) -> Nearest {
+fn nearest(
+    place: impl Fn(&Vector3<f64>) -> (Vector3<f64>, f64),
+    half: f64,
+    along: &Vector3<f64>,
+    at: impl Fn(f64) -> Vector3<f64>,
+) -> Nearest {
     let look = |t: f64| {
-        let (normal, distance) = place(shape, &at(t), size);
+        let (normal, distance) = place(&at(t));
         Nearest { t, normal, distance, slope: normal.dot(along) }
     };
     let (low, high) = (look(-half), look(half));

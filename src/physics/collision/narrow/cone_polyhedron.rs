@@ -49,7 +49,9 @@ pub(crate) fn touch(pair: &ShapePair<Cone, impl Polyhedron>, search: &mut PairSe
     }
     let cone_in_other = b_in_a.inverse();
     let mut test = Test { pair, swapped: pair.swapped(&cone_in_other), axes: &mut search.axes };
-    let overlap = match test.run(&mut search.edges.of_a) {
+    let found = test.run(&mut search.edges.of_a);
+    let overlap = match found {
+        Ok(found) if other.is_of_mesh() => pair.touch_surface(&found, search),
         Ok(found) => found.take(pair, search, |least, clip| pair.smooth_point(least, clip)),
         Err(Separated) => None,
     };
@@ -166,6 +168,36 @@ impl<P: Polyhedron> Test<'_, P> {
 }
 
 impl<P: Polyhedron> ShapePair<'_, Cone, P> {
+    /// Where the polyhedron is part of a surface: along the least normal if the surface has it, else along that of its face,
+    /// if anything is over that.
+    fn touch_surface(&self, found: &Found, search: &mut PairSearch) -> Option<Overlap> {
+        let &Self { b: other, b_in_a, scale, .. } = self;
+        let least = if other.face_instead(&-b_in_a.enter(&found.preferred.normal)).is_none() {
+            found.preferred
+        } else {
+            found.least
+        };
+        let least = match other.face_instead(&-b_in_a.enter(&least.normal)) {
+            None => least,
+            Some(face) => {
+                let normal = self.out_of_a(other.face(face).normal);
+                let depth = scale.rounded(self.depth_along(&normal));
+                if scale.separates(depth) {
+                    return None;
+                }
+                Least { normal, depth, feature: Feature::FaceOfB(face as u32) }
+            }
+        };
+        let is_any = match least.feature.face() {
+            Some((of_b, face)) => self.clip_to_face(of_b, face, least.depth, &mut search.clip),
+            None => {
+                self.smooth_point(&least, &mut search.clip);
+                true
+            }
+        };
+        is_any.then_some(Overlap { normal: least.normal, depth: least.depth })
+    }
+
     /// The depth along the flank's normal that a vertex lies deepest behind, and that normal. None
     /// where the vertex is not the foremost of its polyhedron there, or the depth is certain to be
     /// above `bound`.

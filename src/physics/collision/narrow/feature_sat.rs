@@ -34,7 +34,7 @@ use nalgebra::Vector3;
 use super::{ClipBuffers, Convex, Edge, Faced, Overlap, Polyhedron, Scale, ShapePair, first_max};
 use crate::physics::collision::constants::PARALLEL_SINE;
 use crate::physics::lanes::WIDTH;
-use crate::physics::{EdgeLanes, Refill};
+use crate::physics::{ContactPoint, EdgeLanes, Refill};
 
 /// What an axis was made of, by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,6 +137,10 @@ pub(crate) struct PairSearch {
     pub axes: u32,
     /// Of shapes found to be apart by more than the gap: how far they are at least, m.
     pub apart: f64,
+    /// Of triangles, any normal will do that tells how far away a shape is, whether or not the mesh has it.
+    pub any_normal: bool,
+    /// Points of a facet's triangles, along its own normal and along another, and a buffer.
+    pub of_facet: [Vec<ContactPoint>; 3],
 }
 
 impl PairSearch {
@@ -181,7 +185,8 @@ pub(crate) fn touch<A: Polyhedron, B: Polyhedron>(pair: &ShapePair<A, B>, search
     if let Err(feature) = found {
         search.apart = test.depth(feature).map_or(search.apart, |depth| -depth);
     }
-    let Least { normal, depth, feature } = search.near(found)?.rounded(pair.scale);
+    let found = pair.of_surface(search.near(found)?.rounded(pair.scale));
+    let Least { normal, depth, feature } = found.ok_or_else(|| search.last = None).ok()?;
     search.last = Some(feature);
     let overlap = Overlap { normal, depth };
     if let Feature::Edges(edge_a, edge_b) = feature {
@@ -189,10 +194,24 @@ pub(crate) fn touch<A: Polyhedron, B: Polyhedron>(pair: &ShapePair<A, B>, search
     }
     let (reference_is_b, face) = feature.face().expect("a polyhedron has faces and edges alone");
     let is_any = pair.clip_to_face(reference_is_b, face, depth, &mut search.clip);
+    if !is_any && (pair.a.is_of_mesh() || pair.b.is_of_mesh()) {
+        return None;
+    }
     if !is_any && depth < 0.0 {
         return pair.beside(reference_is_b, &overlap, &mut search.clip);
     }
     Some(overlap)
+}
+
+impl<A: Polyhedron, B: Polyhedron> ShapePair<'_, A, B> {
+    /// What was found, or where it has a normal that the surface which A is part of does not have, what there is along that
+    /// of its face; none if they are apart along it by more than the gap.
+    fn of_surface(&self, found: Least) -> Option<Least> {
+        let Some(face) = self.a.face_instead(&found.normal) else { return Some(found) };
+        let depth = self.face_depth(face);
+        let of_face = Least { normal: self.a.face(face).normal, depth, feature: Feature::FaceOfA(face as u32) };
+        (!self.scale.separates(depth)).then(|| of_face.rounded(self.scale))
+    }
 }
 
 struct Test<'t, A, B> {

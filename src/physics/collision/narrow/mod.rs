@@ -20,11 +20,14 @@ mod cone_tests;
 pub(super) mod contact_pair;
 mod edge_contact;
 mod ellipse;
+mod facet;
 pub(super) mod feature_sat;
+pub(super) mod place;
 mod placed_cone;
 mod plane;
 pub(super) mod polyhedron;
 mod shape_pair;
+pub(super) mod triangle;
 
 use clipping::{ClipBuffers, Faced};
 use cone::{Cone, length_across, unit_across};

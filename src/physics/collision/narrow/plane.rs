@@ -45,6 +45,7 @@ pub(crate) fn touch(
         }
         Geometry::Capsule { .. } => unreachable!("it has a routine for all shapes"),
         Geometry::HalfSpace => unreachable!("two half-spaces make no pair"),
+        Geometry::Parts(_) => unreachable!("parts come one by one"),
     }
     let Some(depth) = found.iter().map(|point| point.depth).reduce(f64::max) else {
         *apart = lowest;

@@ -165,6 +165,14 @@ pub(crate) trait Polyhedron: Convex {
     }
     fn vertex_count(&self) -> usize;
     fn vertex(&self, index: usize) -> Vector3<f64>;
+    /// The face that stands for a normal which the surface that this is a part of does not have here.
+    fn face_instead(&self, _normal: &Vector3<f64>) -> Option<usize> {
+        None
+    }
+    /// Whether it is part of a surface, which has contact points over its faces alone.
+    fn is_of_mesh(&self) -> bool {
+        false
+    }
     /// The farthest vertex along a direction.
     fn foremost(&self, direction: &Vector3<f64>) -> Vector3<f64> {
         self.vertex(first_max((0..self.vertex_count()).map(|index| self.vertex(index).dot(direction))))

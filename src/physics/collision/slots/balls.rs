@@ -75,6 +75,7 @@ mod tests {
     use super::*;
     use crate::physics::bit_set::BitSet;
     use crate::physics::collision::manifold::Pair;
+    use crate::physics::collision::manifold::PartPair;
     use crate::physics::collision::narrow::contact_pair::PairSearch;
     use crate::physics::collision::slots::pose::Pose;
     use crate::physics::shape::Geometry;
@@ -112,7 +113,8 @@ mod tests {
             let a = ball(&mut random, radii[0], at);
             let between = random.direction() * (radii[0] + radii[1]) * random.within(0.9, 1.3);
             let b = ball(&mut random, radii[1], a.position + between);
-            let mut slots = [(); 2].map(|()| (Slot::new(Pair { a: 0, b: 1 }, &a, &b), ContactState::default()));
+            let mut slots = [(); 2]
+                .map(|()| (Slot::new(Pair { a: 0, b: 1 }, PartPair::default(), &a, &b), ContactState::default()));
             let mut points = Vec::new();
             // The second time they have turned, and pushed before.
             let mut bodies = [a, b];
@@ -154,7 +156,7 @@ mod tests {
         let a = ball(&mut random, 0.5, Vector3::zeros());
         let b = ball(&mut random, 0.5, Vector3::x());
         let find = |a: &Body, b: &Body| {
-            let mut slot = Slot::new(Pair { a: 0, b: 1 }, a, b);
+            let mut slot = Slot::new(Pair { a: 0, b: 1 }, PartPair::default(), a, b);
             slot.find_balls(&mut ContactState::default(), a, b, &SolverSettings::game()).is_some()
         };
         assert!(find(&a, &b));

@@ -47,6 +47,7 @@ pub(in crate::physics::collision) fn export_contacts(
         contacts.manifolds.push(Manifold {
             slot: Some(index as u32),
             pair: slot.pair,
+            parts: slot.parts,
             normal,
             first_point: first as u32,
             point_count: (contacts.points.len() - first) as u32,

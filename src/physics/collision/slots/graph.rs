@@ -1,5 +1,6 @@
 //! All slots, and the system that brings them up to date.
 
+use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
@@ -14,7 +15,7 @@ use crate::physics::collision::broad::pair_slots::PairSlot;
 use crate::physics::collision::constants::{PAIRS_IN_ROW, SLOTS_A_CHUNK};
 use crate::physics::collision::continuous::fast_pair::FastPair;
 use crate::physics::collision::gap::{contact_gap, gap_if_stopped};
-use crate::physics::collision::manifold::{ContactPoint, FeatureId, Pair};
+use crate::physics::collision::manifold::{ContactPoint, FeatureId, Pair, PairKey, PartPair};
 use crate::physics::collision::narrow::contact_pair::PairSearch;
 use crate::physics::collision::narrow::feature_sat::Feature;
 use crate::physics::contact::namesake;
@@ -42,7 +43,7 @@ pub(crate) struct ContactGraph {
     /// Instead of states, where manifolds are found anew in each step.
     pub carried: Vec<Carried>,
     /// What points of pairs without a slot carried in the last solve, by pair, and the forces on B there, N, world axes.
-    without_slot: Vec<(Pair, FeatureId, Vector3<f64>)>,
+    without_slot: Vec<((Pair, PartPair), FeatureId, Vector3<f64>)>,
     /// Counts every change of which pairs touch.
     pub version: u64,
     /// Counts updates.
@@ -63,8 +64,10 @@ pub(crate) struct ContactGraph {
     points_asleep: i64,
     /// Pairs in which a body may move farther than it is thick in this step, by slot.
     pub fast: Vec<FastPair>,
-    /// Pairs that pushed each other until they were no pairs any more.
-    pub parted: Vec<(Entity, Entity)>,
+    /// Pairs that pushed each other until they were no pairs any more, and whether they were of parts.
+    pub parted: Vec<((Entity, Entity), bool)>,
+    /// Of how many slots of parts of the same bodies it was told that they push, the lower entity first.
+    pub started_parts: HashMap<(Entity, Entity), i32>,
     /// While somebody reads contact forces.
     pub recording: Option<Recording>,
 }
@@ -221,14 +224,14 @@ impl ContactGraph {
     }
 
     /// The force that a pair's point carried, zero where it is new.
-    pub fn force(&self, slot: Option<u32>, pair: Pair, feature: FeatureId) -> Vector3<f64> {
+    pub fn force(&self, PairKey { slot, pair, parts }: PairKey, feature: FeatureId) -> Vector3<f64> {
         if let Some(slot) = slot {
             let Some(carried) = self.carried.get(slot as usize) else { return Vector3::zeros() };
             let known = carried.points.iter().map(|(feature, _)| *feature);
             return namesake(known, feature).map_or_else(Vector3::zeros, |at| carried.points[at].1);
         }
-        let first = self.without_slot.partition_point(|(known, ..)| *known < pair);
-        let known = self.without_slot[first..].iter().take_while(|(known, ..)| *known == pair);
+        let first = self.without_slot.partition_point(|(known, ..)| *known < (pair, parts));
+        let known = self.without_slot[first..].iter().take_while(|(known, ..)| *known == (pair, parts));
         let found = namesake(known.map(|&(_, feature, _)| feature), feature);
         found.map_or_else(Vector3::zeros, |at| self.without_slot[first + at].2)
     }
@@ -236,19 +239,19 @@ impl ContactGraph {
     /// Keeps the forces of pairs' points for the next step, and no others.
     pub fn keep_forces<P: Iterator<Item = (FeatureId, Vector3<f64>)>>(
         &mut self,
-        pairs: impl Iterator<Item = (Option<u32>, Pair, P)>,
+        pairs: impl Iterator<Item = (PairKey, P)>,
     ) {
         self.carried.iter_mut().for_each(|carried| carried.points = Default::default());
         self.without_slot.clear();
-        for (slot, pair, points) in pairs {
+        for (PairKey { slot, pair, parts }, points) in pairs {
             match slot.map(|slot| self.carried.get_mut(slot as usize)) {
                 Some(Some(carried)) => carried.points.iter_mut().zip(points).for_each(|(kept, point)| *kept = point),
                 Some(None) => {}
-                None => self.without_slot.extend(points.map(|(feature, force)| (pair, feature, force))),
+                None => self.without_slot.extend(points.map(|(feature, force)| ((pair, parts), feature, force))),
             }
         }
         // Of one pair, points stay in their order.
-        self.without_slot.sort_by_key(|&(pair, ..)| pair);
+        self.without_slot.sort_by_key(|&(of, ..)| of);
     }
 
     /// All forces kept, by slot or pair.
@@ -271,7 +274,7 @@ impl ContactGraph {
                 self.carried.get_mut(index).into_iter().for_each(|carried| *carried = Carried::default());
             }
         }
-        self.without_slot.retain(|(pair, ..)| !among.contains(pair.a) && !among.contains(pair.b));
+        self.without_slot.retain(|((pair, _), ..)| !among.contains(pair.a) && !among.contains(pair.b));
     }
 
     /// Takes in which pairs came and went.
@@ -286,7 +289,7 @@ impl ContactGraph {
                     self.point_count -= self.states[*index as usize].geometry.point_count() as i64;
                 }
                 if self.started.contains(*index) {
-                    self.parted.extend(slot.entities);
+                    self.parted.extend(slot.entities.map(|entities| (entities, slot.is_of_parts)));
                     self.started.set(*index, false);
                 }
                 self.touching.set(*index, false);
@@ -301,10 +304,13 @@ impl ContactGraph {
         for &slot in &near.changes.added {
             let Some(Pair { a, b }) = near.pair(slot) else { continue };
             // What does not move comes first.
-            let pair = if bodies[b as usize].is_dynamic() { Pair { a, b } } else { Pair { a: b, b: a } };
+            let parts = near.parts(slot);
+            let is_in_order = bodies[b as usize].is_dynamic();
+            let (pair, parts) =
+                if is_in_order { (Pair { a, b }, parts) } else { (Pair { a: b, b: a }, parts.swapped()) };
             let (a, b) = (&bodies[pair.a as usize], &bodies[pair.b as usize]);
             let index = slot.0 as usize;
-            self.slots[index] = Slot::new(pair, a, b);
+            self.slots[index] = Slot::new(pair, parts, a, b);
             self.states[index] = ContactState::default();
             self.watches[index] = Watch::new(pair);
             count_pair(&mut self.pair_counts, pair, true);

@@ -12,9 +12,10 @@ use crate::physics::collision::constants::{FLAT_RECYCLING, ROUND_RECYCLING, SUCC
 use crate::physics::collision::continuous::fast_pair::FastPair;
 use crate::physics::collision::continuous::time_of_impact::{self, Course, Impact};
 use crate::physics::collision::gap::{contact_gap, way_ahead};
-use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap, Pair};
+use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap, Pair, PartPair};
 use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
 use crate::physics::collision::narrow::feature_sat::Feature;
+use crate::physics::collision::parts::has_parts;
 use crate::physics::contact::{predecessors, surface, tangents};
 use crate::physics::settings::SolverSettings;
 use crate::physics::shape::Geometry;
@@ -58,15 +59,21 @@ pub(crate) struct Slot {
     /// None: there is no pair.
     pub entities: Option<(Entity, Entity)>,
     pub(super) features: [FeatureId; POINTS],
+    /// Which parts of the two shapes it is of.
+    pub parts: PartPair,
+    /// Whether one of them has parts, so that the bodies may have several slots.
+    pub is_of_parts: bool,
 }
 
 impl Slot {
     /// Of a new pair, whose manifold is not known.
-    pub(super) fn new(pair: Pair, a: &Body, b: &Body) -> Self {
+    pub(super) fn new(pair: Pair, parts: PartPair, a: &Body, b: &Body) -> Self {
         let is_round = |body: &Body| body.geometry.as_ref().is_some_and(Geometry::is_round);
         let is_ball = |body: &Body| matches!(body.geometry, Some(Geometry::Sphere { .. }));
         Self {
             pair,
+            parts,
+            is_of_parts: has_parts(a) || has_parts(b),
             is_curved: is_round(a) || is_round(b),
             is_of_balls: is_ball(a) && is_ball(b),
             size: a.radius.min(b.radius),
@@ -146,11 +153,12 @@ impl Slot {
         search.last = self.axis;
         // One on a joint will not go on as it moves now.
         let is_free = !joined.contains(self.pair.a) && !joined.contains(self.pair.b);
+        let parts = self.parts;
         let is_fast = is_free && (time_of_impact::moves_far(a, b, h) || time_of_impact::moves_far(b, a, h));
-        let course = if is_fast { time_of_impact::course(a, b, h, search, points) } else { Course::Touching };
+        let course = if is_fast { time_of_impact::course([a, b], parts, h, search, points) } else { Course::Touching };
         let meeting = match course {
             Course::Touching => {
-                let overlap = contact_pair::touch(a, b, self.found_within, search, points);
+                let overlap = contact_pair::touch([a, b], parts, self.found_within, search, points);
                 self.apart = search.apart;
                 overlap.map(|overlap| Impact { time: 0.0, at: [a.position, b.position], overlap })
             }
@@ -169,7 +177,7 @@ impl Slot {
             *state = ContactState::default();
         }
         self.touching = meeting.is_some();
-        is_fast.then(|| FastPair::new(self.pair, a, b, h, meeting.map(|meeting| meeting.time)))
+        is_fast.then(|| FastPair::new(self.pair, parts, [a, b], h, meeting.map(|meeting| meeting.time)))
     }
 
     /// Takes in the points found where the bodies meet.

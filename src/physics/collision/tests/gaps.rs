@@ -8,7 +8,7 @@ use rand::RngExt;
 use super::hulls::{hull_body, hull_of, least_depths, random_hull};
 use super::{assert_close, body, cones, random_size, upright};
 use crate::physics::body::Body;
-use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap};
+use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap, PartPair};
 use crate::physics::collision::narrow::clipping::keep_touching_spread;
 use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
 use crate::physics::shape::{Collider, Geometry};
@@ -16,7 +16,7 @@ use crate::physics::testing::Random;
 
 fn touch_within(gap: f64, a: &Body, b: &Body) -> Option<(Overlap, Vec<ContactPoint>)> {
     let mut points = Vec::new();
-    let overlap = contact_pair::touch(a, b, gap, &mut PairSearch::default(), &mut points)?;
+    let overlap = contact_pair::touch([a, b], PartPair::default(), gap, &mut PairSearch::default(), &mut points)?;
     assert!((1..=4).contains(&points.len()));
     for (index, point) in points.iter().enumerate() {
         assert!(points[..index].iter().all(|other| other.feature != point.feature), "a name twice: {points:x?}");
@@ -214,7 +214,7 @@ fn distance_from_above(a: &Body, b: &Body) -> f64 {
                 farthest(&mut [Vector3::y() * (0.75 * height), rim].into_iter())
             }
             Geometry::Hull(hull) => farthest(&mut hull.vertices.iter().copied()),
-            Geometry::HalfSpace => unreachable!(),
+            Geometry::HalfSpace | Geometry::Parts(_) => unreachable!(),
         };
         body.position + body.rotation * point
     };

@@ -56,6 +56,7 @@ fn outside(body: &Body, point: &Vector3<f64>) -> f64 {
         Geometry::Hull(hull) => {
             hull.faces.iter().map(|face| face.normal.dot(&local) - face.offset).fold(f64::NEG_INFINITY, f64::max)
         }
+        Geometry::Parts(_) => unreachable!(),
     }
 }
 

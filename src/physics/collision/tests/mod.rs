@@ -17,7 +17,7 @@ use bevy::prelude::Entity;
 use nalgebra::{UnitQuaternion, Vector3};
 use rand::RngExt;
 
-use super::manifold::{ContactPoint, Overlap};
+use super::manifold::{ContactPoint, Overlap, PartPair};
 use super::narrow_phase::{self, Buffers};
 use crate::physics::body::{Body, RigidBody};
 use crate::physics::settings::{ContactModel, SolverSettings, SweepSettings};
@@ -68,7 +68,7 @@ fn random_pair(random: &mut Random, kinds: [usize; 2]) -> [Body; 2] {
 
 fn touch(a: &Body, b: &Body, settings: &SolverSettings) -> Option<(Overlap, Vec<ContactPoint>)> {
     let mut points = Vec::new();
-    let overlap = narrow_phase::touch(a, b, settings, &mut Buffers::default(), &mut points)?;
+    let overlap = narrow_phase::touch([a, b], PartPair::default(), settings, &mut Buffers::default(), &mut points)?;
     Some((overlap, points))
 }
 

@@ -26,7 +26,7 @@ struct Extent {
 impl Extent {
     fn of(body: &Body) -> Self {
         let (radius, local): (f64, Vec<Vector3<f64>>) = match body.geometry.as_ref().unwrap() {
-            Geometry::HalfSpace => unreachable!(),
+            Geometry::HalfSpace | Geometry::Parts(_) => unreachable!(),
             Geometry::Sphere { radius } => (*radius, vec![Vector3::zeros()]),
             Geometry::Cuboid { half } => {
                 let corner = |index: u32| {

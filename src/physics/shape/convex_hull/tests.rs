@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
 
+use nalgebra::Matrix3;
+
 use super::*;
 use crate::physics::testing::Random;
 

@@ -7,7 +7,7 @@ use super::free;
 use super::mechanism::{Mechanism, MemberState};
 use super::stepper::StepEffort;
 use crate::physics::body::{Bodies, Body};
-use crate::physics::collision::{ContactGraph, Contacts, Pair};
+use crate::physics::collision::{ContactGraph, Contacts, Manifold, PairKey};
 use crate::physics::disjoint_sets::DisjointSets;
 use crate::physics::island::Islands;
 use crate::physics::joint::{Joint, Joints};
@@ -31,7 +31,7 @@ struct GroupContents {
     bodies: Vec<u32>,
     joints: Vec<u32>,
     /// Bodies in reach of each other, with their slots.
-    pairs: Vec<(Option<u32>, Pair)>,
+    pairs: Vec<PairKey>,
     versions: (u64, u64),
     /// Whether axes of some body are locked.
     locked: bool,
@@ -71,7 +71,7 @@ impl ExactGroup {
         next.joints.extend_from_slice(islands.joints(self.group));
         next.pairs.clear();
         let found = islands.manifolds(self.group).iter().map(|&found| &contacts.manifolds[found as usize]);
-        next.pairs.extend(found.map(|manifold| (manifold.slot, manifold.pair)));
+        next.pairs.extend(found.map(Manifold::key));
         next.versions = (bodies.version, joints.version);
         next.locked = next.bodies.iter().any(|&body| is_locked(&bodies.list[body as usize]));
         if self.next != self.plan {
@@ -98,7 +98,7 @@ impl ExactGroup {
             }
             ends(joint).into_iter().flatten().for_each(|body| jointed[body] = true);
         }
-        for (_, pair) in pairs {
+        for PairKey { pair, .. } in pairs {
             if let [Some(a), Some(b)] = [pair.a, pair.b].map(place) {
                 sets.union(a as u32, b as u32);
             }
@@ -106,7 +106,7 @@ impl ExactGroup {
         let roots: Vec<u32> = (0..own.len() as u32).map(|body| sets.root(body)).collect();
         let root_of = |bodies: [u32; 2]| bodies.into_iter().find_map(place).map(|body| roots[body]);
         let mut left_alone = vec![true; own.len()];
-        for root in pairs.iter().filter_map(|(_, pair)| root_of([pair.a, pair.b])) {
+        for root in pairs.iter().filter_map(|PairKey { pair, .. }| root_of([pair.a, pair.b])) {
             left_alone[root as usize] = false;
         }
         let members_of = |root: usize| -> Vec<u32> {
@@ -117,7 +117,7 @@ impl ExactGroup {
             let is_own = |bodies: [u32; 2]| root_of(bodies) == Some(root as u32);
             let of_joint = |joint: &&u32| is_own([joints.list[**joint as usize].a, joints.list[**joint as usize].b]);
             let links = links.iter().filter(of_joint).copied().collect();
-            let pairs: Vec<_> = pairs.iter().filter(|(_, pair)| is_own([pair.a, pair.b])).copied().collect();
+            let pairs: Vec<_> = pairs.iter().filter(|PairKey { pair, .. }| is_own([pair.a, pair.b])).copied().collect();
             self.contact_groups.push(ContactGroup::new(members_of(root), links, &pairs, bodies, joints, time));
         }
         self.free.clear();

@@ -10,7 +10,7 @@ use super::step_terms::StepTerms;
 use super::sweep_trace::SweepTrace;
 use super::{cg_pgs, joint_space, nncg, pgs, projection};
 use crate::physics::body::{Bodies, Body};
-use crate::physics::collision::{ContactGraph, Contacts, FeatureId, Pair};
+use crate::physics::collision::{ContactGraph, Contacts, FeatureId, PairKey};
 use crate::physics::constraint::row::{BodyTerms, Row, RowPair, Twist, Wrench};
 use crate::physics::contact::KEPT_SHARE;
 use crate::physics::island::Islands;
@@ -107,7 +107,7 @@ impl IslandSolver {
                     body_arm_b: body_b.rotation.inverse() * arm_b,
                     found_offset: body_b.position - body_a.position + arm_b - arm_a,
                     first_row: 0,
-                    force: graph.force(manifold.slot, manifold.pair, found.feature),
+                    force: graph.force(manifold.key(), found.feature),
                     impulse: Vector3::zeros(),
                 });
             }
@@ -276,10 +276,10 @@ impl IslandSolver {
     pub fn forces<'c>(
         &'c self,
         contacts: &'c Contacts,
-    ) -> impl Iterator<Item = (Option<u32>, Pair, impl Iterator<Item = (FeatureId, Vector3<f64>)>)> {
+    ) -> impl Iterator<Item = (PairKey, impl Iterator<Item = (FeatureId, Vector3<f64>)>)> {
         self.manifolds.iter().map(|LocalManifold { found, points, .. }| {
             let features = contacts.points_of(found).iter().map(|point| point.feature);
-            (found.slot, found.pair, features.zip(self.points[points.clone()].iter().map(|point| point.force)))
+            (found.key(), features.zip(self.points[points.clone()].iter().map(|point| point.force)))
         })
     }
 

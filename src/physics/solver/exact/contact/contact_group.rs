@@ -26,7 +26,7 @@ use super::joint_gaps::JointGaps;
 use super::limit_rows::LimitRows;
 use super::smooth_step::{SmoothStep, SmoothTerms, place};
 use crate::physics::body::{Bodies, Body, SurfaceMaterial};
-use crate::physics::collision::{ContactGraph, FeatureId, Pair, closing_distance};
+use crate::physics::collision::{ContactGraph, FeatureId, Pair, PairKey, closing_distance};
 use crate::physics::constraint::row::Wrench;
 use crate::physics::contact::surface;
 use crate::physics::joint::{Joint, Joints};
@@ -143,7 +143,7 @@ impl ContactGroup {
     pub fn new(
         moving: Vec<u32>,
         joints: Vec<u32>,
-        pairs: &[(Option<u32>, Pair)],
+        pairs: &[PairKey],
         all_bodies: &Bodies,
         all_joints: &Joints,
         time: f64,
@@ -151,10 +151,10 @@ impl ContactGroup {
         let mut bodies = moving;
         let moving = bodies.len();
         let mut place = |body: u32| place_in(&mut bodies, moving, body);
-        let pair = |&(slot, bodies): &(Option<u32>, Pair)| {
+        let pair = |&key: &PairKey| {
             // What their surfaces are like is taken in with the state.
-            let ends = [place(bodies.a), place(bodies.b)];
-            ReachablePair { slot, bodies, ends, surface: SurfaceMaterial::default() }
+            let ends = [place(key.pair.a), place(key.pair.b)];
+            ReachablePair { key, ends, surface: SurfaceMaterial::default() }
         };
         let pairs = pairs.iter().map(pair).collect();
         let (joints, mut links) = links_of(&joints, all_joints, all_bodies, time, place);
@@ -363,7 +363,7 @@ impl ContactGroup {
         };
         let start_force = |point: &GapPoint| {
             let pair = &pairs[point.pair as usize];
-            graph.force(pair.slot, pair.bodies, point.feature)
+            graph.force(pair.key, point.feature)
         };
         smooth.step(&given, states, points, shapes, search, start_force);
         let landed = smooth.points.list.iter().filter(|point| free[point.pair as usize]);
@@ -439,7 +439,7 @@ impl ContactGroup {
     pub fn point_forces(&self) -> Vec<PointForce> {
         let points = &self.smooth.points;
         let force = |pair: u32, point: &GapPoint, load: Option<&PointLoad>, is_last: bool| PointForce {
-            pair: self.pairs[pair as usize].bodies,
+            pair: self.pairs[pair as usize].key.pair,
             point: point.point,
             normal: point.normal,
             depth: -point.gap,
@@ -464,14 +464,12 @@ impl ContactGroup {
     }
 
     /// The last forces on each pair's points.
-    pub fn last_forces(
-        &self,
-    ) -> impl Iterator<Item = (Option<u32>, Pair, impl Iterator<Item = (FeatureId, Vector3<f64>)>)> {
+    pub fn last_forces(&self) -> impl Iterator<Item = (PairKey, impl Iterator<Item = (FeatureId, Vector3<f64>)>)> {
         self.pairs.iter().enumerate().map(move |(index, pair)| {
             let last = move |point: &GapPoint| self.loads.get(&(index as u32, point.feature)).map(|load| load.last);
             let points = self.smooth.points.of(index).iter();
             let points = points.map(move |point| (point.feature, last(point).unwrap_or_else(Vector3::zeros)));
-            (pair.slot, pair.bodies, points)
+            (pair.key, points)
         })
     }
 }

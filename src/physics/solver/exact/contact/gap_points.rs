@@ -4,15 +4,14 @@ use nalgebra::Vector3;
 
 use super::super::mechanism::MemberState;
 use crate::physics::body::{Body, SurfaceMaterial};
-use crate::physics::collision::{ContactPoint, FeatureId, Pair, PairSearch, touch};
+use crate::physics::collision::{ContactPoint, FeatureId, PairKey, PairSearch, touch};
 use crate::physics::contact::namesake;
 
 /// Two bodies in reach of each other.
 #[derive(Clone, Debug)]
 pub(super) struct ReachablePair {
-    pub slot: Option<u32>,
     /// By their indices in the world.
-    pub bodies: Pair,
+    pub key: PairKey,
     /// By their places here.
     pub ends: [u32; 2],
     pub surface: SurfaceMaterial,
@@ -88,7 +87,9 @@ impl GapPoints {
             let [a, b] = pair.ends.map(|end| &bodies[end as usize]);
             search.search.last = None;
             search.points.clear();
-            let Some(overlap) = touch(a, b, gap(pair), &mut search.search, &mut search.points) else { continue };
+            let Some(overlap) = touch([a, b], pair.key.parts, gap(pair), &mut search.search, &mut search.points) else {
+                continue;
+            };
             self.list.extend(search.points.iter().map(|point| GapPoint {
                 pair: index,
                 feature: point.feature,

@@ -1,0 +1,45 @@
+//! Where a point is with respect to any shape, of one part or many.
+
+use nalgebra::Vector3;
+
+use super::{ball, triangle};
+use crate::physics::shape::{PartList, Parts};
+use crate::physics::{BoundingBox, Geometry};
+
+/// The unit normal out of a shape of that bounding radius along the shortest way between its surface and a point in its
+/// axes, and how far the point is out, m, negative inside.
+pub(crate) fn place(shape: &Geometry, point: &Vector3<f64>, radius: f64) -> (Vector3<f64>, f64) {
+    match shape {
+        Geometry::Parts(parts) => place_at_parts(parts, point),
+        _ => ball::place(shape, point, radius),
+    }
+}
+
+/// At the nearest of the parts; from a mesh, which has no inside, every point is away.
+fn place_at_parts(parts: &Parts, point: &Vector3<f64>) -> (Vector3<f64>, f64) {
+    let mut nearest = (Vector3::y(), f64::INFINITY);
+    let distance = |bounds: &BoundingBox| (point - point.sup(&bounds.low).inf(&bounds.high)).norm();
+    let mut take = |found: (Vector3<f64>, f64)| {
+        if found.1 < nearest.1 {
+            nearest = found;
+        }
+        nearest.1.max(0.0)
+    };
+    parts.tree().search(f64::INFINITY, distance, |part, most| match &parts.list {
+        PartList::Triangles(mesh) => {
+            let mut most = most;
+            mesh.search(part, most, distance, |triangle, _| {
+                most = take(triangle::place(&mesh.get(triangle), point));
+                most
+            });
+            most
+        }
+        PartList::Solids(solids) => {
+            let solid = &solids[part as usize];
+            let local = solid.rotation.inverse_transform_vector(&(point - solid.position));
+            let (normal, height) = ball::place(&solid.geometry, &local, solid.radius);
+            take((solid.rotation * normal, height))
+        }
+    });
+    nearest
+}

@@ -1,0 +1,180 @@
+//! Shapes ready for collision: solids, and what is made of parts, solids of a compound or facets of a mesh, with a tree of
+//! their boxes.
+//!
+//! Pairs of bodies of which one has parts are looked at part by part, each with a slot, a normal and contact points of its
+//! own. The parts of one shape do not touch each other.
+
+use std::sync::Arc;
+
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+use super::Hull;
+use super::triangles::Triangles;
+use crate::physics::BoundingBox;
+use crate::physics::box_tree::BoxTree;
+
+/// A shape ready for collision, in body axes about the centre of mass. Cheap to clone.
+#[derive(Clone, Debug)]
+pub(crate) enum Geometry {
+    /// y ≤ 0.
+    HalfSpace,
+    Sphere {
+        radius: f64,
+    },
+    Cuboid {
+        /// Half extents.
+        half: Vector3<f64>,
+    },
+    /// About a segment along y.
+    Capsule {
+        radius: f64,
+        /// Half the segment's length.
+        half: f64,
+        /// What stands for it in the 2009 engine's contacts.
+        hull: Arc<Hull>,
+    },
+    /// Apex up +y, the base a quarter of the height below the centre of mass.
+    Cone {
+        radius: f64,
+        height: f64,
+        /// The polygonal cone of the 2009 engine's contacts.
+        hull: Arc<Hull>,
+    },
+    /// A convex polyhedron.
+    Hull(Arc<Hull>),
+    /// A compound or a mesh.
+    Parts(Arc<Parts>),
+}
+
+impl Geometry {
+    /// Whether its surface is curved, so that where it touches does not turn with it.
+    pub fn is_round(&self) -> bool {
+        match self {
+            Self::Sphere { .. } | Self::Capsule { .. } | Self::Cone { .. } => true,
+            Self::HalfSpace | Self::Cuboid { .. } | Self::Hull(_) => false,
+            Self::Parts(parts) => parts.solids().iter().any(|solid| solid.geometry.is_round()),
+        }
+    }
+
+    /// Its parts, if it is made of some.
+    pub fn parts(&self) -> Option<&Parts> {
+        match self {
+            Self::Parts(parts) => Some(parts),
+            _ => None,
+        }
+    }
+
+    /// Whether it is a surface of triangles.
+    pub fn is_mesh(&self) -> bool {
+        self.parts().is_some_and(Parts::is_mesh)
+    }
+
+    /// The radius of a ball about the centre of mass that it holds, of a compound of one that each part holds, m; of what
+    /// has no thickness infinite.
+    pub fn inner_radius(&self) -> f64 {
+        match self {
+            Self::HalfSpace => f64::INFINITY,
+            Self::Sphere { radius } | Self::Capsule { radius, .. } => *radius,
+            Self::Cuboid { half } => half.min(),
+            Self::Cone { hull, .. } | Self::Hull(hull) => hull.inner_radius,
+            Self::Parts(parts) => parts.inner_radius,
+        }
+    }
+}
+
+/// The parts, in body axes.
+#[derive(Debug)]
+pub(crate) struct Parts {
+    pub list: PartList,
+    tree: BoxTree,
+    /// What holds all of them.
+    bounds: BoundingBox,
+    /// The least thickness of a part: radius of a ball that it holds, m; infinite for a mesh, which is a surface.
+    pub inner_radius: f64,
+}
+
+/// What the parts are.
+#[derive(Debug)]
+pub(crate) enum PartList {
+    Solids(Vec<Solid>),
+    /// By facets.
+    Triangles(Triangles),
+}
+
+/// A convex part of a compound.
+#[derive(Clone, Debug)]
+pub(crate) struct Solid {
+    pub geometry: Geometry,
+    /// Bounding radius about its own centre of mass, m.
+    pub radius: f64,
+    /// Of a ball about its centre of mass that it holds, m.
+    pub inner_radius: f64,
+    /// Of its centre of mass in the body's axes.
+    pub position: Vector3<f64>,
+    pub rotation: UnitQuaternion<f64>,
+}
+
+impl Parts {
+    /// Of solids.
+    pub fn of_solids(solids: Vec<Solid>) -> Self {
+        let inner_radius = solids.iter().map(|solid| solid.inner_radius).fold(f64::INFINITY, f64::min);
+        let boxes: Vec<_> = solids.iter().map(Solid::bounds).collect();
+        Self::new(PartList::Solids(solids), boxes, inner_radius)
+    }
+
+    /// Of the triangles of a mesh.
+    pub fn of_triangles(triangles: Triangles) -> Self {
+        let boxes = (0..triangles.facet_count()).map(|facet| triangles.facet_bounds(facet)).collect();
+        Self::new(PartList::Triangles(triangles), boxes, f64::INFINITY)
+    }
+
+    fn new(list: PartList, boxes: Vec<BoundingBox>, inner_radius: f64) -> Self {
+        let bounds = boxes.iter().fold(BoundingBox::EMPTY, |all, one| all.union(one));
+        let tree = BoxTree::new((0..).zip(boxes).collect());
+        Self { list, tree, bounds, inner_radius }
+    }
+
+    /// The tree of the parts' boxes.
+    pub fn tree(&self) -> &BoxTree {
+        &self.tree
+    }
+
+    /// Whether they are the triangles of a mesh.
+    pub fn is_mesh(&self) -> bool {
+        matches!(self.list, PartList::Triangles(_))
+    }
+
+    /// The solids of a compound; a mesh has none.
+    pub fn solids(&self) -> &[Solid] {
+        match &self.list {
+            PartList::Solids(solids) => solids,
+            PartList::Triangles(_) => &[],
+        }
+    }
+
+    /// The least and the greatest coordinates by the axes of the body as columns.
+    pub fn reach(&self, axes: &Matrix3<f64>) -> [Vector3<f64>; 2] {
+        let BoundingBox { low, high } = placed_box(&self.bounds, axes, &Vector3::zeros());
+        [low, high]
+    }
+}
+
+impl Solid {
+    /// Its box in the body's axes.
+    pub fn bounds(&self) -> BoundingBox {
+        let axes = self.rotation.to_rotation_matrix().into_inner();
+        let [low, high] = self.geometry.reach(&axes).expect("a half-space is no part");
+        BoundingBox { low: self.position + low, high: self.position + high }
+    }
+}
+
+/// A box that holds a box of other axes, whose columns and origin are given.
+pub(crate) fn placed_box(
+    BoundingBox { low, high }: &BoundingBox,
+    axes: &Matrix3<f64>,
+    origin: &Vector3<f64>,
+) -> BoundingBox {
+    let middle = origin + axes * ((low + high) / 2.0);
+    let half = axes.abs() * ((high - low) / 2.0);
+    BoundingBox { low: middle - half, high: middle + half }
+}

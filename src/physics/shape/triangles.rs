@@ -1,0 +1,297 @@
+//! The triangles of a mesh as collision looks at them.
+//!
+//! The front of a triangle is where its corners go round counter-clockwise. A mesh is the boundary of a solid behind it,
+//! as far as can be told from here; what is behind a triangle with its middle does not touch it.
+//!
+//! **Inner edges.** At a point of the surface, the normals that a contact may have are those along which the surface is
+//! foremost there: above a triangle its own, at an edge those between the normals of its two triangles where it is convex
+//! and none where it is not, at a vertex v the directions m with m·(w − v) ≤ 0 for all edges from v to w. An edge's normals
+//! obey that of both its ends with m·(w − v) = 0 along it. At the border of an open mesh, normals are at most level with the
+//! triangle.
+//!
+//! **Facets.** Triangles in one plane that are neighbors and together a convex polygon are one part: what lies on them has
+//! one normal and the contact points of one polygon, however fine it is cut. Such a region is convex where the corners of
+//! its triangles at no vertex of its border add up to more than π; at a hole they do.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::Vector3;
+
+use crate::physics::BoundingBox;
+use crate::physics::box_tree::BoxTree;
+
+/// Sine of the angle by which a normal may be beyond those of the surface and count as one of them.
+const NORMAL_SLACK: f64 = 1e-6;
+
+/// Cosine from which on two directions are one, to 1e-6.
+pub(crate) const SAME: f64 = 1.0 - 5e-13;
+
+/// By how much normals, and places as a share of a triangle's radius, may differ in one plane; and angles in a convex
+/// polygon be more than they may.
+const FLATNESS: f64 = 1e-9;
+const ANGLE_SLACK: f64 = 1e-6;
+
+/// Most triangles of a facet that are looked at one by one.
+const LIST: usize = 16;
+
+/// Vertices and triangles in body axes, and which vertices are neighbors.
+#[derive(Clone, Debug)]
+pub(crate) struct Triangles {
+    pub vertices: Vec<Vector3<f64>>,
+    pub corners: Vec<[u32; 3]>,
+    /// Where the neighbors of each vertex begin; then the number of all.
+    first_neighbor: Vec<u32>,
+    neighbors: Vec<u32>,
+    /// The lowest triangle at each vertex.
+    owners: Vec<u32>,
+    /// Of each side, from corner k to the next, the triangle beyond it; u32::MAX at a border.
+    beyond: Vec<[u32; 3]>,
+    /// The triangles of each facet.
+    facets: Vec<Facet>,
+}
+
+/// Triangles of one plane.
+#[derive(Clone, Debug)]
+struct Facet {
+    triangles: Vec<u32>,
+    /// Of many triangles, a tree of their boxes.
+    tree: Option<BoxTree>,
+}
+
+/// A triangle placed in the body's axes, with a pyramid behind it that stands for the inside of the mesh.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Triangle<'t> {
+    pub mesh: &'t Triangles,
+    pub index: u32,
+    /// The middle of the corners, in the body's axes.
+    pub middle: Vector3<f64>,
+    /// From the middle.
+    pub corners: [Vector3<f64>; 3],
+    /// Unit, to the front.
+    pub normal: Vector3<f64>,
+    /// The farthest corner from the middle.
+    pub radius: f64,
+}
+
+impl Triangles {
+    /// Of triangles with an area, given by indices of vertices.
+    pub fn new(vertices: Vec<Vector3<f64>>, corners: Vec<[u32; 3]>) -> Self {
+        let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * corners.len());
+        let mut owners = vec![u32::MAX; vertices.len()];
+        for (index, triangle) in (0..).zip(&corners) {
+            for side in 0..3 {
+                sides.push(([triangle[side], triangle[(side + 1) % 3]], index));
+                owners[triangle[side] as usize] = owners[triangle[side] as usize].min(index);
+            }
+        }
+        sides.sort_unstable();
+        let other_side = |[from, to]: [u32; 2]| {
+            let place = sides.partition_point(|(known, _)| *known < [to, from]);
+            sides.get(place).filter(|(known, _)| *known == [to, from]).map_or(u32::MAX, |&(_, triangle)| triangle)
+        };
+        let beyond = corners.iter().map(|&[a, b, c]| [[a, b], [b, c], [c, a]].map(other_side)).collect();
+        let mut ends: Vec<[u32; 2]> = sides.iter().flat_map(|&([from, to], _)| [[from, to], [to, from]]).collect();
+        ends.sort_unstable();
+        ends.dedup();
+        let first = |vertex: u32| ends.partition_point(|[from, _]| *from < vertex) as u32;
+        let first_neighbor = (0..=vertices.len() as u32).map(first).collect();
+        let neighbors = ends.iter().map(|[_, to]| *to).collect();
+        let mut own = Self { vertices, corners, first_neighbor, neighbors, owners, beyond, facets: Vec::new() };
+        own.facets = own.find_facets();
+        own
+    }
+
+    /// Neighbors in one plane where they make a convex polygon, else each triangle alone.
+    fn find_facets(&self) -> Vec<Facet> {
+        let normals: Vec<_> = (0..self.count()).map(|triangle| self.get(triangle).normal).collect();
+        let mut is_taken = vec![false; self.corners.len()];
+        let (mut facets, mut stack) = (Vec::new(), Vec::new());
+        for first in 0..self.count() {
+            if std::mem::replace(&mut is_taken[first as usize], true) {
+                continue;
+            }
+            let normal = normals[first as usize];
+            let level = normal.dot(&self.corners_of(first)[0]);
+            let slack = FLATNESS * self.get(first).radius;
+            let in_plane = |triangle: u32| {
+                (normals[triangle as usize] - normal).norm() <= FLATNESS
+                    && self.corners_of(triangle).iter().all(|corner| (normal.dot(corner) - level).abs() <= slack)
+            };
+            let mut triangles = vec![first];
+            stack.push(first);
+            while let Some(triangle) = stack.pop() {
+                for next in self.beyond[triangle as usize].into_iter().filter(|&next| next != u32::MAX) {
+                    if !is_taken[next as usize] && in_plane(next) {
+                        is_taken[next as usize] = true;
+                        triangles.push(next);
+                        stack.push(next);
+                    }
+                }
+            }
+            if self.is_convex(&triangles) {
+                triangles.sort_unstable();
+                facets.push(Facet::new(triangles, self));
+            } else {
+                facets.extend(triangles.into_iter().map(|triangle| Facet::new(vec![triangle], self)));
+            }
+        }
+        facets
+    }
+
+    /// Whether triangles of one plane that hang together are a convex polygon.
+    fn is_convex(&self, triangles: &[u32]) -> bool {
+        let mut corners: Vec<(u32, f64)> = Vec::with_capacity(3 * triangles.len());
+        for &triangle in triangles {
+            let at = self.corners_of(triangle);
+            for corner in 0..3 {
+                let [u, v] = [1, 2].map(|next| at[(corner + next) % 3] - at[corner]);
+                corners.push((self.corners[triangle as usize][corner], u.cross(&v).norm().atan2(u.dot(&v))));
+            }
+        }
+        corners.sort_unstable_by_key(|(vertex, _)| *vertex);
+        corners.chunk_by(|one, other| one.0 == other.0).all(|about| {
+            let angle: f64 = about.iter().map(|(_, angle)| angle).sum();
+            angle <= PI + ANGLE_SLACK || angle >= TAU - ANGLE_SLACK
+        })
+    }
+
+    /// How many facets there are.
+    pub fn facet_count(&self) -> u32 {
+        self.facets.len() as u32
+    }
+
+    /// The box of a facet.
+    pub fn facet_bounds(&self, facet: u32) -> BoundingBox {
+        let all = self.facets[facet as usize].triangles.iter().map(|&triangle| self.bounds(triangle));
+        all.fold(BoundingBox::EMPTY, |all, one| all.union(&one))
+    }
+
+    /// Looks at triangles of a facet as [`BoxTree::search`] does at items.
+    pub fn search(
+        &self,
+        facet: u32,
+        mut most: f64,
+        distance: impl Fn(&BoundingBox) -> f64,
+        mut look: impl FnMut(u32, f64) -> f64,
+    ) {
+        let Facet { triangles, tree } = &self.facets[facet as usize];
+        if let Some(tree) = tree {
+            return tree.search(most, distance, look);
+        }
+        for &triangle in triangles {
+            let away = distance(&self.bounds(triangle));
+            if away <= most && away < f64::INFINITY {
+                most = look(triangle, most);
+            }
+        }
+    }
+
+    /// Hands on the triangles of a facet whose boxes overlap one.
+    pub fn in_facet(&self, facet: u32, bounds: &BoundingBox, mut take: impl FnMut(u32)) {
+        let distance = |other: &BoundingBox| if bounds.overlaps(other) { 0.0 } else { f64::INFINITY };
+        self.search(facet, 0.0, distance, |triangle, most| {
+            take(triangle);
+            most
+        });
+    }
+
+    /// How many.
+    pub fn count(&self) -> u32 {
+        self.corners.len() as u32
+    }
+
+    /// The box of one.
+    pub fn bounds(&self, triangle: u32) -> BoundingBox {
+        let [a, b, c] = self.corners_of(triangle);
+        BoundingBox { low: a.inf(&b).inf(&c), high: a.sup(&b).sup(&c) }
+    }
+
+    /// Where its corners are.
+    pub fn corners_of(&self, triangle: u32) -> [Vector3<f64>; 3] {
+        self.corners[triangle as usize].map(|vertex| self.vertices[vertex as usize])
+    }
+
+    /// One of them, placed.
+    pub fn get(&self, index: u32) -> Triangle<'_> {
+        let corners = self.corners_of(index);
+        let [a, b, c] = corners;
+        let middle = (a + b + c) / 3.0;
+        let corners = corners.map(|corner| corner - middle);
+        let radius = corners.iter().map(Vector3::norm).fold(0.0, f64::max);
+        Triangle { mesh: self, index, middle, corners, normal: (b - a).cross(&(c - a)).normalize(), radius }
+    }
+
+    fn neighbors(&self, vertex: u32) -> &[u32] {
+        let [first, end] = [0, 1].map(|next| self.first_neighbor[vertex as usize + next] as usize);
+        &self.neighbors[first..end]
+    }
+}
+
+impl Facet {
+    fn new(triangles: Vec<u32>, mesh: &Triangles) -> Self {
+        let boxes = || triangles.iter().map(|&triangle| (triangle, mesh.bounds(triangle))).collect();
+        let tree = (triangles.len() > LIST).then(|| BoxTree::new(boxes()));
+        Self { triangles, tree }
+    }
+}
+
+impl PartialEq for Triangles {
+    /// All else follows from these.
+    fn eq(&self, other: &Self) -> bool {
+        (&self.vertices, &self.corners) == (&other.vertices, &other.corners)
+    }
+}
+
+impl Triangle<'_> {
+    /// Its vertices in the mesh.
+    pub fn vertices(&self) -> [u32; 3] {
+        self.mesh.corners[self.index as usize]
+    }
+
+    /// Whether the surface is foremost at this triangle along a unit direction, so that a contact may have it for a normal.
+    pub fn admits(&self, direction: &Vector3<f64>) -> bool {
+        let rise = direction.dot(&self.normal);
+        rise >= SAME || rise >= -NORMAL_SLACK && (self.is_at_side(direction) || self.is_at_corner(direction))
+    }
+
+    /// Whether all of a side is foremost, of this triangle and the one beyond it.
+    fn is_at_side(&self, direction: &Vector3<f64>) -> bool {
+        let rises = |way: Vector3<f64>| way.dot(direction) / way.norm();
+        (0..3).any(|from| {
+            let [at, to, third] = [0, 1, 2].map(|next| self.corners[(from + next) % 3]);
+            let is_beyond_lower = || {
+                let beyond = self.mesh.beyond[self.index as usize][from];
+                // The corner that is not on the side is the lowest, unless all are as high.
+                beyond == u32::MAX
+                    || self.mesh.corners_of(beyond).iter().all(|corner| {
+                        let way = corner - self.middle - at;
+                        way.norm_squared() == 0.0 || rises(way) <= NORMAL_SLACK
+                    })
+            };
+            rises(to - at).abs() <= NORMAL_SLACK && rises(third - at) <= NORMAL_SLACK && is_beyond_lower()
+        })
+    }
+
+    /// Whether the foremost vertex is foremost among its neighbors.
+    fn is_at_corner(&self, direction: &Vector3<f64>) -> bool {
+        let heights = self.corners.map(|corner| corner.dot(direction));
+        let foremost = (0..3).max_by(|&one, &other| heights[one].total_cmp(&heights[other])).unwrap_or(0);
+        let vertex = self.vertices()[foremost];
+        let at = self.mesh.vertices[vertex as usize];
+        self.mesh.neighbors(vertex).iter().all(|&neighbor| {
+            let along = self.mesh.vertices[neighbor as usize] - at;
+            along.dot(direction) <= NORMAL_SLACK * along.norm()
+        })
+    }
+
+    /// Whether it is this triangle that has a contact of that normal at a corner of it, or at the side from there to the
+    /// next: of those that share it the first, if that looks along the normal at all.
+    pub fn owns(&self, corner: usize, is_side: bool, direction: &Vector3<f64>) -> bool {
+        let first = if is_side {
+            self.index.min(self.mesh.beyond[self.index as usize][corner])
+        } else {
+            self.mesh.owners[self.vertices()[corner] as usize]
+        };
+        first == self.index || self.mesh.get(first).normal.dot(direction) < -NORMAL_SLACK
+    }
+}
