@@ -8,7 +8,7 @@ use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
 
 use super::Picked;
 use super::ground::GroundOf;
-use crate::physics::{Collider, RenderOrigin, RigidBody};
+use crate::physics::{Collider, RenderOrigin, RigidBody, Shape};
 
 /// A body, where it was hit, and where that is in the world, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +41,7 @@ impl Targets<'_, '_> {
                 normal: hit.normal.and_then(|normal| (to_body * normal).as_dvec3().try_normalize()),
             },
             place: self.origin.0 + at.as_dvec3(),
-            is_ground: collider.shape().is_ground(),
+            is_ground: *collider.shape() == Shape::HalfSpace,
         })
     }
 }

@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 
 use super::controls::{BINDINGS, MOUSE};
+use super::panel::BESIDE_TOOLS;
 use super::state::DrivingKeys;
 use super::{SandboxAction, Selection};
 
@@ -38,10 +39,10 @@ fn show_help(mut contexts: EguiContexts, driving: Res<DrivingKeys>, mut open: Re
         .open(&mut stays)
         .collapsible(false)
         .resizable(false)
-        .anchor(egui::Align2::LEFT_TOP, [24.0, 24.0])
+        .anchor(egui::Align2::LEFT_TOP, [BESIDE_TOOLS, 24.0])
         .show(context, |ui| {
             // A small window does not hold all of it.
-            egui::ScrollArea::vertical().max_height(room).show(ui, |ui| tables(ui, &driving));
+            egui::ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, |ui| tables(ui, &driving));
         });
     open.set_if_neq(HelpOpen(stays));
     Ok(())

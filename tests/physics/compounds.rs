@@ -6,6 +6,8 @@ use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use plumb::physics::{CompoundChild, CompoundError, TriangleMesh};
 use plumb::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 
 use crate::rig::*;
 
@@ -143,6 +145,35 @@ fn compounds_stack_on_a_mesh_and_it_is_told_once_that_they_touch() {
     // What stood on it falls, and pushes nothing for a while.
     let with_it = ended.iter().filter(|told| [told.a, told.b].contains(&all[0])).count();
     assert_eq!(with_it, 2, "{ended:?}");
+}
+
+/// Shots at a sheet of 1 cm that is free to move, made of four slabs; those that are compounds themselves among them.
+#[test]
+fn nothing_that_is_shot_passes_a_sheet_of_slabs() {
+    let mut dice = Pcg64Mcg::seed_from_u64(31);
+    // They overlap: between solids that only touch there is a crack.
+    let slab = |x: f64, z: f64| child(Collider::cuboid(3.3, 0.01, 3.3), DVec3::new(1.35 * x, 0.0, 1.35 * z));
+    let slabs = [slab(-1.0, -1.0), slab(-1.0, 1.0), slab(1.0, -1.0), slab(1.0, 1.0)];
+    let sheet = Collider::compound(&slabs).expect("a sheet");
+    let bullets =
+        [Collider::sphere(0.1), Collider::cuboid(0.2, 0.1, 0.3), halves(0.3, 0.1, 0.2), Collider::capsule(0.05, 0.3)];
+    for case in 0..400 {
+        let mut world = weightless(SolverSettings::game());
+        let own_sheet = body(&mut world, sheet.clone(), DVec3::ZERO);
+        world.entity_mut(own_sheet).insert(Mass(5000.0));
+        let start = DVec3::new(dice.random_range(-2.0..2.0), dice.random_range(2.0..8.0), dice.random_range(-2.0..2.0));
+        let own = body(&mut world, bullets[case % 4].clone(), start);
+        let aside = DVec3::new(dice.random_range(-0.1..0.1), -1.0, dice.random_range(-0.1..0.1));
+        let spin = DVec3::new(dice.random_range(-20.0..20.0), dice.random_range(-20.0..20.0), 0.0);
+        let turned = DQuat::from_rotation_z(dice.random_range(-3.0..3.0));
+        world.entity_mut(own).insert((Rotation(turned), Mass(1.0), Velocity { linear: aside * 400.0, angular: spin }));
+        for _ in 0..6 {
+            step(&mut world);
+            let apart = position(&world, own) - position(&world, own_sheet);
+            let local = world.get::<Rotation>(own_sheet).unwrap().0.inverse() * apart;
+            assert!(local.y > 0.0 || local.x.abs().max(local.z.abs()) > 3.0, "case {case}: {local}");
+        }
+    }
 }
 
 #[test]

@@ -164,7 +164,7 @@ fn nothing_that_is_shot_passes_a_sheet() {
     let mut dice = Pcg64Mcg::seed_from_u64(19);
     let field = TriangleMesh::height_field([8.0, 8.0], [7, 9], |_, _| 0.0).expect("a field");
     let sheet = Collider::mesh(field.two_sided().expect("a sheet"));
-    for case in 0..200 {
+    for case in 0..1000 {
         let mut world = weightless(SolverSettings::game());
         world.spawn((RigidBody::Static, sheet.clone()));
         let (name, collider, ..) = things()[case % 5].clone();

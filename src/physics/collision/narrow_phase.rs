@@ -18,6 +18,7 @@ use super::slots::graph::{Carried, ContactGraph};
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::constants::{CONTACT_TOLERANCE, PAIRS_A_BLOCK};
 use crate::physics::contact::surface;
+use crate::physics::refill::Refill;
 use crate::physics::settings::{ContactModel, SolverSettings};
 use crate::physics::shape::Geometry;
 use crate::physics::stats::StepStats;
@@ -47,7 +48,7 @@ pub(super) fn find_contacts(
     swept: Res<SweptPairs>,
     settings: Res<SolverSettings>,
     mut graph: ResMut<ContactGraph>,
-    (mut candidates, mut near_parts): (Local<Vec<PairKey>>, Local<Vec<PartPair>>),
+    (mut candidates, mut near_parts, mut begins): (Local<Vec<PairKey>>, Local<Vec<PartPair>>, Local<Vec<i64>>),
     mut blocks: Local<Vec<Block>>,
     mut contacts: ResMut<Contacts>,
     mut stats: ResMut<StepStats>,
@@ -60,7 +61,7 @@ pub(super) fn find_contacts(
         graph.carried.resize(graph.slots.len(), Carried::default());
         let slots = graph.active().map(|slot| (slot, &graph.slots[slot as usize]));
         candidates.extend(slots.map(|(index, slot)| PairKey { slot: Some(index), pair: slot.pair, parts: slot.parts }));
-        sort_along_x(&mut candidates, &bodies.list);
+        sort_along_x(&mut candidates, &bodies.list, &mut begins);
         stats.pairs = candidates.len() as u32;
     } else {
         for &pair in &swept.0 {
@@ -95,15 +96,17 @@ pub(super) fn find_contacts(
 }
 
 /// Half-spaces first, then as the 2009 sweep finds them: rows are swept in this order, and it does not depend on the
-/// slots, which depend on the past.
-fn sort_along_x(candidates: &mut [PairKey], bodies: &[Body]) {
-    candidates.sort_unstable_by_key(|&PairKey { pair: Pair { a, b }, parts, .. }| {
-        if matches!(bodies[a as usize].geometry, Some(Geometry::HalfSpace)) {
-            return ([(i64::MIN, a), (i64::MIN, b)], parts);
-        }
-        let (a, b) = (begin(bodies, a), begin(bodies, b));
-        ([a.min(b), a.max(b)], parts)
-    });
+/// slots, which depend on the past. `begins` is a buffer.
+fn sort_along_x(candidates: &mut [PairKey], bodies: &[Body], begins: &mut Vec<i64>) {
+    let is_plane = |body: &Body| matches!(body.geometry, Some(Geometry::HalfSpace));
+    begins
+        .refill((0..).zip(bodies).map(|(index, body)| if is_plane(body) { i64::MIN } else { begin(bodies, index).0 }));
+    let key = |&PairKey { pair: Pair { a, b }, parts, .. }: &PairKey| {
+        let [of_a, of_b] = [a, b].map(|body| (begins[body as usize], body));
+        let ends = if of_a.0 == i64::MIN { [of_a, (i64::MIN, b)] } else { [of_a.min(of_b), of_a.max(of_b)] };
+        (ends, parts)
+    };
+    candidates.sort_unstable_by_key(key);
 }
 
 impl Block {

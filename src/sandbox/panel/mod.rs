@@ -43,6 +43,7 @@ pub use graphs::PlotsHeight;
 pub use measuring::ChartSource;
 pub(super) use strip::STRIP_HEIGHT;
 pub(super) use theme::{Quantity, name_of, palette, without_negative_zero};
+pub(super) use toolbar::BESIDE_TOOLS;
 
 use bevy::prelude::*;
 use bevy_egui::{EguiContext, EguiPrimaryContextPass, PrimaryEguiContext, egui};

@@ -16,6 +16,8 @@ use crate::scene::ShapeSpec;
 const BUTTON: f32 = 30.0;
 const SPACING: f32 = 3.0;
 const MARGIN: f32 = 8.0;
+/// Where there is room beside the tools in two columns, points from the left.
+pub(in crate::sandbox) const BESIDE_TOOLS: f32 = 2.0 * (BUTTON + SPACING) + 4.0 * MARGIN;
 /// Room at the top, for what is said there.
 const TOP: f32 = 52.0;
 
@@ -181,7 +183,11 @@ fn button(ui: &mut egui::Ui, entry: &Entry, is_chosen: bool) -> egui::Response {
     ui.painter().rect_filled(square, 4.0, visuals.weak_bg_fill);
     icons::paint(ui.painter(), entry.icon, square.shrink(4.0), visuals.text_color());
     response.widget_info(|| egui::WidgetInfo::selected(egui::WidgetType::Button, true, is_chosen, entry.name));
-    response.on_hover_ui(|ui| _ = ui.label(about(entry)))
+    // Beside the tools, not over those below.
+    let mut tip = egui::Tooltip::for_enabled(&response);
+    tip.popup = tip.popup.align(egui::RectAlign::RIGHT_START);
+    tip.show(|ui| _ = ui.label(about(entry)));
+    response
 }
 
 fn about(entry: &Entry) -> String {

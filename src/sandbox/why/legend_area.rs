@@ -7,14 +7,12 @@ use super::legend::{Chip, Key};
 use super::paint::Painted;
 use super::scale::{Scale, shade};
 use crate::sandbox::axes::color32;
-use crate::sandbox::panel::STRIP_HEIGHT;
+use crate::sandbox::panel::{BESIDE_TOOLS, STRIP_HEIGHT};
 
 /// Size of a scale's bar, points.
 const BAR: egui::Vec2 = egui::vec2(262.0, 12.0);
 /// Of what stands under it.
 const TEXT: f32 = 12.0;
-/// What the tools beside the legend take, points.
-const TOOLS: f32 = 100.0;
 /// What a notice under the legend takes, points.
 const NOTICE: f32 = 36.0;
 
@@ -25,7 +23,7 @@ pub(super) fn plugin(app: &mut App) {
 fn show(mut contexts: EguiContexts, painted: Res<Painted>) -> Result {
     let Some(legend) = painted.legend() else { return Ok(()) };
     egui::Area::new(egui::Id::new("legend"))
-        .anchor(egui::Align2::LEFT_BOTTOM, [TOOLS, -12.0 - STRIP_HEIGHT - NOTICE])
+        .anchor(egui::Align2::LEFT_BOTTOM, [BESIDE_TOOLS, -12.0 - STRIP_HEIGHT - NOTICE])
         .interactable(false)
         .show(contexts.ctx_mut()?, |ui| {
             egui::Frame::popup(ui.style()).show(ui, |ui| {
