@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 
 use super::controls::{BINDINGS, MOUSE};
-use super::panel::BESIDE_TOOLS;
+use super::panel::{BESIDE_TOOLS, STRIP_HEIGHT};
 use super::state::DrivingKeys;
 use super::{SandboxAction, Selection};
 
@@ -34,7 +34,8 @@ fn show_help(mut contexts: EguiContexts, driving: Res<DrivingKeys>, mut open: Re
     }
     let mut stays = true;
     let context = contexts.ctx_mut()?;
-    let room = context.content_rect().height() - 110.0;
+    // Above the strip of time, under its own title.
+    let room = context.content_rect().height() - STRIP_HEIGHT - 88.0;
     egui::Window::new("Help")
         .open(&mut stays)
         .collapsible(false)
