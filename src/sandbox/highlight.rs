@@ -149,6 +149,9 @@ fn grown(shape: &Shape, thickness: f64) -> Shape {
         Shape::Sphere { radius } => Shape::Sphere { radius: radius + thickness },
         Shape::Cuboid { size } => Shape::Cuboid { size: *size + DVec3::splat(2.0 * thickness) },
         Shape::Capsule { radius, length } => Shape::Capsule { radius: radius + thickness, length: *length },
+        Shape::Cylinder { radius, height } => {
+            Shape::Cylinder { radius: radius + thickness, height: height + 2.0 * thickness }
+        }
         Shape::Cone { radius, height } => {
             let scale = 1.0 + thickness * (1.0 + radius.hypot(*height) / radius) / height;
             Shape::Cone { radius: radius * scale, height: height * scale }

@@ -125,7 +125,7 @@ impl SharedAssets {
         let row = match shape {
             Shape::Sphere { .. } => 0,
             Shape::Cuboid { .. } | Shape::HalfSpace => 1,
-            Shape::Cone { .. } => 2,
+            Shape::Cylinder { .. } | Shape::Cone { .. } => 2,
             Shape::Hull(_) | Shape::Compound(_) | Shape::Mesh(_) => 3,
             Shape::Capsule { .. } => 0,
         };
@@ -148,7 +148,7 @@ pub(super) fn picture_size(shape: &Shape) -> Vec3 {
         Shape::Sphere { radius } | Shape::Capsule { radius, .. } => Vec3::splat(*radius as f32),
         Shape::Cuboid { size } => size.as_vec3(),
         // By one factor, so that its normals stay normals for whoever casts a ray at it.
-        Shape::Cone { height, .. } => Vec3::splat(*height as f32),
+        Shape::Cylinder { height, .. } | Shape::Cone { height, .. } => Vec3::splat(*height as f32),
     }
 }
 
@@ -162,6 +162,7 @@ fn picture_key(shape: &Shape, picture: Option<&PictureMesh>) -> Vec<u64> {
         Shape::Sphere { .. } => (1, vec![]),
         Shape::Cuboid { .. } => (2, vec![]),
         Shape::Cone { radius, height } => (3, vec![radius / height]),
+        Shape::Cylinder { radius, height } => (9, vec![radius / height]),
         Shape::Capsule { radius, length } => (6, vec![length / radius]),
         Shape::Hull(hull) => (4, hull.vertices().flat_map(|vertex| vertex.to_array()).collect()),
         Shape::Compound(compound) => {
@@ -190,6 +191,7 @@ pub(super) fn picture_of(shape: &Shape, picture: Option<&PictureMesh>) -> Option
         (Shape::Sphere { .. }, _) => Some(ball(1.0).with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, ball_shades())),
         (Shape::Cuboid { .. }, _) => mesh_of(&Shape::Cuboid { size: DVec3::ONE }),
         (Shape::Capsule { radius, length }, _) => mesh_of(&Shape::Capsule { radius: 1.0, length: length / radius }),
+        (Shape::Cylinder { radius, height }, _) => mesh_of(&Shape::Cylinder { radius: radius / height, height: 1.0 }),
         (Shape::Cone { radius, height }, _) => mesh_of(&Shape::Cone { radius: radius / height, height: 1.0 }),
         _ => mesh_of(shape),
     }
@@ -211,6 +213,9 @@ pub(super) fn mesh_of(shape: &Shape) -> Option<Mesh> {
         Shape::Capsule { radius, length } => {
             let capsule = Capsule3d { radius: *radius as f32, half_length: 0.5 * *length as f32 };
             Some(capsule.mesh().longitudes(64).latitudes(32).build())
+        }
+        Shape::Cylinder { radius, height } => {
+            Some(Cylinder::new(*radius as f32, *height as f32).mesh().resolution(64).build())
         }
         // Bevy's cone is centred half-way up; the centre of mass is a quarter up.
         Shape::Cone { radius, height } => Some(

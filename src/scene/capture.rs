@@ -137,6 +137,7 @@ fn shape_of(collider: &Collider, mesh: Option<&PictureMesh>, given: Option<&Give
         Shape::Sphere { radius } => ShapeSpec::Sphere { radius: *radius },
         Shape::Cuboid { size } => ShapeSpec::Cuboid { size: *size },
         Shape::Capsule { radius, length } => ShapeSpec::Capsule { radius: *radius, length: *length },
+        Shape::Cylinder { radius, height } => ShapeSpec::Cylinder { radius: *radius, height: *height },
         Shape::Cone { radius, height } => ShapeSpec::Cone { radius: *radius, height: *height },
         Shape::Hull(hull) => {
             let mesh = mesh.map(|picture| ShapeSpec::Mesh(picture.0.clone()));

@@ -31,6 +31,13 @@ pub enum ShapeSpec {
         /// Length of the cylinder.
         length: f64,
     },
+    /// A cylinder about y.
+    Cylinder {
+        /// Radius.
+        radius: f64,
+        /// Height.
+        height: f64,
+    },
     /// A cone, apex up.
     Cone {
         /// Base radius.
@@ -109,6 +116,7 @@ impl ShapeSpec {
             Self::Sphere { radius } => Collider::sphere(*radius),
             Self::Cuboid { size } => Collider::cuboid(size.x, size.y, size.z),
             Self::Capsule { radius, length } => Collider::capsule(*radius, *length),
+            Self::Cylinder { radius, height } => Collider::cylinder(*radius, *height),
             Self::Cone { radius, height } => Collider::cone(*radius, *height),
             Self::Hull(hull) => Collider::hull(hull.hull().clone().expect("a valid scene's hulls have a volume")),
             Self::Mesh(mesh) => Collider::hull(mesh.hull().clone()),
@@ -164,6 +172,7 @@ impl ShapeSpec {
             Self::Sphere { radius } => 4.0 / 3.0 * PI * radius.powi(3),
             Self::Cuboid { size } => size.x * size.y * size.z,
             Self::Capsule { radius, length } => PI * radius * radius * (length + 4.0 / 3.0 * radius),
+            Self::Cylinder { radius, height } => PI * radius * radius * height,
             Self::Cone { radius, height } => PI / 3.0 * radius * radius * height,
             Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::volume),
         }
@@ -180,7 +189,7 @@ impl ShapeSpec {
             Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::thickness),
             Self::Sphere { radius } | Self::Capsule { radius, .. } => 2.0 * radius,
             Self::Cuboid { size } => size.min_element(),
-            Self::Cone { radius, height } => height.min(2.0 * *radius),
+            Self::Cylinder { radius, height } | Self::Cone { radius, height } => height.min(2.0 * *radius),
         }
     }
 
@@ -193,6 +202,7 @@ impl ShapeSpec {
             Self::Sphere { radius } => *radius,
             Self::Cuboid { size } => size.length() / 2.0,
             Self::Capsule { radius, length } => 0.5 * length + radius,
+            Self::Cylinder { radius, height } => radius.hypot(0.5 * height),
             Self::Cone { radius, height } => radius.hypot(height / 4.0).max(0.75 * height),
             Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::bounding_radius),
         }

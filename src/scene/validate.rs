@@ -117,7 +117,7 @@ fn check_shape(body: &BodySpec) -> Result<(), FieldFlaw> {
             number::<Positive>("shape.radius", *radius)?;
             number::<Positive>("shape.length", *length)?;
         }
-        ShapeSpec::Cone { radius, height } => {
+        ShapeSpec::Cylinder { radius, height } | ShapeSpec::Cone { radius, height } => {
             number::<Positive>("shape.radius", *radius)?;
             number::<Positive>("shape.height", *height)?;
         }

@@ -104,7 +104,7 @@ fn wrong_types_and_unknown_fields_name_line_and_column() {
     assert!(unknown.contains("`color`"), "{unknown}");
     assert_eq!(
         of_body("shape: Ball(radius: 1)"),
-        "scene.ron:2:22: Unexpected variant named `Ball` in enum `Shape`, expected one of `HalfSpace`, `Sphere`, `Cuboid`, `Capsule`, `Cone`, `Hull`, `Mesh`, `Compound`, `Heights`, or `Surface` instead"
+        "scene.ron:2:22: Unexpected variant named `Ball` in enum `Shape`, expected one of `HalfSpace`, `Sphere`, `Cuboid`, `Capsule`, `Cylinder`, `Cone`, `Hull`, `Mesh`, `Compound`, `Heights`, or `Surface` instead"
     );
     assert_eq!(
         of_body("shape: Sphere(radius: 1, height: 2)"),

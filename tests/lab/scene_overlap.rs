@@ -18,6 +18,10 @@ fn support(body: &BodySpec, direction: DVec3) -> DVec3 {
         Some(ShapeSpec::Capsule { radius, length }) => {
             *radius * local.normalize_or_zero() + DVec3::Y * (0.5 * length).copysign(local.y)
         }
+        Some(ShapeSpec::Cylinder { radius, height }) => {
+            *radius * DVec3::new(local.x, 0.0, local.z).normalize_or_zero()
+                + DVec3::Y * (0.5 * height).copysign(local.y)
+        }
         Some(ShapeSpec::Cone { radius, height }) => {
             let rim = *radius * DVec3::new(local.x, 0.0, local.z).normalize_or_zero() - 0.25 * height * DVec3::Y;
             let apex = 0.75 * height * DVec3::Y;

@@ -85,7 +85,7 @@ fn what_is_wrong_with_one_is_told_in_a_line_that_names_the_place() {
         ("Compound(children: [])", "bodies[0].shape.children: a compound of nothing; give at least one child"),
         (
             "Compound(children: [(shape: Sphere(radius: 1)), (shape: HalfSpace)])",
-            "bodies[0].shape.children[1].shape: no solid; give balls, boxes, capsules, cones, hulls or meshes",
+            "bodies[0].shape.children[1].shape: no solid; give balls, boxes, capsules, cylinders, cones, hulls or meshes",
         ),
         (
             "Compound(children: [(shape: Compound(children: [(shape: Sphere(radius: 1))]))])",

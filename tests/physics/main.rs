@@ -12,6 +12,7 @@ mod capsules;
 mod classic;
 mod compounds;
 mod cones;
+mod cylinders;
 mod determinism;
 mod endurance;
 mod exact;

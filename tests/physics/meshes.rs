@@ -20,8 +20,8 @@ fn floor(world: &mut World, collider: Collider) -> Entity {
     world.spawn((RigidBody::Static, collider)).id()
 }
 
-/// A box, a ball, a cone, a capsule and a hull that stands on a face, with the height of their centres over what they rest on.
-fn things() -> [(&'static str, Collider, DQuat, f64); 5] {
+/// A box, a ball, a cone, a capsule, two cylinders and a hull that stands on a face, with the height of their centres over what they rest on.
+fn things() -> [(&'static str, Collider, DQuat, f64); 7] {
     let corners = [[-0.3, 0.0, -0.3], [0.3, 0.0, -0.3], [0.3, 0.0, 0.3], [-0.3, 0.0, 0.3], [0.0, 0.6, 0.0]];
     let lying = DQuat::from_rotation_z(FRAC_PI_2);
     [
@@ -29,6 +29,8 @@ fn things() -> [(&'static str, Collider, DQuat, f64); 5] {
         ("ball", Collider::sphere(0.25), DQuat::IDENTITY, 0.25),
         ("cone", Collider::cone(0.3, 0.6), DQuat::IDENTITY, 0.15),
         ("capsule", Collider::capsule(0.15, 0.5), lying, 0.15),
+        ("cylinder", Collider::cylinder(0.25, 0.4), DQuat::IDENTITY, 0.2),
+        ("roller", Collider::cylinder(0.15, 0.5), lying, 0.15),
         ("hull", Collider::convex_hull(&corners.map(DVec3::from)).expect("a pyramid"), DQuat::IDENTITY, 0.15),
     ]
 }
@@ -274,7 +276,7 @@ fn valley(threads: u32) -> (World, Vec<Entity>) {
     for index in 0..20 {
         let place =
             DVec3::new(f64::from(index % 3) - 1.0, 0.8 + 0.3 * f64::from(index), f64::from(index / 3 % 3) - 1.0);
-        let own = body(&mut world, things()[index as usize % 5].1.clone(), place * DVec3::new(0.7, 1.0, 0.7));
+        let own = body(&mut world, things()[index as usize % 7].1.clone(), place * DVec3::new(0.7, 1.0, 0.7));
         let axis = DVec3::new(dice.random_range(-1.0..1.0), 1.0, dice.random_range(-1.0..1.0)).normalize();
         world.entity_mut(own).insert(Rotation(DQuat::from_axis_angle(axis, dice.random_range(-3.0..3.0))));
         world.entity_mut(own).insert(Damping { linear: 0.1, angular: 0.5 });

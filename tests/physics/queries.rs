@@ -42,14 +42,14 @@ impl Dice {
 
     /// One of each kind of shape in turn.
     fn collider(&mut self, kind: usize) -> Collider {
-        match kind % 6 {
+        match kind % 7 {
             0 => Collider::sphere(self.within(0.2, 1.0)),
             1 => Collider::cuboid(self.within(0.2, 2.0), self.within(0.2, 2.0), self.within(0.2, 2.0)),
             2 => Collider::cone(self.within(0.2, 1.0), self.within(0.3, 2.0)),
             3 => {
                 // Of flat faces: facets that are nearly in one plane are merged, and are not where they were.
                 let sides = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * self.within(0.3, 1.0) + self.vector(0.2));
-                let points: Vec<DVec3> = match kind / 6 % 2 {
+                let points: Vec<DVec3> = match kind / 7 % 2 {
                     0 => sides.into_iter().flat_map(|side| [side, -side]).collect(),
                     _ => (0..8)
                         .map(|corner| (0..3).map(|axis| sides[axis] * [1.0, -1.0][corner >> axis & 1]).sum())
@@ -58,6 +58,7 @@ impl Dice {
                 Collider::convex_hull(&points).expect("points that span a volume")
             }
             4 => Collider::half_space(),
+            5 => Collider::cylinder(self.within(0.1, 0.8), self.within(0.1, 1.5)),
             _ => Collider::capsule(self.within(0.1, 0.6), self.within(0.1, 1.5)),
         }
     }
@@ -67,9 +68,9 @@ impl Dice {
 fn scattered(dice: &mut Dice, count: usize, room: f64) -> (World, Vec<Entity>) {
     let mut world = world_with(SolverSettings::game());
     let spawn = |kind| {
-        let other = 6 * dice.0.random_range(0..2);
+        let other = 7 * dice.0.random_range(0..2);
         let (collider, at, turn) = (dice.collider(kind + other), dice.vector(room), dice.rotation());
-        let at = if kind % 6 == 4 { at + DVec3::NEG_Y * 3.0 * room } else { at };
+        let at = if kind % 7 == 4 { at + DVec3::NEG_Y * 3.0 * room } else { at };
         world.spawn((RigidBody::Static, collider, Position(at), Rotation(turn))).id()
     };
     let bodies = (0..count).map(spawn).collect();
@@ -221,7 +222,7 @@ fn what_is_cast_overlaps_nothing_on_its_way_and_just_touches_where_it_ends() {
         for (&body, kind) in bodies.iter().zip(0..) {
             let only = |other: Entity| other == body;
             let filter = QueryFilter { accepts: Some(&only), ..default() };
-            let collider = dice.collider([0, 1, 2, 3, 5][(kind + case) % 5] + 6 * (case % 2));
+            let collider = dice.collider([0, 1, 2, 3, 5, 6][(kind + case) % 6] + 7 * (case % 2));
             let (origin, rotation) = (dice.vector(5.0), Rotation(dice.rotation()));
             let way = (dice.vector(0.7) - origin).normalize();
             let at =

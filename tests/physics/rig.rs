@@ -126,6 +126,7 @@ pub fn clearance(world: &World, body: Entity) -> f64 {
         Shape::Cone { radius, height } => {
             f64::max(-0.75 * height * up.y, 0.25 * height * up.y + radius * up.x.hypot(up.z))
         }
+        Shape::Cylinder { radius, height } => 0.5 * height * up.y.abs() + radius * up.x.hypot(up.z),
         Shape::Capsule { radius, length } => radius + 0.5 * length * up.y.abs(),
         Shape::Hull(hull) => hull.vertices().map(|vertex| -up.dot(vertex)).fold(f64::NEG_INFINITY, f64::max),
         Shape::Compound(_) | Shape::Mesh(_) => unreachable!("none is asked how high it is"),

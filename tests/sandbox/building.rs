@@ -95,12 +95,13 @@ fn a_body_is_added_on_the_surface_that_is_pointed_at() {
     let shapes = [
         (ShapeSpec::Cuboid { size: DVec3::new(0.4, 0.6, 0.4) }, "box", 0.3),
         (ShapeSpec::Sphere { radius: 0.2 }, "ball", 0.2),
+        (ShapeSpec::Cylinder { radius: 0.2, height: 0.4 }, "cylinder", 0.2),
         (ShapeSpec::Cone { radius: 0.2, height: 0.4 }, "cone", 0.1),
     ];
     for (i, (shape, name, height)) in shapes.into_iter().enumerate() {
         for (point, name) in [
-            (DVec3::new(-0.6 + 0.6 * i as f64, 1.0, 0.0), name.to_owned()),
-            (DVec3::new(-0.8 + 0.8 * i as f64, 0.0, 4.0), format!("{name} 2")),
+            (DVec3::new(-0.6 + 0.4 * i as f64, 1.0, 0.0), name.to_owned()),
+            (DVec3::new(-0.8 + 0.6 * i as f64, 0.0, 4.0), format!("{name} 2")),
         ] {
             add_at(&mut stage, shape.clone(), point);
             let body = added(&mut stage, &name);

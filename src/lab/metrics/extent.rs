@@ -27,6 +27,9 @@ fn reach_of(shape: &ShapeSpec, direction: DVec3) -> f64 {
         ShapeSpec::Sphere { radius } => *radius,
         ShapeSpec::Cuboid { size } => (0.5 * *size).dot(direction.abs()),
         ShapeSpec::Capsule { radius, length } => radius + 0.5 * length * direction.y.abs(),
+        ShapeSpec::Cylinder { radius, height } => {
+            radius * direction.x.hypot(direction.z) + 0.5 * height * direction.y.abs()
+        }
         ShapeSpec::Cone { radius, height } => {
             let apex = 0.75 * height * direction.y;
             let rim = radius * direction.x.hypot(direction.z) - 0.25 * height * direction.y;

@@ -32,6 +32,7 @@ pub(super) fn enter(geometry: &Geometry, origin: &Vector3<f64>, direction: &Vect
         Geometry::Sphere { radius } => enter_ball(*radius, origin, direction),
         Geometry::Cuboid { half } => enter_cuboid(half, origin, direction),
         Geometry::Capsule { radius, half, .. } => enter_capsule(*radius, *half, origin, direction),
+        Geometry::Cylinder { radius, half, .. } => enter_cylinder(*radius, *half, origin, direction),
         Geometry::Cone { radius, height, .. } => enter_cone(*radius, *height, origin, direction),
         Geometry::Hull(hull) => enter_hull(hull, origin, direction),
         Geometry::Parts(parts) => enter_parts(parts, origin, direction),
@@ -123,6 +124,31 @@ fn enter_capsule(radius: f64, half: f64, origin: &Vector3<f64>, direction: &Vect
     all.min_by(|one, other| one.distance.total_cmp(&other.distance))
 }
 
+/// What of the ray is within the round side and between the ends.
+fn enter_cylinder(radius: f64, half: f64, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Entry> {
+    let ends = [(Vector3::y(), half), (-Vector3::y(), half)];
+    let between = interval_of_planes(ends.into_iter(), origin, direction)?;
+    let rate = direction.xz().norm();
+    let from = Vector3::new(origin.x, 0.0, origin.z);
+    if rate == 0.0 {
+        return (from.norm_squared() <= radius * radius).then_some(between.0);
+    }
+    let along = Vector3::new(direction.x, 0.0, direction.z) / rate;
+    let foot = from - along * from.dot(&along);
+    let half_chord = radius * radius - foot.norm_squared();
+    if half_chord < 0.0 {
+        return None;
+    }
+    let [enters, leaves] = [-1.0, 1.0].map(|sign| (sign * half_chord.sqrt() - from.dot(&along)) / rate);
+    let (entry, exit) = between;
+    let entry = if enters > entry.distance {
+        Entry { distance: enters, normal: (foot - along * half_chord.sqrt()) / radius }
+    } else {
+        entry
+    };
+    (entry.distance <= exit.min(leaves)).then_some(entry)
+}
+
 fn enter_cuboid(half: &Vector3<f64>, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Entry> {
     let sides = (0..3).flat_map(|axis| {
         [1.0, -1.0].map(|sign| {
@@ -144,6 +170,16 @@ fn enter_planes(
     origin: &Vector3<f64>,
     direction: &Vector3<f64>,
 ) -> Option<Entry> {
+    let (entry, exit) = interval_of_planes(planes, origin, direction)?;
+    (entry.distance <= exit).then_some(entry)
+}
+
+/// Where a ray enters the last of the planes and where it leaves the first; none if it stays above one.
+fn interval_of_planes(
+    planes: impl Iterator<Item = (Vector3<f64>, f64)>,
+    origin: &Vector3<f64>,
+    direction: &Vector3<f64>,
+) -> Option<(Entry, f64)> {
     let (mut entry, mut exit) = (inside(direction), f64::INFINITY);
     for (normal, offset) in planes {
         let (height, rate) = (normal.dot(origin) - offset, normal.dot(direction));
@@ -159,7 +195,7 @@ fn enter_planes(
             exit = exit.min(-height / rate);
         }
     }
-    (entry.distance <= exit).then_some(entry)
+    Some((entry, exit))
 }
 
 fn enter_cone(radius: f64, height: f64, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Entry> {

@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use super::geometry::{Geometry, Parts, Solid};
 use super::measures::Measures;
 use super::principal_axes::principal_axes;
-use super::{ConvexHull, HullError, TriangleMesh, capsule, cone, cuboid, sphere};
+use super::{ConvexHull, HullError, TriangleMesh, capsule, cone, cuboid, cylinder, sphere};
 
 /// The shape of a body, one per body, centred on its centre of mass. Sizes are full and in m.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
@@ -40,6 +40,13 @@ pub enum Shape {
         radius: f64,
         /// Length of the segment, that of the cylinder, m.
         length: f64,
+    },
+    /// A circular cylinder about y.
+    Cylinder {
+        /// Radius, m.
+        radius: f64,
+        /// Height, m.
+        height: f64,
     },
     /// A circular cone, apex up +y; the centre of mass is a quarter of the height above the base.
     Cone {
@@ -93,6 +100,11 @@ impl Collider {
         Self { shape: Shape::Capsule { radius, length } }
     }
 
+    /// A cylinder of that radius and height along y, m.
+    pub fn cylinder(radius: f64, height: f64) -> Self {
+        Self { shape: Shape::Cylinder { radius, height } }
+    }
+
     /// A cone of that base radius and height, m, apex up +y.
     pub fn cone(radius: f64, height: f64) -> Self {
         Self { shape: Shape::Cone { radius, height } }
@@ -144,7 +156,7 @@ impl Collider {
             Shape::Sphere { radius } => valid(*radius),
             Shape::Cuboid { size } => size.to_array().into_iter().all(valid),
             Shape::Capsule { radius, length } => valid(*radius) && valid(*length),
-            Shape::Cone { radius, height } => valid(*radius) && valid(*height),
+            Shape::Cylinder { radius, height } | Shape::Cone { radius, height } => valid(*radius) && valid(*height),
         }
     }
 
@@ -154,6 +166,7 @@ impl Collider {
             Shape::Sphere { radius } => sphere::measures(*radius),
             Shape::Cuboid { size } => cuboid::measures(*size),
             Shape::Capsule { radius, length } => capsule::measures(*radius, *length),
+            Shape::Cylinder { radius, height } => cylinder::measures(*radius, *height),
             Shape::Cone { radius, height } => cone::measures(*radius, *height),
             Shape::Hull(hull) => hull.measures(),
             Shape::Compound(compound) => compound.measures(),
@@ -191,6 +204,9 @@ impl Collider {
             &Shape::Capsule { radius, length } => {
                 Geometry::Capsule { radius, half: 0.5 * length, hull: Arc::new(capsule::hull(radius, length)) }
             }
+            &Shape::Cylinder { radius, height } => {
+                Geometry::Cylinder { radius, half: 0.5 * height, hull: Arc::new(cylinder::hull(radius, height)) }
+            }
             &Shape::Cone { radius, height } => {
                 Geometry::Cone { radius, height, hull: Arc::new(cone::hull(radius, height)) }
             }
@@ -219,7 +235,7 @@ pub enum CompoundError {
     #[error("a compound of nothing; give at least one child")]
     Empty,
     /// A half-space or a mesh.
-    #[error("child {index} (counted from 0) is no solid; give balls, boxes, capsules, cones or hulls")]
+    #[error("child {index} (counted from 0) is no solid; give balls, boxes, capsules, cylinders, cones or hulls")]
     NoSolid {
         /// Which.
         index: usize,

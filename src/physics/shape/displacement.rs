@@ -11,7 +11,7 @@ use bevy::math::{DQuat, DVec3};
 
 use super::{Collider, CompoundChild, Shape};
 
-/// Points of a cone's rim that are looked at first, and how often the interval about the farthest is cut after that: to
+/// Points of a rim that are looked at first, and how often the interval about the farthest is cut after that: to
 /// 1e-9 of a turn.
 const RIM: usize = 32;
 const CUTS: usize = 40;
@@ -34,6 +34,11 @@ impl Collider {
             Shape::Cuboid { size } => {
                 let signs = (0..8).map(|corner| [1, 2, 4].map(|bit| if corner & bit == 0 { -0.5 } else { 0.5 }));
                 farthest(&mut signs.map(|signs| DVec3::from(signs) * *size))
+            }
+            Shape::Cylinder { radius, height } => {
+                let rim =
+                    |level: f64| move |angle: f64| moves(DVec3::new(radius * angle.cos(), level, radius * angle.sin()));
+                largest_round_a_turn(rim(-0.5 * height)).max(largest_round_a_turn(rim(0.5 * height)))
             }
             Shape::Cone { radius, height } => {
                 let apex = moves(DVec3::Y * (0.75 * height));
@@ -114,6 +119,10 @@ mod tests {
         let point = |direction: DVec3| match collider.shape() {
             Shape::Sphere { radius } => direction * *radius,
             Shape::Cuboid { size } => direction.signum() * 0.5 * *size,
+            Shape::Cylinder { radius, height } => {
+                let rim = DVec3::new(direction.x, 0.0, direction.z).normalize() * *radius;
+                rim + DVec3::Y * (0.5 * height).copysign(direction.y)
+            }
             Shape::Cone { radius, height } if direction.y < 0.9 => {
                 let rim = DVec3::new(direction.x, 0.0, direction.z).normalize() * *radius;
                 rim - DVec3::Y * (0.25 * height)
@@ -132,7 +141,13 @@ mod tests {
             (DVec3::ZERO, rotation(0.0, 0.0, 0.0), rotation(0.0, 3.0, 0.0)),
             (DVec3::X, rotation(1.0, 0.0, 0.0), rotation(1.0, 0.0, 1e-3)),
         ];
-        for collider in [Collider::sphere(0.4), Collider::cuboid(1.0, 0.2, 0.5), Collider::cone(0.5, 1.2)] {
+        let colliders = [
+            Collider::sphere(0.4),
+            Collider::cuboid(1.0, 0.2, 0.5),
+            Collider::cone(0.5, 1.2),
+            Collider::cylinder(0.5, 1.2),
+        ];
+        for collider in colliders {
             for (centre, from, to) in moves {
                 let told = collider.largest_displacement(centre, [from, to]);
                 let moved = |point: DVec3| (centre + to * point - from * point).length();

@@ -33,6 +33,14 @@ pub(crate) enum Geometry {
         /// What stands for it in the 2009 engine's contacts.
         hull: Arc<Hull>,
     },
+    /// About y.
+    Cylinder {
+        radius: f64,
+        /// Half the height.
+        half: f64,
+        /// The prism of the 2009 engine's contacts.
+        hull: Arc<Hull>,
+    },
     /// Apex up +y, the base a quarter of the height below the centre of mass.
     Cone {
         radius: f64,
@@ -50,7 +58,7 @@ impl Geometry {
     /// Whether its surface is curved, so that where it touches does not turn with it.
     pub fn is_round(&self) -> bool {
         match self {
-            Self::Sphere { .. } | Self::Capsule { .. } | Self::Cone { .. } => true,
+            Self::Sphere { .. } | Self::Capsule { .. } | Self::Cylinder { .. } | Self::Cone { .. } => true,
             Self::HalfSpace | Self::Cuboid { .. } | Self::Hull(_) => false,
             Self::Parts(parts) => parts.solids().iter().any(|solid| solid.geometry.is_round()),
         }
@@ -76,6 +84,7 @@ impl Geometry {
             Self::HalfSpace => f64::INFINITY,
             Self::Sphere { radius } | Self::Capsule { radius, .. } => *radius,
             Self::Cuboid { half } => half.min(),
+            Self::Cylinder { radius, half, .. } => radius.min(*half),
             Self::Cone { hull, .. } | Self::Hull(hull) => hull.inner_radius,
             Self::Parts(parts) => parts.inner_radius,
         }

@@ -10,6 +10,7 @@ mod collider;
 mod cone;
 mod convex_hull;
 mod cuboid;
+mod cylinder;
 mod displacement;
 mod edge_lanes;
 mod geometry;

@@ -19,6 +19,11 @@ impl Geometry {
                 let reach = (axes.column(1) * *half).abs().add_scalar(*radius);
                 [-reach, reach]
             }
+            Self::Cylinder { radius, half, .. } => {
+                let axis = axes.column(1);
+                let reach = axis.map(|along| along.abs() * half + radius * (1.0 - along * along).max(0.0).sqrt());
+                [-reach, reach]
+            }
             Self::Cone { radius, height, .. } => {
                 // The apex, and the disc of the base.
                 let axis = axes.column(1);

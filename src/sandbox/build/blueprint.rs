@@ -47,6 +47,7 @@ impl Blueprint {
             ShapeSpec::Sphere { .. } => "ball",
             ShapeSpec::Cuboid { .. } => "box",
             ShapeSpec::Capsule { .. } => "capsule",
+            ShapeSpec::Cylinder { .. } => "cylinder",
             ShapeSpec::Cone { .. } => "cone",
             ShapeSpec::HalfSpace => "ground",
             ShapeSpec::Hull(_) => "block",

@@ -198,6 +198,9 @@ fn scaled(shape: &ShapeSpec, factors: DVec3, snap: Option<Snap>) -> Option<Shape
         ShapeSpec::Capsule { radius, length: cylinder } => {
             ShapeSpec::Capsule { radius: length(*radius, across(factors)), length: length(*cylinder, factors.y) }
         }
+        ShapeSpec::Cylinder { radius, height } => {
+            ShapeSpec::Cylinder { radius: length(*radius, across(factors)), height: length(*height, factors.y) }
+        }
         ShapeSpec::Cone { radius, height } => {
             ShapeSpec::Cone { radius: length(*radius, across(factors)), height: length(*height, factors.y) }
         }

@@ -265,7 +265,8 @@ fn at(hands: &mut Hands, place: Vec2, action: SandboxAction, said: &str) -> Stri
 
 fn any_shape(random: &mut Pcg64Mcg) -> ShapeSpec {
     let size = random.random_range(0.1..0.4);
-    match random.random_range(0..5) {
+    match random.random_range(0..6) {
+        5 => ShapeSpec::Cylinder { radius: size, height: 1.5 * size },
         4 => ShapeSpec::Capsule { radius: 0.5 * size, length: size },
         0 => ShapeSpec::Sphere { radius: size },
         1 => ShapeSpec::Cone { radius: size, height: 2.0 * size },

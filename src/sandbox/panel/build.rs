@@ -142,7 +142,11 @@ fn join_kind(ui: &mut egui::Ui, chosen: &mut ResMut<JoinKind>) {
 pub(super) fn has_sizes(shape: &ShapeSpec) -> bool {
     matches!(
         shape,
-        ShapeSpec::Sphere { .. } | ShapeSpec::Cuboid { .. } | ShapeSpec::Capsule { .. } | ShapeSpec::Cone { .. }
+        ShapeSpec::Sphere { .. }
+            | ShapeSpec::Cuboid { .. }
+            | ShapeSpec::Capsule { .. }
+            | ShapeSpec::Cylinder { .. }
+            | ShapeSpec::Cone { .. }
     )
 }
 
@@ -166,7 +170,7 @@ pub(super) fn sizes(ui: &mut egui::Ui, shape: &mut ShapeSpec) {
             size("radius", radius);
             size("length", length);
         }
-        ShapeSpec::Cone { radius, height } => {
+        ShapeSpec::Cylinder { radius, height } | ShapeSpec::Cone { radius, height } => {
             size("radius", radius);
             size("height", height);
         }

@@ -90,6 +90,23 @@ pub const CAPSULE: Icon = &[Way(&[
     [0.28, 0.64],
     [0.28, 0.36],
 ])];
+pub const CYLINDER: Icon = &[Way(&[
+    [0.24, 0.28],
+    [0.32, 0.20],
+    [0.5, 0.16],
+    [0.68, 0.20],
+    [0.76, 0.28],
+    [0.68, 0.36],
+    [0.5, 0.40],
+    [0.32, 0.36],
+    [0.24, 0.28],
+    [0.24, 0.72],
+    [0.32, 0.80],
+    [0.5, 0.84],
+    [0.68, 0.80],
+    [0.76, 0.72],
+    [0.76, 0.28],
+])];
 pub const CONE: Icon = &[Way(&[[0.5, 0.14], [0.82, 0.82], [0.18, 0.82], [0.5, 0.14]])];
 pub const GEM: Icon = &[
     Way(&[[0.5, 0.14], [0.84, 0.36], [0.72, 0.8], [0.28, 0.8], [0.16, 0.36], [0.5, 0.14]]),
@@ -190,8 +207,8 @@ mod tests {
     #[test]
     fn pictures_fill_their_square_and_stay_in_it() {
         for icon in [
-            DRAG, MOVE, TURN, SCALE, PUSH, THROW, BALL, BOX, CAPSULE, CONE, GEM, BAR, BALL_JOINT, HINGE, SLIDER, FIXED,
-            ROD, ROPE, SPRING, PIN, CUT, MEASURE,
+            DRAG, MOVE, TURN, SCALE, PUSH, THROW, BALL, BOX, CAPSULE, CYLINDER, CONE, GEM, BAR, BALL_JOINT, HINGE,
+            SLIDER, FIXED, ROD, ROPE, SPRING, PIN, CUT, MEASURE,
         ] {
             let points = icon.iter().flat_map(|stroke| match stroke {
                 Way(points) => points.to_vec(),

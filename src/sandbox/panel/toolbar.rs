@@ -22,10 +22,11 @@ pub(in crate::sandbox) const BESIDE_TOOLS: f32 = 2.0 * (BUTTON + SPACING) + 4.0 
 const TOP: f32 = 52.0;
 
 /// Shapes that a button takes in hand: the name, the picture, and what each starts as.
-pub(super) const SHAPES: [(&str, Icon, ShapeSpec); 4] = [
+pub(super) const SHAPES: [(&str, Icon, ShapeSpec); 5] = [
     ("ball", icons::BALL, ShapeSpec::Sphere { radius: 0.25 }),
     ("box", icons::BOX, ShapeSpec::Cuboid { size: DVec3::splat(0.5) }),
     ("capsule", icons::CAPSULE, ShapeSpec::Capsule { radius: 0.2, length: 0.4 }),
+    ("cylinder", icons::CYLINDER, ShapeSpec::Cylinder { radius: 0.25, height: 0.4 }),
     ("cone", icons::CONE, ShapeSpec::Cone { radius: 0.25, height: 0.6 }),
 ];
 /// The mesh that has a button.

@@ -176,6 +176,9 @@ fn draw_body(gizmos: &mut Gizmos<PreviewLines>, body: &BodySpec, at: Vec3) {
             let capsule = Capsule3d { radius: *radius as f32, half_length: 0.5 * *length as f32 };
             gizmos.primitive_3d(&capsule, pose, WILL_BE);
         }
+        Some(ShapeSpec::Cylinder { radius, height }) => {
+            gizmos.primitive_3d(&Cylinder::new(*radius as f32, *height as f32), pose, WILL_BE);
+        }
         Some(ShapeSpec::Cone { radius, height }) => {
             let (radius, height) = (*radius as f32, *height as f32);
             // The centre of mass is a quarter up.

@@ -94,6 +94,10 @@ pub(super) enum ShapeEntry {
         radius: Positive,
         length: Positive,
     },
+    Cylinder {
+        radius: Positive,
+        height: Positive,
+    },
     Cone {
         radius: Positive,
         height: Positive,

@@ -172,6 +172,7 @@ impl ShapeEntry {
             Self::Sphere { radius } => ShapeSpec::Sphere { radius: radius.into() },
             Self::Cuboid { size } => ShapeSpec::Cuboid { size: size.into() },
             Self::Capsule { radius, length } => ShapeSpec::Capsule { radius: radius.into(), length: length.into() },
+            Self::Cylinder { radius, height } => ShapeSpec::Cylinder { radius: radius.into(), height: height.into() },
             Self::Cone { radius, height } => ShapeSpec::Cone { radius: radius.into(), height: height.into() },
             Self::Hull { points } => ShapeSpec::hull(points.into_iter().map(DVec3::from).collect::<Vec<_>>()),
             Self::Mesh { file, scale } => {
@@ -226,7 +227,7 @@ impl ChildEntry {
         let solid = match &shape {
             ShapeSpec::Hull(hull) => hull.hull().as_ref().map(|_| ()).map_err(|error| ("points", error.to_string())),
             ShapeSpec::HalfSpace | ShapeSpec::Surface(_) => {
-                Err(("", "no solid; give balls, boxes, capsules, cones, hulls or meshes".to_owned()))
+                Err(("", "no solid; give balls, boxes, capsules, cylinders, cones, hulls or meshes".to_owned()))
             }
             ShapeSpec::Compound(_) => Err(("", "a compound in a compound; give its children instead".to_owned())),
             _ => Ok(()),

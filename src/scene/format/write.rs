@@ -98,6 +98,9 @@ impl ShapeEntry {
             ShapeSpec::Capsule { radius, length } => {
                 Self::Capsule { radius: Positive::of_valid(*radius), length: Positive::of_valid(*length) }
             }
+            ShapeSpec::Cylinder { radius, height } => {
+                Self::Cylinder { radius: Positive::of_valid(*radius), height: Positive::of_valid(*height) }
+            }
             ShapeSpec::Cone { radius, height } => {
                 Self::Cone { radius: Positive::of_valid(*radius), height: Positive::of_valid(*height) }
             }

@@ -59,7 +59,10 @@ impl<'a> Placed<'a> {
                 let reach = self.to_body(axis).abs().dot(half);
                 [middle - reach, middle + reach]
             }
-            Geometry::Hull(hull) | Geometry::Cone { hull, .. } | Geometry::Capsule { hull, .. } => {
+            Geometry::Hull(hull)
+            | Geometry::Cylinder { hull, .. }
+            | Geometry::Cone { hull, .. }
+            | Geometry::Capsule { hull, .. } => {
                 let direction = self.to_body(axis);
                 let [low, high] =
                     hull.vertices.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], vertex| {
@@ -84,10 +87,18 @@ impl<'a> Placed<'a> {
             Geometry::HalfSpace | Geometry::Sphere { .. } => {}
             Geometry::Parts(_) => unreachable!("parts come one by one"),
             Geometry::Cuboid { .. } => axes.extend((0..3).map(|axis| self.axis(axis))),
-            Geometry::Hull(hull) | Geometry::Cone { hull, .. } | Geometry::Capsule { hull, .. } if of_edges => {
+            Geometry::Hull(hull)
+            | Geometry::Cylinder { hull, .. }
+            | Geometry::Cone { hull, .. }
+            | Geometry::Capsule { hull, .. }
+                if of_edges =>
+            {
                 axes.extend(hull.edge_directions.iter().map(|direction| self.rotation * direction));
             }
-            Geometry::Hull(hull) | Geometry::Cone { hull, .. } | Geometry::Capsule { hull, .. } => {
+            Geometry::Hull(hull)
+            | Geometry::Cylinder { hull, .. }
+            | Geometry::Cone { hull, .. }
+            | Geometry::Capsule { hull, .. } => {
                 axes.extend(hull.faces.iter().map(|face| self.rotation * face.normal));
             }
         }
@@ -101,9 +112,10 @@ impl<'a> Placed<'a> {
             Geometry::HalfSpace | Geometry::Sphere { .. } => self.center,
             Geometry::Parts(_) => unreachable!("parts come one by one"),
             Geometry::Cuboid { half } => self.to_world(&local.zip_map(half, |along, half| along.clamp(-half, half))),
-            Geometry::Hull(hull) | Geometry::Cone { hull, .. } | Geometry::Capsule { hull, .. } => {
-                self.to_world(&nearest_on_hull(hull, &local))
-            }
+            Geometry::Hull(hull)
+            | Geometry::Cylinder { hull, .. }
+            | Geometry::Cone { hull, .. }
+            | Geometry::Capsule { hull, .. } => self.to_world(&nearest_on_hull(hull, &local)),
         }
     }
 
@@ -113,9 +125,11 @@ impl<'a> Placed<'a> {
             Geometry::Parts(_) => unreachable!("parts come one by one"),
             Geometry::HalfSpace => (point - self.center).dot(&self.plane_normal()) <= tolerance,
             Geometry::Sphere { radius } => (point - self.center).norm() <= radius + tolerance,
-            Geometry::Cuboid { .. } | Geometry::Hull(_) | Geometry::Cone { .. } | Geometry::Capsule { .. } => {
-                (point - self.nearest(point)).norm() <= tolerance
-            }
+            Geometry::Cuboid { .. }
+            | Geometry::Hull(_)
+            | Geometry::Cylinder { .. }
+            | Geometry::Cone { .. }
+            | Geometry::Capsule { .. } => (point - self.nearest(point)).norm() <= tolerance,
         }
     }
 
@@ -140,7 +154,10 @@ impl<'a> Placed<'a> {
                     look_at(index, self.center + arms[0] * sign(1) + arms[1] * sign(2) + arms[2] * sign(4));
                 }
             }
-            Geometry::Hull(hull) | Geometry::Cone { hull, .. } | Geometry::Capsule { hull, .. } => {
+            Geometry::Hull(hull)
+            | Geometry::Cylinder { hull, .. }
+            | Geometry::Cone { hull, .. }
+            | Geometry::Capsule { hull, .. } => {
                 (0..).zip(&hull.vertices).for_each(|(index, vertex)| look_at(index, self.to_world(vertex)));
             }
         }

@@ -31,6 +31,10 @@ fn core(body: Body) -> Body {
         Some(Geometry::Cone { radius, height, hull }) => {
             Geometry::Cone { radius: CORE_SHARE * radius, height: CORE_SHARE * height, hull: hull.clone() }
         }
+        Some(Geometry::Cylinder { radius, half, hull }) => {
+            let thinner = CORE_SHARE * inner;
+            Geometry::Cylinder { radius: radius - thinner, half: half - thinner, hull: hull.clone() }
+        }
         Some(Geometry::Capsule { half, hull, .. }) => {
             Geometry::Capsule { radius: CORE_SHARE * inner, half: *half, hull: hull.clone() }
         }
@@ -40,6 +44,7 @@ fn core(body: Body) -> Body {
         Geometry::Cuboid { half } => half.norm(),
         Geometry::Sphere { radius } => *radius,
         Geometry::Capsule { radius, half, .. } => radius + half,
+        Geometry::Cylinder { radius, half, .. } => radius.hypot(*half),
         _ => CORE_SHARE * body.radius,
     };
     Body { geometry: Some(geometry), radius, ..body }

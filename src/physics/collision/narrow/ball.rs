@@ -5,7 +5,8 @@
 
 use nalgebra::Vector3;
 
-use super::{Cone, Frame, Overlap, Scale, first_max, nearest_on_hull, unit_across};
+use super::revolved::Revolved;
+use super::{Cone, Cylinder, Frame, Overlap, Scale, first_max, nearest_on_hull, unit_across};
 use crate::physics::collision::constants::ON_SURFACE;
 use crate::physics::{ContactPoint, FeatureId, Geometry, Hull};
 
@@ -43,6 +44,9 @@ pub(crate) fn touch(
         Geometry::Sphere { radius: other } => place_at_ball(*other, &center),
         Geometry::Capsule { radius: other, half, .. } => place_at_capsule(*other, *half, &center),
         Geometry::Cuboid { half } => place_at_cuboid(half, &center, radius),
+        Geometry::Cylinder { radius: side, half, .. } => {
+            place_at_cylinder(&Cylinder { radius: *side, half: *half }, &center, radius)
+        }
         Geometry::Cone { radius: base, height, .. } => place_at_cone(&Cone::new(*base, *height), &center, radius),
         Geometry::Hull(hull) => place_at_hull(hull, &center, radius, gap),
         Geometry::HalfSpace | Geometry::Parts(_) => unreachable!("the plane comes first, and parts one by one"),
@@ -67,6 +71,9 @@ pub(crate) fn place(shape: &Geometry, point: &Vector3<f64>, radius: f64) -> (Vec
         Geometry::Sphere { radius } => place_at_ball(*radius, point),
         Geometry::Capsule { radius, half, .. } => place_at_capsule(*radius, *half, point),
         Geometry::Cuboid { half } => place_at_cuboid(half, point, radius),
+        Geometry::Cylinder { radius: side, half, .. } => {
+            place_at_cylinder(&Cylinder { radius: *side, half: *half }, point, radius)
+        }
         Geometry::Cone { radius: base, height, .. } => place_at_cone(&Cone::new(*base, *height), point, radius),
         Geometry::Hull(hull) => place_at_hull(hull, point, radius, f64::INFINITY),
         Geometry::Parts(_) => unreachable!("parts come one by one"),
@@ -111,6 +118,20 @@ fn place_at_hull(hull: &Hull, point: &Vector3<f64>, radius: f64, gap: f64) -> Pl
 }
 
 /// All in the half-plane of the axis and the point.
+pub(super) fn place_at_cylinder(cylinder: &Cylinder, point: &Vector3<f64>, radius: f64) -> Place {
+    let [x, z] = unit_across(point);
+    let beside = point.x.hypot(point.z) - cylinder.radius;
+    let above = point.y.abs() - cylinder.half;
+    let over_flank = Place { normal: Vector3::new(x, 0.0, z), height: beside };
+    let over_end = Place { normal: Vector3::y() * 1_f64.copysign(point.y), height: above };
+    if beside > 0.0 && above > 0.0 {
+        let rim = Vector3::new(cylinder.radius * x, cylinder.half.copysign(point.y), cylinder.radius * z);
+        return Place::outside(point, &rim, radius).unwrap_or(over_flank);
+    }
+    if beside > above { over_flank } else { over_end }
+}
+
+/// Likewise.
 pub(super) fn place_at_cone(cone: &Cone, point: &Vector3<f64>, radius: f64) -> Place {
     let [x, z] = unit_across(point);
     let across = point.x.hypot(point.z);

@@ -11,12 +11,12 @@
 //! generator line from the apex to the *rim*; the apex has the cap above that circle, and each
 //! point of the rim the meridian below it.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
-
 use nalgebra::Vector3;
 
-use super::{Convex, Faced, Plane};
-use crate::physics::collision::constants::{RIM_CORNERS, SQUARE_TILT};
+use super::ball::{Place, place_at_cone};
+use super::revolved::{End, Revolved};
+use super::{Convex, Faced, Plane, Segment};
+use crate::physics::collision::constants::RIM_CORNERS;
 
 /// A solid circular cone.
 #[derive(Clone, Copy, Debug)]
@@ -60,9 +60,9 @@ impl Cone {
         Vector3::new(self.cosine * x, self.sine, self.cosine * z)
     }
 
-    /// Distance of the flank's tangent planes from the centre of mass.
-    pub fn flank_offset(&self) -> f64 {
-        self.sine * self.apex
+    /// Its base.
+    pub fn bottom(&self) -> End {
+        End { face: 0, level: self.base, outward: -1.0, radius: self.radius }
     }
 
     /// The farthest point along a direction.
@@ -73,29 +73,6 @@ impl Cone {
         } else {
             self.rim_point(unit_across(direction))
         }
-    }
-
-    /// Adds points of the rim, evenly spread, counter-clockwise seen from below. See
-    /// [`SQUARE_TILT`] for where the first one is. A multiple of four of them.
-    pub fn rim_corners(&self, direction: &Vector3<f64>, count: usize, corners: &mut Vec<Vector3<f64>>) {
-        let tilt = length_across(direction);
-        let share = (tilt / SQUARE_TILT - 1.0).clamp(0.0, 1.0);
-        let mut corner = if share >= 1.0 {
-            [direction.x / tilt, direction.z / tilt]
-        } else if share > 0.0 {
-            let foremost = f64::atan2(direction.z, direction.x);
-            let quarter = (foremost / FRAC_PI_2).round() * FRAC_PI_2;
-            let (sin, cos) = (quarter + (foremost - quarter) * share).sin_cos();
-            [cos, sin]
-        } else {
-            [1.0, 0.0]
-        };
-        let (sin, cos) = (TAU / count as f64).sin_cos();
-        corners.extend((0..count).map(|_| {
-            let [x, z] = corner;
-            corner = [x * cos - z * sin, z * cos + x * sin];
-            self.rim_point([x, z])
-        }));
     }
 }
 
@@ -136,7 +113,37 @@ impl Faced for Cone {
             corners.extend([self.apex_point(), self.rim_point(unit_across(direction))]);
             return FLANK;
         }
-        self.rim_corners(direction, RIM_CORNERS, corners);
+        self.bottom().corners(direction, RIM_CORNERS, corners);
         BASE
+    }
+}
+
+impl Revolved for Cone {
+    fn ends(&self) -> [Option<End>; 2] {
+        [Some(self.bottom()), None]
+    }
+
+    fn tip(&self) -> Option<Vector3<f64>> {
+        Some(self.apex_point())
+    }
+
+    fn slant(&self) -> [f64; 2] {
+        [self.sine, self.cosine]
+    }
+
+    fn flank_offset(&self) -> f64 {
+        self.sine * self.apex
+    }
+
+    fn foremost(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        Self::foremost(self, direction)
+    }
+
+    fn generator(&self, toward: [f64; 2]) -> Segment {
+        Segment([self.apex_point(), self.rim_point(toward)])
+    }
+
+    fn place(&self, point: &Vector3<f64>, size: f64) -> Place {
+        place_at_cone(self, point, size)
     }
 }

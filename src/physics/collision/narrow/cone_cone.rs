@@ -30,11 +30,8 @@ use super::cone_flank::{OfFlank, least_of_flank};
 use super::cone_rims::{self, RimsMeet};
 use super::cone_search;
 use super::placed_cone::PlacedCone;
-use super::{
-    ClipBuffers, Cone, Feature, Found, Least, Overlap, PairSearch, Segment, ShapePair, edge_contact, unit_across,
-};
-use crate::physics::collision::constants::{ON_FLANK, SADDLE_GAP};
-use crate::physics::{ContactPoint, FeatureId};
+use super::{Cone, Feature, Found, Least, Overlap, PairSearch, ShapePair};
+use crate::physics::collision::constants::SADDLE_GAP;
 
 /// Tests two cones, B in A's axes; what was the last step's axis is tried first and replaced.
 /// Contact points are left in the clip buffers, in A's axes.
@@ -47,7 +44,7 @@ pub(crate) fn touch(pair: &ShapePair<Cone, Cone>, search: &mut PairSearch) -> Op
     }
     let found = Test { pair, cones: &cones, axes: &mut search.axes }.run();
     match found {
-        Ok(found) => found.take(pair, search, |least, clip| pair.smooth_point(least, clip)),
+        Ok(found) => found.take(pair, search, |least, clip| pair.points_of_flanks(least, clip)),
         Err(Separated { normal, distance }) => {
             search.last = Some(Feature::Smooth(AxisCode::of(&normal).0));
             search.apart = distance;
@@ -133,8 +130,8 @@ impl Test<'_> {
             self.between_rims(&mut nearest);
         }
         if !nearest.is_distance {
-            for start in cone_search::around(a) {
-                if let Some(meet) = cone_rims::settle(a, b, start, self.axes) {
+            for start in cone_search::around(&a.rim) {
+                if let Some(meet) = cone_rims::settle(&a.rim, &b.rim, start, self.axes) {
                     self.take_rims(&mut nearest, &meet);
                 }
             }
@@ -167,7 +164,7 @@ impl Test<'_> {
         }
         for (known, (one, other, side)) in known.into_iter().zip([(a, b, 1.0), (b, a, -1.0)]) {
             if !known {
-                let (normal, depth) = cone_search::least_of_flank(one, other, self.axes);
+                let (normal, depth) = cone_search::least_of_flank(one, |n| other.reach(n), self.axes);
                 let deepest = other.foremost(&-normal);
                 self.take(nearest, one, normal * side, depth, &deepest, side);
             }
@@ -205,10 +202,10 @@ impl Test<'_> {
     fn overlap_of_rims(&mut self, nearest: &mut Nearest, mut overlaps: bool) -> bool {
         let [a, b] = self.cones;
         let small = self.pair.scale.tolerance;
-        let Some(meets) = cone_rims::overlaps(a, b, nearest.depth + small, self.axes) else { return false };
+        let Some(meets) = cone_rims::overlaps(&a.rim, &b.rim, nearest.depth + small, self.axes) else { return false };
         for meet in meets.iter().flatten() {
             self.take_rims(nearest, meet);
-            overlaps = overlaps || meet.dip(a, b).is_some();
+            overlaps = overlaps || meet.dip(&a.rim, b).is_some();
         }
         overlaps || [(a, b), (b, a)].into_iter().any(|(one, other)| other.axis_points().iter().any(|at| one.holds(at)))
     }
@@ -225,8 +222,8 @@ impl Test<'_> {
     /// Takes the normal along which the rims are nearest to each other.
     fn between_rims(&mut self, nearest: &mut Nearest) {
         let [a, b] = self.cones;
-        let start = a.rim_direction(&nearest.normal);
-        if let Some(meet) = cone_rims::settle(a, b, start, self.axes) {
+        let start = a.rim.direction(&nearest.normal);
+        if let Some(meet) = cone_rims::settle(&a.rim, &b.rim, start, self.axes) {
             self.take_rims(nearest, &meet);
         }
     }
@@ -235,32 +232,6 @@ impl Test<'_> {
         if let Some(normal) = meet.normal(self.pair.scale.tolerance) {
             self.take_between(nearest, normal, (meet.on_one - meet.on_other).norm());
         }
-    }
-}
-
-impl ShapePair<'_, Cone, Cone> {
-    /// Leaves the points where the smooth surfaces touch in the buffers: along two lines, or where one of them has one
-    /// foremost point.
-    fn smooth_point(&self, least: &Least, buffers: &mut ClipBuffers) {
-        let Least { normal, depth, .. } = *least;
-        let toward_a = -self.b_in_a.enter(&normal);
-        let has_line = |cone: &Cone, normal: &Vector3<f64>| (normal.y - cone.sine).abs() < ON_FLANK;
-        let (line_a, line_b) = (has_line(self.a, &normal), has_line(self.b, &toward_a));
-        let feature = FeatureId::of_vertex(false, u32::from(line_a) << 1 | u32::from(line_b));
-        buffers.found.clear();
-        if line_a && line_b {
-            let on_a = Segment([self.a.apex_point(), self.a.rim_point(unit_across(&normal))]);
-            let on_b = [self.b.apex_point(), self.b.rim_point(unit_across(&toward_a))];
-            let on_b = Segment(on_b.map(|end| self.b_in_a.place(&end)));
-            edge_contact::touch(&on_a, &on_b, &Overlap { normal, depth }, feature, self.scale, &mut buffers.found);
-            return;
-        }
-        let point = if line_a {
-            self.b_in_a.place(&self.b.foremost(&toward_a)) + normal * (depth / 2.0)
-        } else {
-            self.a.foremost(&normal) - normal * (depth / 2.0)
-        };
-        buffers.found.push(ContactPoint { point, depth, feature });
     }
 }
 

@@ -43,7 +43,7 @@ pub(crate) enum OfFlank {
 pub(crate) fn least_of_flank(one: &PlacedCone, other: &PlacedCone, limit: f64, small: f64, axes: &mut u32) -> OfFlank {
     let view = View::new(one, other);
     let found = view.least(limit, small, axes);
-    let place = |point: &Place| one.apex + view.turned_back(one, &point.across) + one.axis * point.along;
+    let place = |point: &Place| one.apex + view.turned_back(one, &point.across) + one.rim.axis * point.along;
     match found {
         Known::Least { toward, depth, deepest } => OfFlank::Least {
             normal: one.flank_normal(&view.turned_back(one, &toward)),
@@ -86,27 +86,27 @@ struct View {
 
 impl View {
     fn new(one: &PlacedCone, other: &PlacedCone) -> Self {
-        let along = one.axis.dot(&other.axis);
-        let ahead = one.rim_direction(&other.axis);
-        let side = one.axis.cross(&ahead);
+        let along = one.rim.axis.dot(&other.rim.axis);
+        let ahead = one.rim.direction(&other.rim.axis);
+        let side = one.rim.axis.cross(&ahead);
         let place = |point: &Vector3<f64>| {
             let arm = point - one.apex;
-            Place { across: Vector2::new(arm.dot(&ahead), arm.dot(&side)), along: arm.dot(&one.axis) }
+            Place { across: Vector2::new(arm.dot(&ahead), arm.dot(&side)), along: arm.dot(&one.rim.axis) }
         };
         Self {
             sine: one.sine,
             cosine: one.cosine,
             ahead,
-            tilt: [ahead.dot(&other.axis), along],
+            tilt: [ahead.dot(&other.rim.axis), along],
             apex: place(&other.apex),
-            base: place(&other.base),
-            radius: other.radius,
+            base: place(&other.rim.center),
+            radius: other.rim.radius,
             other_sine: other.sine,
         }
     }
 
     fn turned_back(&self, one: &PlacedCone, across: &Vector2<f64>) -> Vector3<f64> {
-        self.ahead * across.x + one.axis.cross(&self.ahead) * across.y
+        self.ahead * across.x + one.rim.axis.cross(&self.ahead) * across.y
     }
 
     /// v(z).

@@ -22,7 +22,7 @@
 
 use nalgebra::Vector3;
 
-use super::placed_cone::PlacedCone;
+use super::placed_cone::{PlacedCone, Rim};
 use crate::physics::collision::constants::{
     ARC_OVERLAP, LONGEST_TURN, RIM_ARCS, RIM_HALVINGS, RIM_MEETS, RIM_STEPS, SETTLED_TURN,
 };
@@ -40,10 +40,10 @@ pub(crate) struct RimsMeet {
 }
 
 impl RimsMeet {
-    fn new(one: &PlacedCone, other: &PlacedCone, directions: [Vector3<f64>; 2]) -> Self {
+    fn new(one: &Rim, other: &Rim, directions: [Vector3<f64>; 2]) -> Self {
         Self {
-            on_one: one.rim_point(&directions[0]),
-            on_other: other.rim_point(&directions[1]),
+            on_one: one.point(&directions[0]),
+            on_other: other.point(&directions[1]),
             directions,
             tangents: [one.axis.cross(&directions[0]), other.axis.cross(&directions[1])],
             radius: one.radius.min(other.radius),
@@ -66,15 +66,15 @@ impl RimsMeet {
     }
 
     /// A point of the first rim that lies in the other cone, if it dips into that.
-    pub fn dip(&self, one: &PlacedCone, other: &PlacedCone) -> Option<Vector3<f64>> {
-        let below = |direction: &Vector3<f64>| one.rim_point(direction);
+    pub fn dip(&self, one: &Rim, other: &PlacedCone) -> Option<Vector3<f64>> {
+        let below = |direction: &Vector3<f64>| one.point(direction);
         // Depths behind base and flank where the rim is nearest, and their growth along it.
         let depths = |point: &Vector3<f64>| {
-            let base = (point - other.base).dot(&other.axis);
+            let base = (point - other.rim.center).dot(&other.rim.axis);
             [base, other.flank_depth(point)]
         };
         let flank = other.flank_normal(&self.directions[1]);
-        let growth = [self.tangents[0].dot(&other.axis), -self.tangents[0].dot(&flank)];
+        let growth = [self.tangents[0].dot(&other.rim.axis), -self.tangents[0].dot(&flank)];
         let now = depths(&self.on_one);
         let slope = growth[0] - growth[1];
         let along = (now[1] - now[0]) / slope;
@@ -85,12 +85,12 @@ impl RimsMeet {
 }
 
 /// From a direction of a point of the first rim to a minimum near it.
-pub(crate) fn settle(one: &PlacedCone, other: &PlacedCone, start: Vector3<f64>, axes: &mut u32) -> Option<RimsMeet> {
+pub(crate) fn settle(one: &Rim, other: &Rim, start: Vector3<f64>, axes: &mut u32) -> Option<RimsMeet> {
     let mut e = start;
-    let mut f = other.rim_direction(&(one.rim_point(&e) - other.base));
+    let mut f = other.direction(&(one.point(&e) - other.center));
     for _ in 0..RIM_STEPS {
         *axes += 1;
-        let (on_one, on_other) = (one.rim_point(&e), other.rim_point(&f));
+        let (on_one, on_other) = (one.point(&e), other.point(&f));
         let x = on_one - on_other;
         let [t, u] = [one.axis.cross(&e), other.axis.cross(&f)];
         let slope = [x.dot(&t), -x.dot(&u)];
@@ -114,8 +114,8 @@ pub(crate) fn settle(one: &PlacedCone, other: &PlacedCone, start: Vector3<f64>, 
             }
         } else {
             // The nearest points of either circle to the other's.
-            e = one.rim_direction(&(on_other - one.base));
-            f = other.rim_direction(&(one.rim_point(&e) - other.base));
+            e = one.direction(&(on_other - one.center));
+            f = other.direction(&(one.point(&e) - other.center));
         }
     }
     None
@@ -141,7 +141,7 @@ enum OfArc {
 }
 
 /// All places where the rims overlap by less than a limit, and maybe more; none where that cannot be proved.
-pub(crate) fn overlaps(one: &PlacedCone, other: &PlacedCone, limit: f64, axes: &mut u32) -> Option<Overlaps> {
+pub(crate) fn overlaps(one: &Rim, other: &Rim, limit: f64, axes: &mut u32) -> Option<Overlaps> {
     let mut found = [None; RIM_MEETS];
     // The other rim, too, comes within the limit of this one's base.
     if arcs_near(other, one, limit).is_none() {
@@ -180,9 +180,9 @@ pub(crate) fn overlaps(one: &PlacedCone, other: &PlacedCone, limit: f64, axes: &
 }
 
 impl Arc {
-    fn minima(&self, one: &PlacedCone, other: &PlacedCone, limit: f64) -> OfArc {
+    fn minima(&self, one: &Rim, other: &Rim, limit: f64) -> OfArc {
         let (r, b) = (one.radius, &other.axis);
-        let arm = one.rim_point(&self.middle) - other.base;
+        let arm = one.point(&self.middle) - other.center;
         let height = arm.dot(b);
         let level = arm - b * height;
         let far = level.norm();
@@ -210,8 +210,8 @@ impl Arc {
         if steep > 0.0 && steep * steep > drop { OfArc::OneBowl } else { OfArc::Unknown }
     }
 
-    fn halves(&self, cone: &PlacedCone) -> [Self; 2] {
-        let side = cone.axis.cross(&self.middle);
+    fn halves(&self, rim: &Rim) -> [Self; 2] {
+        let side = rim.axis.cross(&self.middle);
         let sine = 0.5 * self.chord;
         let cosine = (1.0 - sine * sine).max(0.0).sqrt();
         let chord = (2.0 * (1.0 - cosine)).max(0.0).sqrt() + ARC_OVERLAP;
@@ -220,15 +220,15 @@ impl Arc {
 }
 
 /// The arcs of a rim within a limit of the plane of the other's base: two, which may overlap, or none.
-fn arcs_near(one: &PlacedCone, other: &PlacedCone, limit: f64) -> Option<[Arc; 2]> {
-    let height = (one.base - other.base).dot(&other.axis);
+fn arcs_near(one: &Rim, other: &Rim, limit: f64) -> Option<[Arc; 2]> {
+    let height = (one.center - other.center).dot(&other.axis);
     let level = other.axis - one.axis * one.axis.dot(&other.axis);
     let slant = level.norm();
     let span = one.radius * slant;
     if height.abs() > span + limit {
         return None;
     }
-    let ahead = if slant > 0.0 { level / slant } else { one.rim_direction(&level) };
+    let ahead = if slant > 0.0 { level / slant } else { one.direction(&level) };
     let side = one.axis.cross(&ahead);
     let at = |height_there: f64| {
         let cosine = ((height_there - height) / span).clamp(-1.0, 1.0);

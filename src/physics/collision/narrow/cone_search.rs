@@ -3,13 +3,13 @@
 
 use nalgebra::Vector3;
 
-use super::placed_cone::PlacedCone;
+use super::placed_cone::{PlacedCone, Rim};
 use crate::physics::collision::constants::{CIRCLE_SAMPLES, GOLDEN_STEPS};
 
-/// Unit vectors across a cone's axis, evenly around it.
-pub(crate) fn around(cone: &PlacedCone) -> [Vector3<f64>; CIRCLE_SAMPLES] {
-    let ahead = cone.rim_direction(&Vector3::zeros());
-    let side = cone.axis.cross(&ahead);
+/// Unit vectors across a rim's axis, evenly around it.
+pub(crate) fn around(rim: &Rim) -> [Vector3<f64>; CIRCLE_SAMPLES] {
+    let ahead = rim.direction(&Vector3::zeros());
+    let side = rim.axis.cross(&ahead);
     let (sin, cos) = SAMPLE_TURN.sin_cos();
     let mut toward = [1.0, 0.0];
     std::array::from_fn(|_| {
@@ -21,20 +21,25 @@ pub(crate) fn around(cone: &PlacedCone) -> [Vector3<f64>; CIRCLE_SAMPLES] {
 
 const SAMPLE_TURN: f64 = std::f64::consts::TAU / CIRCLE_SAMPLES as f64;
 
-/// The normal of the flank of `one` along which it overlaps another cone least, and the depth.
-pub(crate) fn least_of_flank(one: &PlacedCone, other: &PlacedCone, axes: &mut u32) -> (Vector3<f64>, f64) {
+/// The normal of the flank of `one` along which it overlaps another shape least, of which `reach` is the support function, and
+/// the depth.
+pub(crate) fn least_of_flank(
+    one: &PlacedCone,
+    reach: impl Fn(&Vector3<f64>) -> f64,
+    axes: &mut u32,
+) -> (Vector3<f64>, f64) {
     let mut measure = |toward: &Vector3<f64>| {
         *axes += 1;
         let normal = one.flank_normal(toward);
-        one.apex.dot(&normal) + other.reach(&-normal)
+        one.apex.dot(&normal) + reach(&-normal)
     };
-    let directions = around(one);
+    let directions = around(&one.rim);
     let samples = directions.map(|toward| measure(&toward));
     let mut best = (directions[0], samples[0]);
     for sample in 0..CIRCLE_SAMPLES {
         let (before, after) = ((sample + CIRCLE_SAMPLES - 1) % CIRCLE_SAMPLES, (sample + 1) % CIRCLE_SAMPLES);
         if samples[sample] <= samples[before] && samples[sample] < samples[after] {
-            let (toward, side) = (directions[sample], one.axis.cross(&directions[sample]));
+            let (toward, side) = (directions[sample], one.rim.axis.cross(&directions[sample]));
             let place = |along: f64| (toward + side * along).normalize();
             let span = SAMPLE_TURN.tan();
             let along = golden_section([-span, span], |along| measure(&place(along)));

@@ -8,8 +8,9 @@
 //! | [`capsule`] | a capsule and anything but a ball |
 //! | [`boxes`] | two boxes |
 //! | [`feature_sat`] | boxes and hulls |
-//! | [`cone_polyhedron`] | a cone and a box or hull |
+//! | [`revolved_polyhedron`] | a cone or cylinder and a box or hull |
 //! | [`cone_cone`] | two cones |
+//! | [`cylinder_revolved`] | a cylinder and a cylinder or cone |
 //! | [`facet`] | a facet of a mesh and anything |
 //!
 //! All take a *gap*: shapes apart by no more than that get points as well, and shapes that touch
@@ -23,8 +24,8 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use super::clipping::keep_touching_spread;
 pub(crate) use super::feature_sat::PairSearch;
 use super::{
-    Cone, Cuboid, Frame, Overlap, Scale, ShapePair, ball, boxes, capsule, cone_cone, cone_polyhedron, facet,
-    feature_sat, plane,
+    Cone, Cuboid, Cylinder, Frame, Overlap, Scale, ShapePair, ball, boxes, capsule, cone_cone, cylinder_revolved,
+    facet, feature_sat, plane, revolved_polyhedron,
 };
 use crate::physics::collision::manifold::PartPair;
 use crate::physics::collision::parts::{PartShape, Placed};
@@ -121,12 +122,13 @@ fn touch_solids(
 ) -> Option<Overlap> {
     let rank = |solid: &Solid| match solid.shape {
         Geometry::HalfSpace => 0,
-        Geometry::Cone { .. } => 1,
-        Geometry::Cuboid { .. } | Geometry::Hull(_) | Geometry::Parts(_) => 2,
-        Geometry::Capsule { .. } => 3,
-        Geometry::Sphere { .. } => 4,
+        Geometry::Cylinder { .. } => 1,
+        Geometry::Cone { .. } => 2,
+        Geometry::Cuboid { .. } | Geometry::Hull(_) | Geometry::Parts(_) => 3,
+        Geometry::Capsule { .. } => 4,
+        Geometry::Sphere { .. } => 5,
     };
-    // Half-spaces come first, then cones, and what is round about a point or a segment last.
+    // Half-spaces come first, then cylinders and cones, and what is round about a point or a segment last.
     if rank(&a) <= rank(&b) {
         touch_ranked(&a, &b, gap, search, points)
     } else {
@@ -172,14 +174,31 @@ fn touch_ranked(
             }
             let cuboid = |half: &Vector3<f64>| Cuboid { half: *half };
             let overlap = match (shape_a, shape_b) {
+                (Geometry::Cylinder { radius, half, .. }, _) => {
+                    let cylinder = Cylinder { radius: *radius, half: *half };
+                    match shape_b {
+                        Geometry::Cylinder { radius, half, .. } => {
+                            let b = Cylinder { radius: *radius, half: *half };
+                            tested!(cylinder_revolved::touch, &cylinder, &b)
+                        }
+                        Geometry::Cone { radius, height, .. } => {
+                            tested!(cylinder_revolved::touch, &cylinder, &Cone::new(*radius, *height))
+                        }
+                        Geometry::Cuboid { half } => {
+                            tested!(revolved_polyhedron::touch, &cylinder, &cuboid(half))
+                        }
+                        Geometry::Hull(b) => tested!(revolved_polyhedron::touch, &cylinder, &**b),
+                        _ => unreachable!("ranked"),
+                    }
+                }
                 (Geometry::Cone { radius, height, .. }, _) => {
                     let cone = Cone::new(*radius, *height);
                     match shape_b {
                         Geometry::Cone { radius, height, .. } => {
                             tested!(cone_cone::touch, &cone, &Cone::new(*radius, *height))
                         }
-                        Geometry::Cuboid { half } => tested!(cone_polyhedron::touch, &cone, &cuboid(half)),
-                        Geometry::Hull(b) => tested!(cone_polyhedron::touch, &cone, &**b),
+                        Geometry::Cuboid { half } => tested!(revolved_polyhedron::touch, &cone, &cuboid(half)),
+                        Geometry::Hull(b) => tested!(revolved_polyhedron::touch, &cone, &**b),
                         _ => unreachable!("ranked"),
                     }
                 }

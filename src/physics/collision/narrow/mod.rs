@@ -12,12 +12,13 @@ mod cone_cone;
 mod cone_flank;
 #[cfg(test)]
 mod cone_oracle;
-mod cone_polyhedron;
 mod cone_rims;
 mod cone_search;
 #[cfg(test)]
 mod cone_tests;
 pub(super) mod contact_pair;
+mod cylinder;
+mod cylinder_revolved;
 mod edge_contact;
 mod ellipse;
 mod facet;
@@ -26,13 +27,17 @@ pub(super) mod place;
 mod placed_cone;
 mod plane;
 pub(super) mod polyhedron;
+mod revolved;
+mod revolved_polyhedron;
 mod shape_pair;
 pub(super) mod triangle;
 
 use clipping::{ClipBuffers, Faced};
 use cone::{Cone, length_across, unit_across};
+use cylinder::Cylinder;
 use edge_contact::{closest, middle};
 use feature_sat::{Feature, Found, Least, PairSearch};
+use placed_cone::Rim;
 use polyhedron::{Convex, Cuboid, Edge, Frame, Plane, Polyhedron, Segment, first_max, nearest_on_hull};
 pub(super) use shape_pair::Scale;
 use shape_pair::ShapePair;

@@ -6,15 +6,52 @@ use super::{Cone, Frame};
 use crate::physics::collision::constants::NEAR_AXIS;
 use crate::physics::contact::tangents;
 
+/// The rim of a flat end at its place, in a pair's axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rim {
+    pub center: Vector3<f64>,
+    /// Unit, from the end into the body.
+    pub axis: Vector3<f64>,
+    pub radius: f64,
+}
+
+impl Rim {
+    /// In other axes.
+    pub fn placed(&self, frame: &Frame) -> Self {
+        Self { center: frame.place(&self.center), axis: frame.rotation * self.axis, ..*self }
+    }
+
+    /// Unit, across the axis, toward where a direction points; any if that is the axis.
+    #[inline]
+    pub fn direction(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        let across = self.across(direction);
+        let square = across.norm_squared();
+        if square > NEAR_AXIS * direction.norm_squared() { across / square.sqrt() } else { self.near_axis(&across) }
+    }
+
+    /// Of a direction that rounding has left partly along the axis.
+    #[cold]
+    fn near_axis(&self, across: &Vector3<f64>) -> Vector3<f64> {
+        let unit = across.try_normalize(0.0).map(|unit| self.across(&unit));
+        unit.and_then(|unit| unit.try_normalize(0.5)).unwrap_or_else(|| tangents(&self.axis)[0])
+    }
+
+    fn across(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        direction - self.axis * self.axis.dot(direction)
+    }
+
+    /// The point in the direction of a unit vector across the axis.
+    pub fn point(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        self.center + direction * self.radius
+    }
+}
+
 /// A solid cone at its place, in a pair's axes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlacedCone {
     pub apex: Vector3<f64>,
-    /// Centre of the base.
-    pub base: Vector3<f64>,
-    /// Unit, from the base to the apex.
-    pub axis: Vector3<f64>,
-    pub radius: f64,
+    /// Of the base; its axis points to the apex.
+    pub rim: Rim,
     /// sin γ and cos γ of the flank's normals, see [`Cone`].
     pub sine: f64,
     pub cosine: f64,
@@ -25,9 +62,7 @@ impl PlacedCone {
         let axis = frame.rotation.column(1).into_owned();
         Self {
             apex: frame.center + axis * cone.apex,
-            base: frame.center + axis * cone.base,
-            axis,
-            radius: cone.radius,
+            rim: Rim { center: frame.center + axis * cone.base, axis, radius: cone.radius },
             sine: cone.sine,
             cosine: cone.cosine,
         }
@@ -35,62 +70,31 @@ impl PlacedCone {
 
     /// In its own axes.
     pub fn upright(cone: &Cone) -> Self {
-        Self {
-            apex: cone.apex_point(),
-            base: Vector3::y() * cone.base,
-            axis: Vector3::y(),
-            radius: cone.radius,
-            sine: cone.sine,
-            cosine: cone.cosine,
-        }
+        Self { apex: cone.apex_point(), rim: cone.bottom().rim(), sine: cone.sine, cosine: cone.cosine }
     }
 
-    /// Unit, across the axis, toward where a direction points; any if that is the axis.
-    #[inline]
-    pub fn rim_direction(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        let across = self.across(direction);
-        let square = across.norm_squared();
-        if square > NEAR_AXIS * direction.norm_squared() { across / square.sqrt() } else { self.rim_near_axis(&across) }
-    }
-
-    /// Of a direction that rounding has left partly along the axis.
-    #[cold]
-    fn rim_near_axis(&self, across: &Vector3<f64>) -> Vector3<f64> {
-        let unit = across.try_normalize(0.0).map(|unit| self.across(&unit));
-        unit.and_then(|unit| unit.try_normalize(0.5)).unwrap_or_else(|| tangents(&self.axis)[0])
-    }
-
-    fn across(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        direction - self.axis * self.axis.dot(direction)
-    }
-
-    /// The rim's point in the direction of a unit vector across the axis.
-    pub fn rim_point(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        self.base + direction * self.radius
-    }
-
-    /// The flank's normal over that point.
+    /// The flank's normal over the rim's point in the direction of a unit vector across the axis.
     pub fn flank_normal(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        direction * self.cosine + self.axis * self.sine
+        direction * self.cosine + self.rim.axis * self.sine
     }
 
     /// How far it reaches along a direction from the origin of the pair's axes.
     pub fn reach(&self, direction: &Vector3<f64>) -> f64 {
-        let across = self.across(direction);
-        self.apex.dot(direction).max(self.base.dot(direction) + self.radius * across.norm())
+        let across = self.rim.across(direction);
+        self.apex.dot(direction).max(self.rim.center.dot(direction) + self.rim.radius * across.norm())
     }
 
     /// The farthest point along a direction.
     pub fn foremost(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        let on_rim = self.rim_point(&self.rim_direction(direction));
+        let on_rim = self.rim.point(&self.rim.direction(direction));
         if self.apex.dot(direction) > on_rim.dot(direction) { self.apex } else { on_rim }
     }
 
     /// How deep a point lies behind the flank, extended downward without end.
     pub fn flank_depth(&self, point: &Vector3<f64>) -> f64 {
         let arm = point - self.apex;
-        let along = arm.dot(&self.axis);
-        -(self.sine * along + self.cosine * (arm - self.axis * along).norm())
+        let along = arm.dot(&self.rim.axis);
+        -(self.sine * along + self.cosine * (arm - self.rim.axis * along).norm())
     }
 
     /// Whether it holds a point.
@@ -100,11 +104,11 @@ impl PlacedCone {
 
     /// Whether a point lies beyond no surface by more than a distance.
     pub fn holds_about(&self, point: &Vector3<f64>, distance: f64) -> bool {
-        (point - self.base).dot(&self.axis) >= -distance && self.flank_depth(point) >= -distance
+        (point - self.rim.center).dot(&self.rim.axis) >= -distance && self.flank_depth(point) >= -distance
     }
 
     /// Its apex, centre of mass and centre of the base.
     pub fn axis_points(&self) -> [Vector3<f64>; 3] {
-        [self.apex, self.base.lerp(&self.apex, 0.25), self.base]
+        [self.apex, self.rim.center.lerp(&self.apex, 0.25), self.rim.center]
     }
 }

@@ -4,13 +4,14 @@
 use nalgebra::Vector3;
 
 use super::clipping::keep_spread;
-use super::{ClipBuffers, Cone, Cuboid, Frame, Overlap, Polyhedron};
+use super::revolved::Revolved;
+use super::{ClipBuffers, Cone, Cuboid, Cylinder, Frame, Overlap, Polyhedron};
 use crate::physics::collision::constants::{CONTACT_TOLERANCE, RIM_POINTS};
 use crate::physics::{ContactPoint, FeatureId, Geometry};
 
 /// Tests the half-space y ≤ 0 and a shape in its axes, and adds the points up to a gap above the
 /// plane, half-way to it: of a polyhedron its vertices, of a cone its apex and four points of the rim,
-/// the lowest among them. Of a shape that is higher, leaves in `apart` by how much.
+/// the lowest among them, of a cylinder those of both rims. Of a shape that is higher, leaves in `apart` by how much.
 pub(crate) fn touch(
     shape: &Geometry,
     radius: f64,
@@ -37,8 +38,18 @@ pub(crate) fn touch(
         Geometry::Cone { radius, height, .. } => {
             let cone = Cone::new(*radius, *height);
             corners.clear();
-            cone.rim_corners(&-in_plane.enter(&Vector3::y()), RIM_POINTS, corners);
+            cone.bottom().corners(&-in_plane.enter(&Vector3::y()), RIM_POINTS, corners);
             corners.push(cone.apex_point());
+            for (corner, place) in (0..).zip(&*corners) {
+                add(in_plane.place(place), FeatureId::of_vertex(true, corner));
+            }
+        }
+        Geometry::Cylinder { radius, half, .. } => {
+            let cylinder = Cylinder { radius: *radius, half: *half };
+            corners.clear();
+            for end in cylinder.ends().into_iter().flatten() {
+                end.corners(&-in_plane.enter(&Vector3::y()), RIM_POINTS, corners);
+            }
             for (corner, place) in (0..).zip(&*corners) {
                 add(in_plane.place(place), FeatureId::of_vertex(true, corner));
             }

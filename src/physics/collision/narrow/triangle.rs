@@ -12,8 +12,8 @@ use nalgebra::Vector3;
 
 use super::ball::Place;
 use super::{
-    Cone, Convex, Cuboid, Edge, Frame, Overlap, PairSearch, Plane, Polyhedron, Scale, ShapePair, capsule,
-    cone_polyhedron, feature_sat,
+    Cone, Convex, Cuboid, Cylinder, Edge, Frame, Overlap, PairSearch, Plane, Polyhedron, Scale, ShapePair, capsule,
+    feature_sat, revolved_polyhedron,
 };
 use crate::physics::shape::Triangle;
 use crate::physics::{ContactPoint, FeatureId, Geometry};
@@ -142,10 +142,19 @@ pub(crate) fn touch(
             tested!(feature_sat::touch, pyramid, &Cuboid { half: *half }, shape_in_triangle)
         }
         Geometry::Hull(hull) => tested!(feature_sat::touch, pyramid, &**hull, shape_in_triangle),
-        Geometry::Cone { radius, height, .. } => {
-            let triangle_in_cone = shape_in_triangle.inverse();
-            let cone = &Cone::new(*radius, *height);
-            let Overlap { normal, depth } = tested!(cone_polyhedron::touch, cone, pyramid, &triangle_in_cone);
+        Geometry::Cone { .. } | Geometry::Cylinder { .. } => {
+            let triangle_in_shape = &shape_in_triangle.inverse();
+            let Overlap { normal, depth } = match shape {
+                Geometry::Cone { radius, height, .. } => {
+                    let cone = &Cone::new(*radius, *height);
+                    tested!(revolved_polyhedron::touch, cone, pyramid, triangle_in_shape)
+                }
+                Geometry::Cylinder { radius, half, .. } => {
+                    let cylinder = &Cylinder { radius: *radius, half: *half };
+                    tested!(revolved_polyhedron::touch, cylinder, pyramid, triangle_in_shape)
+                }
+                _ => unreachable!("matched"),
+            };
             search.clip.place(shape_in_triangle);
             Overlap { normal: -(shape_in_triangle.rotation * normal), depth }
         }

@@ -44,6 +44,12 @@ fn cone(base_up: bool) -> Body {
     body(&Collider::cone(0.4, 2.0), Vector3::zeros(), turn)
 }
 
+/// As high as a cube.
+fn cylinder(lying: bool) -> Body {
+    let turn = Vector3::z() * if lying { PI / 2.0 } else { 0.0 };
+    body(&Collider::cylinder(0.4, 1.0), Vector3::zeros(), UnitQuaternion::from_scaled_axis(turn))
+}
+
 fn turned(body: Body, axis: Vector3<f64>) -> Body {
     Body { rotation: UnitQuaternion::from_scaled_axis(axis * FRAC_PI_4), ..body }
 }
@@ -88,6 +94,14 @@ fn stacks() -> Vec<(&'static str, Body, Body, f64, usize)> {
         ("cone on hull", cube_hull(), cone(false), 1.0, 4),
         ("base on base", cone(true), cone(false), 1.0, 4),
         ("apex on box", cube(), cone(true), 2.0, 1),
+        ("cylinder on box", cube(), cylinder(false), 1.0, 4),
+        ("cylinder on hull", cube_hull(), cylinder(false), 1.0, 4),
+        ("cylinder on cylinder", cylinder(false), cylinder(false), 1.0, 4),
+        ("roller on box", cube(), cylinder(true), 0.9, 2),
+        ("roller on cylinder", cylinder(false), cylinder(true), 0.9, 2),
+        ("cone on cylinder", cylinder(false), cone(false), 1.0, 4),
+        ("apex on cylinder", cylinder(false), cone(true), 2.0, 1),
+        ("ball on cylinder", cylinder(false), ball(), 1.0, 1),
         ("edge on edge", crossing[0].clone(), crossing[1].clone(), SQRT_2, 1),
         ("edge on edge of a hull", crossing[0].clone(), crossing_hull, SQRT_2, 1),
         ("edge on face", cube(), turned(cube(), Vector3::x()), 0.5 + SQRT_2 / 2.0, 2),
@@ -191,6 +205,7 @@ fn random_body(random: &mut Random, kind: usize) -> Body {
             body(&cuboid, Vector3::zeros(), random.rotation())
         }
         2 => cones::random_cone(random),
+        3 => cones::random_cylinder(random),
         _ => hull_body(random_hull(random), Vector3::zeros(), random.rotation()),
     }
 }
@@ -208,6 +223,9 @@ fn distance_from_above(a: &Body, b: &Body) -> f64 {
             Geometry::Cuboid { half } => half.zip_map(&local, |half, along| half.copysign(along)),
             Geometry::Capsule { radius, half, .. } => {
                 Vector3::y() * half.copysign(local.y) + local * (*radius / local.norm())
+            }
+            Geometry::Cylinder { radius, half, .. } => {
+                Vector3::new(local.x, 0.0, local.z).normalize() * *radius + Vector3::y() * half.copysign(local.y)
             }
             Geometry::Cone { radius, height, .. } => {
                 let rim = Vector3::new(local.x, 0.0, local.z).normalize() * *radius - Vector3::y() * (0.25 * height);
@@ -233,7 +251,7 @@ fn distance_from_above(a: &Body, b: &Body) -> f64 {
 
 /// The kinds of two bodies, balls to hulls.
 fn kinds() -> impl Iterator<Item = [usize; 2]> {
-    (0..4).flat_map(|one| (0..4).map(move |other| [one, other]))
+    (0..5).flat_map(|one| (0..5).map(move |other| [one, other]))
 }
 
 #[test]
@@ -265,7 +283,7 @@ fn separation_is_that_of_the_normal_and_at_most_the_distance() {
                 let [on_a, on_b] = [points[0].point + half, points[0].point - half];
                 assert!(outside(&a, &on_a).max(outside(&b, &on_b)) < 1e-9, "{kinds:?}: not the true distance");
             }
-            if kinds.iter().all(|kind| [1, 3].contains(kind)) {
+            if kinds.iter().all(|kind| [1, 4].contains(kind)) {
                 let least = least_depths(&a, &b).into_iter().fold(f64::INFINITY, f64::min);
                 assert!(
                     overlap.depth < 0.9 * least + 2.1e-4 * size,
@@ -285,8 +303,9 @@ fn separation_is_that_of_the_normal_and_at_most_the_distance() {
 fn over_a_face_the_separation_is_the_distance() {
     let mut random = Random::new(62);
     let (mut along_face, mut tested) = (0, 0);
-    for trial in 0..1200 {
-        let [a, b] = [[1, 3][trial % 2], 1 + trial / 2 % 3].map(|kind| random_body(&mut random, kind));
+    for trial in 0..1600 {
+        let over = if trial < 1200 { [1, 2, 4][trial / 2 % 3] } else { 3 };
+        let [a, b] = [[1, 4][trial % 2], over].map(|kind| random_body(&mut random, kind));
         // A face of A, and the point in the middle of its corners.
         let features = super::hulls::Features::of(&a);
         let normal = features.normals[random.random_range(0..features.normals.len())];
@@ -318,7 +337,8 @@ fn over_a_face_the_separation_is_the_distance() {
             for point in points {
                 // Both ends of the way across are on the surfaces.
                 let half = normal * (point.depth / 2.0);
-                assert!(outside(&a, &(point.point + half)).max(outside(&b, &(point.point - half))) < 1e-3 * size);
+                let off = outside(&a, &(point.point + half)).max(outside(&b, &(point.point - half)));
+                assert!(off < 1e-3 * size, "{off} of {size}");
             }
         }
     }

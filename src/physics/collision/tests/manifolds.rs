@@ -49,6 +49,7 @@ fn outside(body: &Body, point: &Vector3<f64>) -> f64 {
         Geometry::Sphere { radius } => local.norm() - radius,
         Geometry::Cuboid { half } => (local.abs() - half).max(),
         Geometry::Capsule { radius, half, .. } => (local - Vector3::y() * local.y.clamp(-half, *half)).norm() - radius,
+        Geometry::Cylinder { radius, half, .. } => (local.xz().norm() - radius).max(local.y.abs() - half),
         Geometry::Cone { radius, height, .. } => {
             let over_flank = (height * local.xz().norm() + radius * (local.y - 0.75 * height)) / radius.hypot(*height);
             over_flank.max(-local.y - 0.25 * height)

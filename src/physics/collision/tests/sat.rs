@@ -34,9 +34,10 @@ impl Extent {
                 };
                 (0.0, (0..8).map(corner).collect())
             }
-            Geometry::Hull(hull) | Geometry::Cone { hull, .. } | Geometry::Capsule { hull, .. } => {
-                (0.0, hull.vertices.clone())
-            }
+            Geometry::Hull(hull)
+            | Geometry::Cylinder { hull, .. }
+            | Geometry::Cone { hull, .. }
+            | Geometry::Capsule { hull, .. } => (0.0, hull.vertices.clone()),
         };
         let vertices = local.iter().map(|vertex| body.rotation * vertex).collect();
         Self { position: body.position, radius, vertices }
