@@ -22,6 +22,7 @@ use nalgebra::Vector3;
 
 use super::approach::are_apart;
 use super::axis_code::AxisCode;
+use super::cone_flank::{self, OfFlank};
 use super::cone_rims::{self, RimsMeet};
 use super::cone_search;
 use super::placed_cone::PlacedCone;
@@ -133,6 +134,16 @@ impl<B: BesideCylinder> Test<'_, B> {
         }
         match b.placed_cone(b_in_a) {
             Some(cone) => {
+                for rim in a.ends().into_iter().flatten().map(|end| end.rim()) {
+                    // A disc is a cone without height.
+                    let disc = PlacedCone { apex: rim.center, rim, sine: 1.0, cosine: 0.0 };
+                    let limit = nearest.depth;
+                    if let OfFlank::Least { normal, .. } =
+                        cone_flank::least_of_flank(&cone, &disc, limit, scale.tolerance, self.axes)
+                    {
+                        self.take(nearest, -normal);
+                    }
+                }
                 let (normal, _) = cone_search::least_of_flank(&cone, |n| super::Convex::reach(a, n), self.axes);
                 self.take(nearest, -normal);
             }
