@@ -13,7 +13,7 @@
 
 use nalgebra::Vector3;
 
-use super::ball::{Place, place_at_cone};
+use super::place::Place;
 use super::revolved::{End, Revolved};
 use super::{Convex, Faced, Plane, Segment};
 use crate::physics::collision::constants::RIM_CORNERS;
@@ -143,7 +143,23 @@ impl Revolved for Cone {
         Segment([self.apex_point(), self.rim_point(toward)])
     }
 
+    /// All in the half-plane of the axis and the point.
     fn place(&self, point: &Vector3<f64>, size: f64) -> Place {
-        place_at_cone(self, point, size)
+        let [x, z] = unit_across(point);
+        let across = point.x.hypot(point.z);
+        let over_base = Place { normal: Self::base_normal(), height: self.base - point.y };
+        let flank = self.flank_normal([x, z]);
+        let over_flank = Place { normal: flank, height: flank.dot(point) - self.flank_offset() };
+        if over_base.height <= 0.0 && over_flank.height <= 0.0 {
+            return if over_base.height > over_flank.height { over_base } else { over_flank };
+        }
+        if over_base.height > 0.0 && across <= self.radius {
+            return over_base;
+        }
+        // Else the nearest point of the generator line: the apex and the rim are its ends.
+        let apex = self.apex_point();
+        let line = self.rim_point([x, z]) - apex;
+        let share = ((point - apex).dot(&line) / line.norm_squared()).clamp(0.0, 1.0);
+        Place::outside(point, &(apex + line * share), size).unwrap_or(over_flank)
     }
 }

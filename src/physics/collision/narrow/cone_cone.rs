@@ -25,11 +25,11 @@ use nalgebra::Vector3;
 
 use super::approach::are_apart;
 use super::axis_code::AxisCode;
-use super::ball::place_at_cone;
 use super::cone_flank::{OfFlank, least_of_flank};
 use super::cone_rims::{self, RimsMeet};
 use super::cone_search;
 use super::placed_cone::PlacedCone;
+use super::revolved::Revolved;
 use super::{Cone, Feature, Found, Least, Overlap, PairSearch, ShapePair};
 use crate::physics::collision::constants::SADDLE_GAP;
 
@@ -213,9 +213,9 @@ impl Test<'_> {
     /// Takes the normals from each apex to the nearest point of the other cone.
     fn at_apices(&mut self, nearest: &mut Nearest) {
         let &ShapePair { a, b, b_in_a, scale } = self.pair;
-        let place = place_at_cone(a, &b_in_a.place(&b.apex_point()), scale.size);
+        let place = a.place(&b_in_a.place(&b.apex_point()), scale.size);
         self.take_between(nearest, place.normal, place.height);
-        let place = place_at_cone(b, &b_in_a.inverse().place(&a.apex_point()), scale.size);
+        let place = b.place(&b_in_a.inverse().place(&a.apex_point()), scale.size);
         self.take_between(nearest, self.pair.out_of_a(place.normal), place.height);
     }
 

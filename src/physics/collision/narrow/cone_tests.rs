@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::ball::place_at_cone;
+use super::revolved::Revolved;
 use super::{Cone, Convex, Cuboid, Frame, Polyhedron, Scale, ShapePair};
 use crate::physics::testing::Random;
 
@@ -135,9 +135,9 @@ fn least_by_search(pair: &ShapePair<Cone, Cone>) -> (Vector3<f64>, f64) {
     };
     take(Cone::base_normal());
     take(pair.out_of_a(Cone::base_normal()));
-    take(place_at_cone(pair.a, &pair.b_in_a.place(&pair.b.apex_point()), 1.0).normal);
+    take(pair.a.place(&pair.b_in_a.place(&pair.b.apex_point()), 1.0).normal);
     let apex = pair.b_in_a.inverse().place(&pair.a.apex_point());
-    take(pair.out_of_a(place_at_cone(pair.b, &apex, 1.0).normal));
+    take(pair.out_of_a(pair.b.place(&apex, 1.0).normal));
     best
 }
 
@@ -261,7 +261,7 @@ fn least_with_box_by_search(pair: &ShapePair<Cone, Cuboid>) -> (Vector3<f64>, f6
         take((normal, depth(&normal)));
     }
     for vertex in 0..other.vertex_count() {
-        let normal = place_at_cone(cone, &b_in_a.place(&other.vertex(vertex)), 1.0).normal;
+        let normal = cone.place(&b_in_a.place(&other.vertex(vertex)), 1.0).normal;
         take((normal, depth(&normal)));
     }
     take((Cone::base_normal(), depth(&Cone::base_normal())));

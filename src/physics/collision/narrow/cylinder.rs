@@ -9,7 +9,7 @@
 
 use nalgebra::Vector3;
 
-use super::ball::{Place, place_at_cylinder};
+use super::place::Place;
 use super::revolved::{End, Revolved};
 use super::{Convex, Faced, Plane, Segment, length_across, unit_across};
 use crate::physics::collision::constants::RIM_CORNERS;
@@ -95,7 +95,17 @@ impl Revolved for Cylinder {
         Segment([self.end(1 - TOP), self.end(TOP)].map(|end| end.rim_point(toward)))
     }
 
+    /// All in the half-plane of the axis and the point.
     fn place(&self, point: &Vector3<f64>, size: f64) -> Place {
-        place_at_cylinder(self, point, size)
+        let [x, z] = unit_across(point);
+        let beside = point.x.hypot(point.z) - self.radius;
+        let above = point.y.abs() - self.half;
+        let over_flank = Place { normal: Vector3::new(x, 0.0, z), height: beside };
+        if beside > 0.0 && above > 0.0 {
+            let rim = self.end_toward(point).rim_point([x, z]);
+            return Place::outside(point, &rim, size).unwrap_or(over_flank);
+        }
+        let over_end = Place { normal: self.end_toward(point).normal(), height: above };
+        if beside > above { over_flank } else { over_end }
     }
 }

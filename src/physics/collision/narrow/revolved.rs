@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use nalgebra::Vector3;
 
-use super::ball::Place;
+use super::place::Place;
 use super::{ClipBuffers, Faced, Least, Overlap, Rim, Segment, ShapePair, edge_contact, length_across, unit_across};
 use crate::physics::collision::constants::{ON_FLANK, SQUARE_TILT};
 use crate::physics::{ContactPoint, FeatureId};

@@ -10,7 +10,7 @@
 
 use nalgebra::Vector3;
 
-use super::ball::Place;
+use super::place::Place;
 use super::{
     Cone, Convex, Cuboid, Cylinder, Edge, Frame, Overlap, PairSearch, Plane, Polyhedron, Scale, ShapePair, capsule,
     feature_sat, revolved_polyhedron,

@@ -190,17 +190,7 @@ fn points_lie_on_both_bodies() {
                 checked[kind] += 1;
                 // The polygon that faces are clipped to lies on the rim.
                 let apart = outside(a, &point.point).max(outside(b, &point.point));
-                if apart >= 0.5 * point.depth + 1e-4 * size {
-                    let l = |x: &Body| (x.rotation.inverse() * overlap.normal, cone_size(x), cylinder_size(x));
-                    println!(
-                        "DBG {kind}: {apart} depth {} of {} n {:?} {:?} pts {points:?} faces {}",
-                        point.depth,
-                        overlap.depth,
-                        l(a),
-                        l(b),
-                        least_along_faces(a, b)
-                    );
-                }
+                assert!(apart < 0.5 * point.depth + 1e-4 * size, "{kind}: {apart} m outside, depth {}", point.depth);
             }
         }
     });
