@@ -171,7 +171,8 @@ fn nothing_that_is_shot_passes_a_sheet_of_slabs() {
             step(&mut world);
             let apart = position(&world, own) - position(&world, own_sheet);
             let local = world.get::<Rotation>(own_sheet).unwrap().0.inverse() * apart;
-            assert!(local.y > 0.0 || local.x.abs().max(local.z.abs()) > 3.0, "case {case}: {local}");
+            // Its middle may get into the sheet, where it is pushed out again, but not past it.
+            assert!(local.y > -0.005 || local.x.abs().max(local.z.abs()) > 3.0, "case {case}: {local}");
         }
     }
 }

@@ -20,7 +20,8 @@ fn floor(world: &mut World, collider: Collider) -> Entity {
     world.spawn((RigidBody::Static, collider)).id()
 }
 
-/// A box, a ball, a cone, a capsule, two cylinders and a hull that stands on a face, with the height of their centres over what they rest on.
+/// A box, a ball, a cone, a capsule, two cylinders and a hull that stands on a face, with the height of their centres over
+/// what they rest on.
 fn things() -> [(&'static str, Collider, DQuat, f64); 7] {
     let corners = [[-0.3, 0.0, -0.3], [0.3, 0.0, -0.3], [0.3, 0.0, 0.3], [-0.3, 0.0, 0.3], [0.0, 0.6, 0.0]];
     let lying = DQuat::from_rotation_z(FRAC_PI_2);
@@ -279,7 +280,7 @@ fn valley(threads: u32) -> (World, Vec<Entity>) {
         let own = body(&mut world, things()[index as usize % 7].1.clone(), place * DVec3::new(0.7, 1.0, 0.7));
         let axis = DVec3::new(dice.random_range(-1.0..1.0), 1.0, dice.random_range(-1.0..1.0)).normalize();
         world.entity_mut(own).insert(Rotation(DQuat::from_axis_angle(axis, dice.random_range(-3.0..3.0))));
-        world.entity_mut(own).insert(Damping { linear: 0.1, angular: 0.5 });
+        world.entity_mut(own).insert(Damping { linear: 0.1, angular: 2.0 });
         all.push(own);
     }
     (world, all)

@@ -69,19 +69,37 @@ fn cast_parts(
         search.any_normal = false;
         let overlap = overlap?;
         let (separation, approach) = (-overlap.depth, overlap.normal.dot(direction));
-        // What the test cannot tell from touching counts as such.
-        if separation <= 0.0 || look == LOOKS {
+        let is_last = look == LOOKS;
+        if separation <= 0.0 || is_last {
             let deepest = points.iter().max_by(|one, other| one.depth.total_cmp(&other.depth))?;
-            return Some(Impact { distance, point: deepest.point, normal: -overlap.normal });
-        }
-        if approach <= 0.0 {
+            let impact = Impact { distance, point: deepest.point, normal: -overlap.normal };
+            // A face was preferred to edges that are apart by little more than it.
+            let Some(left) = left_apart([&at, other], parts, search, points).filter(|_| !is_last) else {
+                return Some(impact);
+            };
+            distance += left;
+        } else if approach <= 0.0 {
             return None;
+        } else {
+            distance += separation / approach;
         }
-        distance += separation / approach;
         if distance > most {
             return None;
         }
         at.position = mover.position + direction * distance;
     }
     unreachable!("the last look returns")
+}
+
+/// How far parts are apart at least, m, along any of the axes there are for them; none if they are not.
+fn left_apart(
+    bodies: [&Body; 2],
+    parts: PartPair,
+    search: &mut PairSearch,
+    points: &mut Vec<ContactPoint>,
+) -> Option<f64> {
+    (search.last, search.apart) = (None, 0.0);
+    points.clear();
+    let is_apart = touch(bodies, parts, 0.0, search, points).is_none();
+    (is_apart && search.apart > 0.0).then_some(search.apart)
 }

@@ -232,17 +232,18 @@ pub(crate) fn keep_spread(found: &[ContactPoint], normal: &Vector3<f64>, size: f
     }
 }
 
-/// Likewise, but of more than [`MAX_POINTS`] those that touch go before those within the gap: where
-/// there are enough of them the others are left out, else these fill up. What hovers by less than
-/// [`NEARLY_DEEPEST`] counts as touching. Where no point is above the other's surface the points
-/// are those of [`keep_spread`].
+/// Likewise, but of more than [`MAX_POINTS`] those that touch, or are lowest if none does, go before those within the gap:
+/// where there are enough of them the others are left out, else these fill up. What hovers higher by less than
+/// [`NEARLY_DEEPEST`] counts among them. Where no point is above the other's surface the points are those of
+/// [`keep_spread`].
 pub(crate) fn keep_touching_spread(
     found: &mut Vec<ContactPoint>,
     normal: &Vector3<f64>,
     size: f64,
     points: &mut Vec<ContactPoint>,
 ) {
-    let touches = |point: &ContactPoint| point.depth >= -NEARLY_DEEPEST * size;
+    let deepest = found.iter().map(|point| point.depth).fold(f64::NEG_INFINITY, f64::max);
+    let touches = |point: &ContactPoint| point.depth >= deepest.min(0.0) - NEARLY_DEEPEST * size;
     let touching = found.iter().filter(|point| touches(point)).count();
     if found.len() > MAX_POINTS && (1..MAX_POINTS).contains(&touching) {
         let first = (0..found.len()).filter(|&index| touches(&found[index]));

@@ -22,7 +22,8 @@
 
 use nalgebra::Vector3;
 
-use super::placed_cone::{PlacedCone, Rim};
+use super::Rim;
+use super::placed_cone::PlacedCone;
 use crate::physics::collision::constants::{
     ARC_OVERLAP, LONGEST_TURN, RIM_ARCS, RIM_HALVINGS, RIM_MEETS, RIM_STEPS, SETTLED_TURN,
 };

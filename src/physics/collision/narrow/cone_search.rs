@@ -3,7 +3,8 @@
 
 use nalgebra::Vector3;
 
-use super::placed_cone::{PlacedCone, Rim};
+use super::Rim;
+use super::placed_cone::PlacedCone;
 use crate::physics::collision::constants::{CIRCLE_SAMPLES, GOLDEN_STEPS};
 
 /// Unit vectors across a rim's axis, evenly around it.

@@ -16,7 +16,8 @@
 //! none tells less than the true overlap, or more than the true distance.
 //!
 //! **Apart.** A normal is that of the distance if what is foremost along it of either shape, a point, a generator line or an
-//! end, lies over one another. Where no normal is so far, rims are looked at all round.
+//! end, lies over one another. Where no normal is so far, tips are looked at, and rims all round; those that overlap along all
+//! normals above may be apart then, too.
 
 use nalgebra::Vector3;
 
@@ -158,7 +159,8 @@ impl<B: BesideCylinder> Test<'_, B> {
         if nearest.depth >= 0.0 {
             self.overlap_of_rims(nearest);
         }
-        if nearest.depth < 0.0 {
+        // Shapes apart may overlap along all of these. What touches is over one another.
+        if !self.is_over_one_another(&nearest.normal) {
             if let Some(tip) = b.tip() {
                 self.take(nearest, a.place(&b_in_a.place(&tip), scale.size).normal);
             }
@@ -187,7 +189,7 @@ impl<B: BesideCylinder> Test<'_, B> {
 
     /// The distance, where it is between two rims.
     fn between_rims(&mut self, nearest: &mut Nearest) {
-        if self.is_distance(&nearest.normal) {
+        if self.is_over_one_another(&nearest.normal) {
             return;
         }
         let start = nearest.normal;
@@ -196,7 +198,7 @@ impl<B: BesideCylinder> Test<'_, B> {
                 self.take_rims(nearest, &meet);
             }
         }
-        if !self.is_distance(&nearest.normal) {
+        if !self.is_over_one_another(&nearest.normal) {
             self.rims().for_each(|pair| self.search_rims(nearest, pair));
         }
     }
@@ -215,9 +217,9 @@ impl<B: BesideCylinder> Test<'_, B> {
         }
     }
 
-    /// Whether shapes apart are nowhere farther apart than along a unit normal out of A: what is foremost there is over
-    /// one another.
-    fn is_distance(&self, normal: &Vector3<f64>) -> bool {
+    /// Whether what is foremost of either shape along a unit normal out of A is over one another: shapes apart are nowhere
+    /// farther apart than there.
+    fn is_over_one_another(&self, normal: &Vector3<f64>) -> bool {
         let &ShapePair { a, b, b_in_a, scale } = self.pair;
         let of_a = Foremost::of(a, normal);
         let of_b = Foremost::of(b, &-b_in_a.enter(normal)).placed(b_in_a);

@@ -1,5 +1,6 @@
 //! Clipped contacts: a routine for each kind of pair of shapes, entered by [`contact_pair::touch`].
 
+mod across;
 mod apart;
 mod approach;
 mod axis_code;
@@ -30,16 +31,18 @@ mod plane;
 pub(super) mod polyhedron;
 mod revolved;
 mod revolved_polyhedron;
+mod rim;
 mod shape_pair;
 pub(super) mod triangle;
 
+use across::{length_across, unit_across};
 use clipping::{ClipBuffers, Faced};
-use cone::{Cone, length_across, unit_across};
+use cone::Cone;
 use cylinder::Cylinder;
 use edge_contact::{closest, middle};
 use feature_sat::{Feature, Found, Least, PairSearch};
-use placed_cone::Rim;
 use polyhedron::{Convex, Cuboid, Edge, Frame, Plane, Polyhedron, Segment, first_max, nearest_on_hull};
+use rim::Rim;
 pub(super) use shape_pair::Scale;
 use shape_pair::ShapePair;
 

@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 
-use super::clipping::keep_spread;
+use super::clipping::keep_touching_spread;
 use super::revolved::Revolved;
 use super::{ClipBuffers, Cone, Cuboid, Cylinder, Frame, Overlap, Polyhedron};
 use crate::physics::collision::constants::{CONTACT_TOLERANCE, RIM_POINTS};
@@ -62,7 +62,7 @@ pub(crate) fn touch(
         *apart = lowest;
         return None;
     };
-    keep_spread(found, &Vector3::y(), radius, points);
+    keep_touching_spread(found, &Vector3::y(), radius, points);
     Some(Overlap { normal: Vector3::y(), depth })
 }
 

@@ -1,4 +1,5 @@
-//! The rows of a contact: one for each point, n·u + q·w with q = ρ × n, ρ from the middle of the manifold to the point,
+//! The rows of a contact: one for each point, n·u + q·w with q = ρ × n, ρ from the middle of the manifold, of what bears
+//! its friction ([`footing`](crate::physics::contact)), to the point,
 //! two rows t·u of friction and one n·w of torsion. What they share goes into 3 × 3 blocks:
 //!
 //! K_uu = Σρ_i n nᵀ + ρ_t (1 − n nᵀ), K_uw = n Σρ_i q_iᵀ, K_ww = Σρ_i q_i q_iᵀ + ρ_τ n nᵀ.
@@ -9,7 +10,7 @@ use super::constants::{ARM_CHANGE, BOUNCE_PENALTY, SLIP, TOUCHING};
 use super::rows::{Correction, RowBlocks, RowKey, Rows, Side, Stiffness, bits};
 use crate::physics::collision::{ContactState, POINTS};
 use crate::physics::constraint::row::{Twist, Wrench};
-use crate::physics::contact::rebound;
+use crate::physics::contact::{rebound, shares};
 use crate::physics::lanes::Record;
 
 /// A row whose impulse is not negative.
@@ -83,24 +84,25 @@ impl DirectContact {
             ..Self::default()
         };
         let mut arms = [Vector3::zeros(); POINTS];
-        let mut middle = Vector3::zeros();
+        let (mut separations, mut present) = ([0.0; POINTS], [0.0; POINTS]);
         for (index, (point, arm)) in contact.points[..count].iter_mut().zip(&mut arms).enumerate() {
             let (on_a, on_b) = geometry.point(index);
             let (on_a, on_b) = (turn_a * on_a, turn_b * on_b + offset);
             *arm = (on_a + on_b) * 0.5;
-            middle += *arm;
             let expected = f64::from(impulses.0[index]) * scale;
-            *point =
-                PointRow { separation: normal.dot(&(on_b - on_a)), expected, impulse: expected, ..PointRow::default() };
+            let separation = normal.dot(&(on_b - on_a));
+            (separations[index], present[index]) = (separation, 1.0);
+            *point = PointRow { separation, expected, impulse: expected, ..PointRow::default() };
         }
-        middle /= count as f64;
+        let shares = shares(&arms, &separations, &present);
+        let middle = arms.iter().zip(shares).fold(Vector3::zeros(), |sum, (arm, share)| sum + arm * share);
         contact.sides = [Side { body: None, arm: middle }, Side { body: None, arm: middle - offset }];
         contact.touch_tolerance = TOUCHING * contact.sides[1].arm.norm();
-        for (point, arm) in contact.points[..count].iter_mut().zip(&arms) {
+        for ((point, arm), share) in contact.points[..count].iter_mut().zip(&arms).zip(shares) {
             let offset = arm - middle;
             point.lever = offset.cross(&normal);
             point.is_active = point.expected > 0.0 || point.separation <= contact.touch_tolerance;
-            contact.radius += offset.norm() / count as f64;
+            contact.radius += offset.norm() * share;
         }
         contact.expected = std::array::from_fn(|row| f64::from(impulses.0[POINTS + row]) * scale);
         contact.friction = contact.expected;

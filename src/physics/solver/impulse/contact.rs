@@ -18,7 +18,7 @@
 //!
 //! Friction acts at the middle of the manifold along two tangents, solved together, with |λ_t| ≤ μ Σ λ
 //! (a disc, not a square), and as torsion about n with |λ_τ| ≤ μ ρ Σ λ, ρ the mean distance of the
-//! points from the middle.
+//! points from the middle; points that hover bear less of either ([`footing`](crate::physics::contact)).
 
 use nalgebra::{SimdBool, Vector3};
 
@@ -27,6 +27,7 @@ use super::constants::{CENTRAL, CONTACT_ROUNDS};
 use super::pair::Pair;
 use super::stage::Sweep;
 use crate::physics::collision::{ContactGeometry, GEOMETRY, POINTS};
+use crate::physics::contact::shares;
 use crate::physics::lanes::{Lanes, READ_ONLY, Record, WIDTH, add_scaled, dot, inverse, vector};
 use crate::physics::scalar::Scalar;
 use crate::physics::solver::soft_terms::{Projection, SoftTerms};
@@ -136,10 +137,10 @@ impl<L: Lanes> ContactBlock<L> {
         let linear = of_a.inverse_mass_along(&normal) + of_b.inverse_mass_along(&normal);
         let half = L::of(0.5);
         // From A's and from B's centre.
-        let mut middle = [Vector3::repeat(L::zero()); 2];
         let mut arms: [Vector3<L>; POINTS] = [Vector3::repeat(L::zero()); POINTS];
         let flat = |index: usize| geometry[1 + index / WIDTH][index % WIDTH];
-        let share = inverse(count);
+        let mut present = [L::zero(); POINTS];
+        let mut arms_of_b = arms;
         self.points = std::array::from_fn(|index| {
             let active = used.select(count.simd_gt(L::of(index as f64)), L::zero());
             let at = |first: usize| {
@@ -153,18 +154,20 @@ impl<L: Lanes> ContactBlock<L> {
             let angular = [of_a.whiten(&arm_a.cross(&normal)), of_b.whiten(&arm_b.cross(&normal))];
             let [of_a, of_b] = angular.map(|angular| dot(&angular, &angular));
             let mass = inverse(linear + of_a + of_b) * active;
-            middle = [(middle[0], arm_a), (middle[1], arm_b)].map(|(sum, arm)| add_scaled(&sum, &arm, share * active));
-            arms[index] = arm_a;
+            (arms[index], arms_of_b[index], present[index]) = (arm_a, arm_b, active);
             let impulse = impulses[index] * active;
             Point { angular, separation: dot(&normal, &to_b), mass, relaxed_mass: mass, impulse }
         });
         self.friction = inputs.iter().any(|input| input.geometry.friction() > 0.0).then(|| {
-            let mut radius = L::zero();
-            for (index, arm) in arms.iter().enumerate() {
+            let shares = shares(&arms, &self.points.map(|point| point.separation), &present);
+            let middle = [arms, arms_of_b].map(|arms| {
+                let zero = Vector3::repeat(L::zero());
+                arms.iter().zip(shares).fold(zero, |sum, (arm, share)| add_scaled(&sum, arm, share))
+            });
+            let radius = arms.iter().zip(shares).fold(L::zero(), |sum, (arm, share)| {
                 let off = arm - middle[0];
-                let distance = dot(&off, &off).simd_sqrt();
-                radius += (distance * share).select(count.simd_gt(L::of(index as f64)), L::zero());
-            }
+                sum + dot(&off, &off).simd_sqrt() * share
+            });
             Friction::new(&frames, &normal, &tangents, &middle, radius, &impulses[POINTS..], used)
         });
         self.point_count = inputs.iter().map(|input| input.geometry.point_count()).max().unwrap_or(0);
