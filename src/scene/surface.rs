@@ -87,10 +87,7 @@ impl SurfaceSpec {
             return Err(SurfaceError::Ragged { row, count: wrong.len(), first: columns });
         }
         let [nx, nz] = [columns, rows.len()].map(|count| count as u32 - 1);
-        // From where a vertex is back to its row and column.
-        let place = |at: f64, size: f64, count: u32| ((at / size + 0.5) * f64::from(count)).round() as usize;
-        let height = |x: f64, z: f64| rows[place(z, size[1], nz)][place(x, size[0], nx)];
-        let mesh = TriangleMesh::height_field(size, [nx, nz], height)?;
+        let mesh = TriangleMesh::grid(size, [nx, nz], |[i, k], _| rows[k as usize][i as usize])?;
         Ok(Self::of(SurfaceForm::Heights { size, rows }, mesh, false)?)
     }
 

@@ -35,7 +35,7 @@ pub(crate) use lag::LaggedContacts;
 pub(crate) use manifold::{ContactPoint, Contacts, FeatureId, Manifold, Pair, PairKey, PartPair};
 pub(crate) use narrow::contact_pair::{PairSearch, touch};
 pub(crate) use narrow::place::place;
-pub(crate) use parts::parts_within;
+pub(crate) use parts::{box_of, parts_within};
 pub use probe::PlacedCollider;
 pub(crate) use slots::graph::{ContactGraph, GONE};
 pub(crate) use slots::record::{ContactGeometry, ContactState, GEOMETRY, IMPACT, POINTS};

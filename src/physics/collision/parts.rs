@@ -79,8 +79,7 @@ pub(super) fn near_parts([a, b]: [&Body; 2], within: [Option<BoundingBox>; 2], g
         (Some(of_a), Some(of_b)) => parts_in(b, of_b, within[0], growth, |part_of_b| {
             let axes = b.rotation.to_rotation_matrix().into_inner();
             let bounds = placed_box(&of_b.solids()[part_of_b as usize].bounds(), &axes, &b.position);
-            let grown = BoundingBox { low: bounds.low.add_scalar(-growth), high: bounds.high.add_scalar(growth) };
-            parts_in(a, of_a, Some(grown), growth, |part| list.push(PartPair { a: part, b: part_of_b }));
+            parts_in(a, of_a, Some(bounds.grown(growth)), growth, |part| list.push(PartPair { a: part, b: part_of_b }));
         }),
     }
 }
@@ -92,13 +91,12 @@ fn parts_in(body: &Body, parts: &Parts, within: Option<BoundingBox>, growth: f64
         return;
     };
     let into_body = body.rotation.inverse().to_rotation_matrix().into_inner();
-    let BoundingBox { low, high } = placed_box(&bounds, &into_body, &-(into_body * body.position));
-    let grown = BoundingBox { low: low.add_scalar(-growth), high: high.add_scalar(growth) };
-    parts.tree().overlapping(&grown, &mut take);
+    let bounds = placed_box(&bounds, &into_body, &-(into_body * body.position));
+    parts.tree().overlapping(&bounds.grown(growth), &mut take);
 }
 
-/// A box that holds a body's shape where it is; none of a half-space.
-pub(super) fn box_of(body: &Body) -> Option<BoundingBox> {
+/// A box that holds a body's shape where it is; none of a half-space, and of what has no shape.
+pub(crate) fn box_of(body: &Body) -> Option<BoundingBox> {
     let [low, high] = body.geometry.as_ref()?.reach(&body.rotation.to_rotation_matrix().into_inner())?;
     Some(BoundingBox { low: body.position + low, high: body.position + high })
 }

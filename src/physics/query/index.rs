@@ -4,9 +4,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
-use nalgebra::Vector3;
 
 use crate::physics::box_tree::BoxTree;
+use crate::physics::collision;
 use crate::physics::{Body, BoundingBox};
 
 /// Part of its radius by which a body's box is larger than the body, as rounding might else leave something out.
@@ -60,10 +60,7 @@ impl Index {
     }
 }
 
-/// A box that holds a body's shape; none of a half-space, and of what has no shape.
+/// A box that holds a body's shape for certain; none of a half-space, and of what has no shape.
 pub(super) fn box_of(body: &Body) -> Option<BoundingBox> {
-    let axes = body.rotation.to_rotation_matrix().into_inner();
-    let [low, high] = body.geometry.as_ref()?.reach(&axes)?;
-    let slack = Vector3::repeat(SLACK * body.radius);
-    Some(BoundingBox { low: body.position + low - slack, high: body.position + high + slack })
+    collision::box_of(body).map(|bounds| bounds.grown(SLACK * body.radius))
 }

@@ -206,8 +206,7 @@ impl PhysicsQuery<'_> {
             most
         };
         let most = index.unbounded.iter().fold(most, |most, &plane| look(plane, most));
-        let distance = |bounds: &BoundingBox| (at - at.sup(&bounds.low).inf(&bounds.high)).norm();
-        index.tree.search(most, distance, look);
+        index.tree.search(most, |bounds| bounds.distance(&at), look);
     }
 
     /// Hands each body that a shape touches on its way to `take`, which tells how far matters from then on.

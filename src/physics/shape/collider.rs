@@ -334,15 +334,11 @@ impl Measured {
             .collect();
         let radius = children.iter().map(|child| child.position.length() + child.collider.bounding_radius());
         let measures = Measures { volume, moments, radius: radius.fold(0.0, f64::max) };
-        let solids = children.iter().map(|CompoundChild { collider, position, rotation }| {
-            let geometry = collider.geometry();
-            Solid {
-                inner_radius: geometry.inner_radius(),
-                geometry,
-                radius: collider.bounding_radius(),
-                position: (*position).into(),
-                rotation: UnitQuaternion::new_normalize((*rotation).into()),
-            }
+        let solids = children.iter().map(|CompoundChild { collider, position, rotation }| Solid {
+            geometry: collider.geometry(),
+            radius: collider.bounding_radius(),
+            position: (*position).into(),
+            rotation: UnitQuaternion::new_normalize((*rotation).into()),
         });
         let parts = Arc::new(Parts::of_solids(solids.collect()));
         Self { parts, children, center, axes, measures }

@@ -107,8 +107,6 @@ pub(crate) struct Solid {
     pub geometry: Geometry,
     /// Bounding radius about its own centre of mass, m.
     pub radius: f64,
-    /// Of a ball about its centre of mass that it holds, m.
-    pub inner_radius: f64,
     /// Of its centre of mass in the body's axes.
     pub position: Vector3<f64>,
     pub rotation: UnitQuaternion<f64>,
@@ -117,7 +115,7 @@ pub(crate) struct Solid {
 impl Parts {
     /// Of solids.
     pub fn of_solids(solids: Vec<Solid>) -> Self {
-        let inner_radius = solids.iter().map(|solid| solid.inner_radius).fold(f64::INFINITY, f64::min);
+        let inner_radius = solids.iter().map(|solid| solid.geometry.inner_radius()).fold(f64::INFINITY, f64::min);
         let boxes: Vec<_> = solids.iter().map(Solid::bounds).collect();
         Self::new(PartList::Solids(solids), boxes, inner_radius)
     }

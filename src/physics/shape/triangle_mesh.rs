@@ -110,9 +110,18 @@ impl TriangleMesh {
     /// # Errors
     /// A height or a size is not finite, there are too many triangles, or none has an area.
     pub fn height_field(
+        size: [f64; 2],
+        squares: [u32; 2],
+        height: impl Fn(f64, f64) -> f64,
+    ) -> Result<Self, MeshError> {
+        Self::grid(size, squares, |_, [x, z]| height(x, z))
+    }
+
+    /// Likewise, whose height is a function of which vertex it is along x and z, and of x and z.
+    pub(crate) fn grid(
         [size_x, size_z]: [f64; 2],
         [nx, nz]: [u32; 2],
-        height: impl Fn(f64, f64) -> f64,
+        height: impl Fn([u32; 2], [f64; 2]) -> f64,
     ) -> Result<Self, MeshError> {
         let count = 2 * nx as usize * nz as usize;
         if count > Self::MOST_TRIANGLES {
@@ -123,7 +132,7 @@ impl TriangleMesh {
         for k in 0..=nz {
             for i in 0..=nx {
                 let (x, z) = (along(i, nx, size_x), along(k, nz, size_z));
-                vertices.push(DVec3::new(x, height(x, z), z));
+                vertices.push(DVec3::new(x, height([i, k], [x, z]), z));
             }
         }
         let at = |i: u32, k: u32| k * (nx + 1) + i;
@@ -174,7 +183,7 @@ impl TriangleMesh {
 
     /// The farthest vertex from the body's position, m.
     pub(super) fn radius(&self) -> f64 {
-        self.list().vertices.iter().map(Vector3::norm).fold(0.0, f64::max)
+        self.list().radius
     }
 
     pub(super) fn parts(&self) -> Arc<Parts> {

@@ -39,6 +39,8 @@ const LIST: usize = 16;
 pub(crate) struct Triangles {
     pub vertices: Vec<Vector3<f64>>,
     pub corners: Vec<[u32; 3]>,
+    /// The farthest vertex from the origin, m.
+    pub radius: f64,
     /// Where the neighbors of each vertex begin; then the number of all.
     first_neighbor: Vec<u32>,
     neighbors: Vec<u32>,
@@ -96,7 +98,9 @@ impl Triangles {
         let first = |vertex: u32| ends.partition_point(|[from, _]| *from < vertex) as u32;
         let first_neighbor = (0..=vertices.len() as u32).map(first).collect();
         let neighbors = ends.iter().map(|[_, to]| *to).collect();
-        let mut own = Self { vertices, corners, first_neighbor, neighbors, owners, beyond, facets: Vec::new() };
+        let radius = vertices.iter().map(Vector3::norm).fold(0.0, f64::max);
+        let facets = Vec::new();
+        let mut own = Self { vertices, corners, radius, first_neighbor, neighbors, owners, beyond, facets };
         own.facets = own.find_facets();
         own
     }

@@ -6,7 +6,7 @@ use rand_pcg::Pcg64Mcg;
 
 use super::gravity::TEN;
 use super::palette;
-use super::random::{any_direction, any_rotation, seeded};
+use super::random::{any_hull, any_rotation, seeded};
 use crate::scene::info::Parameter;
 use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
@@ -27,7 +27,7 @@ const KINDS: [(&str, fn(&mut Pcg64Mcg) -> ShapeSpec); 4] = [
     ("ball", |random| ShapeSpec::Sphere { radius: random.random_range(0.2..0.4) }),
     ("hull", |random| {
         let radius = random.random_range(0.32..0.4);
-        ShapeSpec::hull((0..CORNERS).map(|_| radius * any_direction(random)).collect::<Vec<_>>())
+        any_hull(random, radius, CORNERS)
     }),
     ("cone", |_| ShapeSpec::Cone { radius: 0.25, height: 0.6 }),
 ];

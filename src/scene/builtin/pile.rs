@@ -6,7 +6,7 @@ use rand_pcg::Pcg64Mcg;
 
 use super::gravity::EARTH;
 use super::palette;
-use super::random::{any_direction, any_rotation, seeded};
+use super::random::{any_hull, any_rotation, seeded};
 use crate::scene::info::Parameter;
 use crate::scene::{BodySpec, SceneInfo, SceneSpec, ShapeSpec, Subject, ViewSpec};
 
@@ -104,5 +104,5 @@ fn thing(i: usize, place: DVec3, random: &mut Pcg64Mcg) -> BodySpec {
 fn rock(random: &mut Pcg64Mcg) -> ShapeSpec {
     let radius = random.random_range(0.34..REACH);
     let corners = random.random_range(8..=16);
-    ShapeSpec::hull((0..corners).map(|_| radius * any_direction(random)).collect::<Vec<_>>())
+    any_hull(random, radius, corners)
 }

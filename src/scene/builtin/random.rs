@@ -7,6 +7,8 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 
+use crate::scene::ShapeSpec;
+
 /// Random numbers that are the same on every machine and in every run.
 pub fn seeded() -> Pcg64Mcg {
     Pcg64Mcg::seed_from_u64(2009)
@@ -26,4 +28,9 @@ pub fn any_rotation(random: &mut Pcg64Mcg) -> DQuat {
     let [one, other] = std::array::from_fn(|_| random.random_range(0.0..TAU).sin_cos());
     let (rest, share) = ((1.0 - share).sqrt(), share.sqrt());
     DQuat::from_xyzw(rest * one.0, rest * one.1, share * other.0, share * other.1).normalize()
+}
+
+/// The hull of so many points on a ball of that radius, m.
+pub fn any_hull(random: &mut Pcg64Mcg, radius: f64, corners: usize) -> ShapeSpec {
+    ShapeSpec::hull((0..corners).map(|_| radius * any_direction(random)).collect::<Vec<_>>())
 }

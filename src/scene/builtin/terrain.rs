@@ -6,8 +6,7 @@ use rand_pcg::Pcg64Mcg;
 
 use super::gravity::TEN;
 use super::palette;
-use super::random::{any_direction, any_rotation, seeded};
-use crate::physics::RigidBody;
+use super::random::{any_hull, any_rotation, seeded};
 use crate::scene::info::Parameter;
 use crate::scene::{
     BodySpec, ChildSpec, CompoundSpec, SceneInfo, SceneSpec, ShapeSpec, Subject, SurfaceSpec, ViewSpec,
@@ -32,7 +31,7 @@ const KINDS: [(&str, fn(&mut Pcg64Mcg) -> ShapeSpec); 7] = [
     ("ball", |random| ShapeSpec::Sphere { radius: random.random_range(0.2..0.35) }),
     ("hull", |random| {
         let radius = random.random_range(0.32..0.4);
-        ShapeSpec::hull((0..CORNERS).map(|_| radius * any_direction(random)).collect::<Vec<_>>())
+        any_hull(random, radius, CORNERS)
     }),
     ("cone", |_| ShapeSpec::Cone { radius: 0.25, height: 0.6 }),
     ("capsule", |random| ShapeSpec::Capsule { radius: 0.15, length: random.random_range(0.3..0.6) }),
@@ -85,8 +84,8 @@ fn build_terrain(n: usize, squares: usize, hills: f64) -> SceneSpec {
     let at = |place: usize| SIDE * (place as f64 / squares as f64 - 0.5);
     let rows = (0..=squares).map(|k| (0..=squares).map(|i| height(at(i), at(k), hills)).collect());
     let ground = SurfaceSpec::heights([SIDE; 2], rows.collect()).expect("heights of a grid");
-    let ground = BodySpec::new("ground", ShapeSpec::Surface(ground), DVec3::ZERO).with_color(palette::GROUND);
-    scene.bodies.push(BodySpec { kind: RigidBody::Static, ..ground });
+    let ground = BodySpec::new("ground", ShapeSpec::Surface(ground), DVec3::ZERO).fixed();
+    scene.bodies.push(ground.with_color(palette::GROUND));
     let mut random = seeded();
     let first = -0.5 * PITCH * (ROW - 1) as f64;
     for i in 0..n {

@@ -65,6 +65,16 @@ impl BoundingBox {
         Self { low: self.low.zip_map(&other.low, least), high: self.high.zip_map(&other.high, most) }
     }
 
+    /// Larger by that much on all sides, m.
+    pub fn grown(&self, by: f64) -> Self {
+        Self { low: self.low.add_scalar(-by), high: self.high.add_scalar(by) }
+    }
+
+    /// How far a point is outside, m; 0 inside.
+    pub fn distance(&self, point: &Vector3<f64>) -> f64 {
+        (point - point.sup(&self.low).inf(&self.high)).norm()
+    }
+
     /// Half the surface area, m².
     #[inline]
     pub(super) fn half_area(&self) -> f64 {

@@ -52,7 +52,8 @@ impl<'a> Placed<'a> {
     pub fn project(&self, axis: &Vector3<f64>) -> [f64; 2] {
         let middle = self.center.dot(axis);
         match self.geometry {
-            Geometry::HalfSpace | Geometry::Parts(_) => [f64::NEG_INFINITY, middle],
+            Geometry::HalfSpace => [f64::NEG_INFINITY, middle],
+            Geometry::Parts(_) => unreachable!("parts come one by one"),
             Geometry::Sphere { radius } => [middle - radius, middle + radius],
             Geometry::Cuboid { half } => {
                 let reach = self.to_body(axis).abs().dot(half);
@@ -80,7 +81,8 @@ impl<'a> Placed<'a> {
     pub fn axes(&self, of_edges: bool, axes: &mut Vec<Vector3<f64>>) {
         axes.clear();
         match self.geometry {
-            Geometry::HalfSpace | Geometry::Sphere { .. } | Geometry::Parts(_) => {}
+            Geometry::HalfSpace | Geometry::Sphere { .. } => {}
+            Geometry::Parts(_) => unreachable!("parts come one by one"),
             Geometry::Cuboid { .. } => axes.extend((0..3).map(|axis| self.axis(axis))),
             Geometry::Hull(hull) | Geometry::Cone { hull, .. } | Geometry::Capsule { hull, .. } if of_edges => {
                 axes.extend(hull.edge_directions.iter().map(|direction| self.rotation * direction));
@@ -96,7 +98,8 @@ impl<'a> Placed<'a> {
     pub fn nearest(&self, point: &Vector3<f64>) -> Vector3<f64> {
         let local = self.to_body(&(point - self.center));
         match self.geometry {
-            Geometry::HalfSpace | Geometry::Sphere { .. } | Geometry::Parts(_) => self.center,
+            Geometry::HalfSpace | Geometry::Sphere { .. } => self.center,
+            Geometry::Parts(_) => unreachable!("parts come one by one"),
             Geometry::Cuboid { half } => self.to_world(&local.zip_map(half, |along, half| along.clamp(-half, half))),
             Geometry::Hull(hull) | Geometry::Cone { hull, .. } | Geometry::Capsule { hull, .. } => {
                 self.to_world(&nearest_on_hull(hull, &local))
@@ -107,7 +110,8 @@ impl<'a> Placed<'a> {
     /// Whether a point lies in the shape, or no farther outside than the tolerance.
     pub fn holds(&self, point: &Vector3<f64>, tolerance: f64) -> bool {
         match self.geometry {
-            Geometry::HalfSpace | Geometry::Parts(_) => (point - self.center).dot(&self.plane_normal()) <= tolerance,
+            Geometry::Parts(_) => unreachable!("parts come one by one"),
+            Geometry::HalfSpace => (point - self.center).dot(&self.plane_normal()) <= tolerance,
             Geometry::Sphere { radius } => (point - self.center).norm() <= radius + tolerance,
             Geometry::Cuboid { .. } | Geometry::Hull(_) | Geometry::Cone { .. } | Geometry::Capsule { .. } => {
                 (point - self.nearest(point)).norm() <= tolerance
@@ -126,7 +130,8 @@ impl<'a> Placed<'a> {
             }
         };
         match self.geometry {
-            Geometry::HalfSpace | Geometry::Parts(_) => {}
+            Geometry::HalfSpace => {}
+            Geometry::Parts(_) => unreachable!("parts come one by one"),
             Geometry::Sphere { radius } => visit(0, self.center + direction * *radius),
             Geometry::Cuboid { half } => {
                 let arms: [_; 3] = std::array::from_fn(|axis| self.axis(axis) * half[axis]);

@@ -30,10 +30,8 @@ pub(super) fn touch(
     let first = points.len();
     let [low, high] = shape.reach(&shape_in_mesh.rotation)?;
     let scale = Scale::new(radius, radius, gap);
-    let bounds = BoundingBox {
-        low: (shape_in_mesh.center + low).add_scalar(-scale.gap),
-        high: (shape_in_mesh.center + high).add_scalar(scale.gap),
-    };
+    let center = &shape_in_mesh.center;
+    let bounds = BoundingBox { low: center + low, high: center + high }.grown(scale.gap);
     // What was found along the facet's normal, and along another.
     let (mut flat, mut border): (Option<Overlap>, Option<Overlap>) = (None, None);
     let [mut of_flat, mut of_border, mut outline] = std::mem::take(&mut search.of_facet);

@@ -18,7 +18,7 @@ pub(crate) fn place(shape: &Geometry, point: &Vector3<f64>, radius: f64) -> (Vec
 /// At the nearest of the parts; from a mesh, which has no inside, every point is away.
 fn place_at_parts(parts: &Parts, point: &Vector3<f64>) -> (Vector3<f64>, f64) {
     let mut nearest = (Vector3::y(), f64::INFINITY);
-    let distance = |bounds: &BoundingBox| (point - point.sup(&bounds.low).inf(&bounds.high)).norm();
+    let distance = |bounds: &BoundingBox| bounds.distance(point);
     let mut take = |found: (Vector3<f64>, f64)| {
         if found.1 < nearest.1 {
             nearest = found;
