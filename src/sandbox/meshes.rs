@@ -155,7 +155,7 @@ pub(super) fn picture_size(shape: &Shape) -> Vec3 {
 /// The same for bodies whose pictures differ in no more than their size.
 fn picture_key(shape: &Shape, picture: Option<&PictureMesh>) -> Vec<u64> {
     if let Some(PictureMesh(mesh)) = picture {
-        return vec![5, mesh.mesh().fingerprint, mesh.scale().to_bits()];
+        return vec![5, mesh.mesh().fingerprint, mesh.scale().to_bits(), mesh.most_pieces().map_or(0, u64::from)];
     }
     let (kind, sizes) = match shape {
         Shape::HalfSpace => (0, vec![]),
@@ -187,7 +187,7 @@ fn picture_key(shape: &Shape, picture: Option<&PictureMesh>) -> Vec<u64> {
 /// ground, which is drawn elsewhere.
 pub(super) fn picture_of(shape: &Shape, picture: Option<&PictureMesh>) -> Option<Mesh> {
     match (shape, picture) {
-        (Shape::Hull(_), Some(PictureMesh(mesh))) => Some(mesh_of_file(mesh)),
+        (Shape::Hull(_) | Shape::Compound(_), Some(PictureMesh(mesh))) => Some(mesh_of_file(mesh)),
         (Shape::Sphere { .. }, _) => Some(ball(1.0).with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, ball_shades())),
         (Shape::Cuboid { .. }, _) => mesh_of(&Shape::Cuboid { size: DVec3::ONE }),
         (Shape::Capsule { radius, length }, _) => mesh_of(&Shape::Capsule { radius: 1.0, length: length / radius }),
@@ -299,11 +299,11 @@ fn mesh_of_compound(compound: &Compound) -> Mesh {
     triangle_list(corners).with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
 }
 
-/// The triangles of a mesh file, from the centre of mass of its hull, in the hull's principal axes.
+/// The triangles of a mesh file, from the body's centre of mass, in its principal axes.
 fn mesh_of_file(spec: &MeshSpec) -> Mesh {
-    let (mesh, hull) = (spec.mesh(), spec.hull());
-    let to_body = hull.axes().inverse();
-    let place = |corner: u32| (to_body * (mesh.positions[corner as usize] * spec.scale() - hull.center())).as_vec3();
+    let (mesh, center) = (spec.mesh(), spec.center());
+    let to_body = spec.axes().inverse();
+    let place = |corner: u32| (to_body * (mesh.positions[corner as usize] * spec.scale() - center)).as_vec3();
     let triangles = triangle_list(mesh.triangles.iter().flatten().map(|&corner| place(corner)).collect());
     if mesh.normals.is_empty() {
         return triangles.with_computed_flat_normals();

@@ -145,6 +145,9 @@ fn shape_of(collider: &Collider, mesh: Option<&PictureMesh>, given: Option<&Give
             given.unwrap_or_else(|| ShapeSpec::Hull(hull.clone().into()))
         }
         Shape::Compound(compound) => match given {
+            _ if mesh.is_some_and(|picture| picture.0.pieces() == Some(compound)) => {
+                ShapeSpec::Mesh(mesh.expect("is there").0.clone())
+            }
             Some(ShapeSpec::Compound(given)) if given.compound() == compound => ShapeSpec::Compound(given.clone()),
             _ => ShapeSpec::Compound(compound_of(compound)),
         },

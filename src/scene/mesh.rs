@@ -1,4 +1,4 @@
-//! Meshes: a body is the convex hull of one and looks like it.
+//! Meshes: a body is the convex hull of one, or of each of its pieces, and looks like it.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -7,12 +7,13 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use bevy::math::{DVec3, Vec3};
+use bevy::math::{DQuat, DVec3, Vec3};
 use bevy::prelude::Component;
 use xxhash_rust::xxh3::xxh3_64;
 
+use super::pieces::{PiecesError, Whole, in_pieces};
 use super::surface::{SurfaceForm, SurfaceSpec};
-use crate::physics::{ConvexHull, HullError, MeshError, TriangleMesh};
+use crate::physics::{Collider, Compound, ConvexHull, HullError, MeshError, TriangleMesh};
 
 /// Largest mesh file that is read, bytes: some millions of triangles.
 pub const MAX_MESH_BYTES: u64 = 256 << 20;
@@ -56,10 +57,12 @@ pub struct MeshSpec {
     scale: f64,
     mesh: Arc<ObjMesh>,
     hull: ConvexHull,
+    /// At most how many, and what they are.
+    pieces: Option<(u32, Compound)>,
 }
 
 /// What a body looks like, where that is not its collider. In the frame of the mesh file; the
-/// collider's [`ConvexHull::center`] and [`ConvexHull::axes`] place the body in it.
+/// [`MeshSpec::center`] and [`MeshSpec::axes`] place the body in it.
 #[derive(Component, Clone, Debug, PartialEq)]
 pub struct PictureMesh(pub MeshSpec);
 
@@ -124,6 +127,9 @@ pub enum ObjError {
         /// What is wrong with its vertices.
         error: HullError,
     },
+    /// It cannot be cut in pieces.
+    #[error("{0}")]
+    Pieces(#[from] PiecesError),
 }
 
 impl MeshSpec {
@@ -134,7 +140,18 @@ impl MeshSpec {
     /// # Errors
     /// The file is missing, too large, not an OBJ mesh, or its hull has no volume.
     pub fn load(file: &str, folder: &Path, scale: f64) -> Result<Self, ObjError> {
-        Meshes::new(folder).load(file, scale)
+        Meshes::new(folder).load(file, scale, None)
+    }
+
+    /// Of at most so many convex pieces, so that what is hollow can hold something.
+    ///
+    /// # Errors
+    /// There are to be fewer than 2 pieces or more than [`MOST_PIECES`](super::MOST_PIECES), or the mesh is too fine.
+    pub fn with_pieces(mut self, most: u32) -> Result<Self, PiecesError> {
+        let ObjMesh { positions, triangles, fingerprint, .. } = &*self.mesh;
+        let whole = Whole { positions, triangles, fingerprint: *fingerprint };
+        self.pieces = Some((most, in_pieces(whole, self.scale, most)?));
+        Ok(self)
     }
 
     /// One that comes with Plumb, by its name without prefix.
@@ -166,17 +183,42 @@ impl MeshSpec {
         &self.mesh
     }
 
-    /// The hull, scaled.
+    /// The hull of the whole, scaled.
     pub fn hull(&self) -> &ConvexHull {
         &self.hull
     }
+
+    /// What it is in pieces, if it is, scaled.
+    pub fn pieces(&self) -> Option<&Compound> {
+        self.pieces.as_ref().map(|(_, compound)| compound)
+    }
+
+    /// How many pieces it may have at most, if it has any.
+    pub fn most_pieces(&self) -> Option<u32> {
+        self.pieces.as_ref().map(|&(most, _)| most)
+    }
+
+    /// As a component.
+    pub fn collider(&self) -> Collider {
+        self.pieces().cloned().map_or_else(|| Collider::hull(self.hull.clone()), Collider::of_compound)
+    }
+
+    /// The body's centre of mass, in the file's axes, scaled.
+    pub fn center(&self) -> DVec3 {
+        self.pieces().map_or_else(|| self.hull.center(), Compound::center)
+    }
+
+    /// Turns the body's principal axes into the file's.
+    pub fn axes(&self) -> DQuat {
+        self.pieces().map_or_else(|| self.hull.axes(), Compound::axes)
+    }
 }
 
-/// The meshes of one scene: each file is read once, and the hull of each size built once.
+/// The meshes of one scene: each file is read once, and the hull or pieces of each size built once.
 pub(super) struct Meshes {
     folder: PathBuf,
     read: HashMap<String, Arc<ObjMesh>>,
-    made: HashMap<(String, u64), MeshSpec>,
+    made: HashMap<(String, u64, Option<u32>), MeshSpec>,
 }
 
 impl Meshes {
@@ -185,16 +227,21 @@ impl Meshes {
         Self { folder: folder.into(), read: HashMap::new(), made: HashMap::new() }
     }
 
-    /// As [`MeshSpec::load`].
-    pub fn load(&mut self, file: &str, scale: f64) -> Result<MeshSpec, ObjError> {
-        let slot = match self.made.entry((file.to_owned(), scale.to_bits())) {
+    /// As [`MeshSpec::load`], and [`MeshSpec::with_pieces`] where there are to be some.
+    pub fn load(&mut self, file: &str, scale: f64, pieces: Option<u32>) -> Result<MeshSpec, ObjError> {
+        let slot = match self.made.entry((file.to_owned(), scale.to_bits(), pieces)) {
             Entry::Occupied(made) => return Ok(made.get().clone()),
             Entry::Vacant(slot) => slot,
         };
         let ReadMesh { mesh, path, shown } = read_once(&mut self.read, &self.folder, file)?;
         let points: Vec<DVec3> = mesh.positions.iter().map(|&position| position * scale).collect();
         let hull = ConvexHull::new(&points).map_err(|error| ObjError::Hull { file: shown, error })?;
-        Ok(slot.insert(MeshSpec { file: file.into(), path: path.map(Into::into), scale, mesh, hull }).clone())
+        let whole = MeshSpec { file: file.into(), path: path.map(Into::into), scale, mesh, hull, pieces: None };
+        let made = match pieces {
+            Some(most) => whole.with_pieces(most)?,
+            None => whole,
+        };
+        Ok(slot.insert(made).clone())
     }
 
     /// The surface that the triangles of a file are, that many times as large.

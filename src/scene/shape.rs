@@ -47,7 +47,7 @@ pub enum ShapeSpec {
     },
     /// The convex hull of points, wherever they lie: the body's position is its centre of mass.
     Hull(HullSpec),
-    /// The convex hull of a mesh, which it looks like.
+    /// The convex hull of a mesh or of each of its pieces; it looks like the mesh.
     Mesh(MeshSpec),
     /// Solids that are one body, wherever they lie: the body's position is their centre of mass.
     Compound(CompoundSpec),
@@ -119,7 +119,7 @@ impl ShapeSpec {
             Self::Cylinder { radius, height } => Collider::cylinder(*radius, *height),
             Self::Cone { radius, height } => Collider::cone(*radius, *height),
             Self::Hull(hull) => Collider::hull(hull.hull().clone().expect("a valid scene's hulls have a volume")),
-            Self::Mesh(mesh) => Collider::hull(mesh.hull().clone()),
+            Self::Mesh(mesh) => mesh.collider(),
             Self::Compound(compound) => Collider::of_compound(compound.compound().clone()),
             Self::Surface(surface) => Collider::mesh(surface.mesh().clone()),
         }
@@ -142,11 +142,20 @@ impl ShapeSpec {
         }
     }
 
-    /// The hull, of a hull or mesh that has one.
+    /// What it is of several solids, if it is: a compound, or a mesh in pieces.
+    pub fn compound(&self) -> Option<&Compound> {
+        match self {
+            Self::Compound(compound) => Some(compound.compound()),
+            Self::Mesh(mesh) => mesh.pieces(),
+            _ => None,
+        }
+    }
+
+    /// The hull, of a hull or mesh that is one.
     pub fn convex_hull(&self) -> Option<&ConvexHull> {
         match self {
             Self::Hull(hull) => hull.hull().as_ref().ok(),
-            Self::Mesh(mesh) => Some(mesh.hull()),
+            Self::Mesh(mesh) if mesh.pieces().is_none() => Some(mesh.hull()),
             _ => None,
         }
     }
@@ -158,10 +167,7 @@ impl ShapeSpec {
 
     /// Likewise; none of shapes whose axes are always principal.
     pub(super) fn own_axes(&self) -> Option<DQuat> {
-        match self {
-            Self::Compound(compound) => Some(compound.compound().axes()),
-            _ => self.convex_hull().map(ConvexHull::axes),
-        }
+        self.compound().map(Compound::axes).or_else(|| self.convex_hull().map(ConvexHull::axes))
     }
 
     /// m³; a half-space's and a surface's are infinite.
@@ -174,7 +180,8 @@ impl ShapeSpec {
             Self::Capsule { radius, length } => PI * radius * radius * (length + 4.0 / 3.0 * radius),
             Self::Cylinder { radius, height } => PI * radius * radius * height,
             Self::Cone { radius, height } => PI / 3.0 * radius * radius * height,
-            Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::volume),
+            Self::Mesh(mesh) => mesh.collider().volume(),
+            Self::Hull(_) => self.convex_hull().map_or(0.0, ConvexHull::volume),
         }
     }
 
@@ -186,7 +193,8 @@ impl ShapeSpec {
                 let extents = compound.children().iter().map(|child| child.shape.smallest_extent());
                 extents.fold(f64::INFINITY, f64::min)
             }
-            Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::thickness),
+            Self::Mesh(mesh) => mesh.hull().thickness(),
+            Self::Hull(_) => self.convex_hull().map_or(0.0, ConvexHull::thickness),
             Self::Sphere { radius } | Self::Capsule { radius, .. } => 2.0 * radius,
             Self::Cuboid { size } => size.min_element(),
             Self::Cylinder { radius, height } | Self::Cone { radius, height } => height.min(2.0 * *radius),
@@ -198,13 +206,13 @@ impl ShapeSpec {
     pub fn bounding_radius(&self) -> f64 {
         match self {
             Self::HalfSpace => f64::INFINITY,
-            Self::Compound(_) | Self::Surface(_) => self.collider().bounding_radius(),
+            Self::Compound(_) | Self::Surface(_) | Self::Mesh(_) => self.collider().bounding_radius(),
             Self::Sphere { radius } => *radius,
             Self::Cuboid { size } => size.length() / 2.0,
             Self::Capsule { radius, length } => 0.5 * length + radius,
             Self::Cylinder { radius, height } => radius.hypot(0.5 * height),
             Self::Cone { radius, height } => radius.hypot(height / 4.0).max(0.75 * height),
-            Self::Hull(_) | Self::Mesh(_) => self.convex_hull().map_or(0.0, ConvexHull::bounding_radius),
+            Self::Hull(_) => self.convex_hull().map_or(0.0, ConvexHull::bounding_radius),
         }
     }
 }

@@ -28,10 +28,14 @@ fn support(body: &BodySpec, direction: DVec3) -> DVec3 {
             if local.dot(apex) > local.dot(rim) { apex } else { rim }
         }
         Some(shape @ (ShapeSpec::Hull(_) | ShapeSpec::Mesh(_))) => {
-            let hull = shape.convex_hull().expect("it has a hull");
+            // That of pieces is the hull of the whole, about their centre.
+            let (hull, center) = match shape {
+                ShapeSpec::Mesh(mesh) => (mesh.hull(), mesh.center()),
+                _ => shape.convex_hull().map(|hull| (hull, hull.center())).expect("it has a hull"),
+            };
             let local = hull.axes().inverse() * local;
             let farthest = hull.vertices().max_by(|a, b| a.dot(local).total_cmp(&b.dot(local)));
-            hull.axes() * farthest.expect("a hull has vertices")
+            hull.center() + hull.axes() * farthest.expect("a hull has vertices") - center
         }
         Some(ShapeSpec::HalfSpace | ShapeSpec::Compound(_) | ShapeSpec::Surface(_)) | None => DVec3::ZERO,
     };

@@ -35,6 +35,11 @@ fn reach_of(shape: &ShapeSpec, direction: DVec3) -> f64 {
             let rim = radius * direction.x.hypot(direction.z) - 0.25 * height * direction.y;
             apex.max(rim)
         }
+        // The hull of pieces is that of the whole.
+        ShapeSpec::Mesh(mesh) if mesh.pieces().is_some() => {
+            let places = mesh.mesh().positions.iter().map(|&place| place * mesh.scale() - mesh.center());
+            places.map(|place| place.dot(direction)).fold(0.0, f64::max)
+        }
         ShapeSpec::Hull(_) | ShapeSpec::Mesh(_) => {
             let direction = shape.axes().inverse() * direction;
             let vertices = shape.convex_hull().into_iter().flat_map(ConvexHull::vertices);

@@ -22,6 +22,9 @@ pub(super) const LIMBS: SceneInfo = SceneInfo {
 /// How many bodies [`build`] makes.
 const BODIES: usize = 1 + 3 * FIGURE_PARTS + 3 + 3 + 1 + 2 + LINKS + 10 + 3 + 3 + 5;
 
+/// At most; fewer would fill it more.
+const BOWL_PIECES: u32 = 16;
+
 /// Links of the garland.
 const LINKS: usize = 28;
 
@@ -191,7 +194,7 @@ fn add_loose_things(scene: &mut SceneSpec) {
     }
 }
 
-/// Each lies on a face of its hull, or nearly.
+/// Each lies on a face of its hull, or nearly. The bowl is of pieces, so that it holds what is put in it.
 fn add_loose_meshes(scene: &mut SceneSpec) {
     let on_a_facet = DQuat::from_rotation_y(0.5) * DQuat::from_rotation_x(0.777);
     let things = [
@@ -203,8 +206,11 @@ fn add_loose_meshes(scene: &mut SceneSpec) {
     ];
     for (name, scale, mass, at, rotation, color) in things {
         let mesh = MeshSpec::builtin(&format!("{name}.obj"), scale);
-        let up = (rotation * mesh.hull().axes()).inverse() * DVec3::Y;
-        let reach = mesh.hull().vertices().map(|vertex| -up.dot(vertex)).fold(0.0, f64::max);
+        let mesh = if name == "bowl" { mesh.with_pieces(BOWL_PIECES).expect("it is a solid") } else { mesh };
+        let up = rotation.inverse() * DVec3::Y;
+        let (center, corners) = (mesh.center(), mesh.hull().vertices());
+        let corners = corners.map(|vertex| mesh.hull().center() + mesh.hull().axes() * vertex - center);
+        let reach = corners.map(|corner| -up.dot(corner)).fold(0.0, f64::max);
         let thing = BodySpec::new(name, ShapeSpec::Mesh(mesh), at + reach * DVec3::Y);
         scene.bodies.push(thing.with_mass(mass).with_rotation(rotation).with_color(color));
     }

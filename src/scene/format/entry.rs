@@ -109,6 +109,8 @@ pub(super) enum ShapeEntry {
         file: String,
         #[serde(skip_serializing_if = "Option::is_none")]
         scale: Option<Positive>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pieces: Option<u32>,
     },
     Compound {
         children: Vec<ChildEntry>,

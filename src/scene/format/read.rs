@@ -15,7 +15,7 @@ use crate::scene::error::Flaw;
 use crate::scene::mesh::Meshes;
 use crate::scene::number::{Quaternion, Vector};
 use crate::scene::{
-    BodySpec, ChildSpec, CompoundSpec, JointSpec, MAX_BODIES, MaterialSpec, SceneError, SceneSpec, ShapeSpec,
+    BodySpec, ChildSpec, CompoundSpec, JointSpec, MAX_BODIES, MaterialSpec, ObjError, SceneError, SceneSpec, ShapeSpec,
     SurfaceSpec, ViewSpec, validate,
 };
 
@@ -175,9 +175,10 @@ impl ShapeEntry {
             Self::Cylinder { radius, height } => ShapeSpec::Cylinder { radius: radius.into(), height: height.into() },
             Self::Cone { radius, height } => ShapeSpec::Cone { radius: radius.into(), height: height.into() },
             Self::Hull { points } => ShapeSpec::hull(points.into_iter().map(DVec3::from).collect::<Vec<_>>()),
-            Self::Mesh { file, scale } => {
-                let mesh = meshes.load(&file, scale.map_or(1.0, f64::from));
-                ShapeSpec::Mesh(mesh.map_err(|error| ("file".to_owned(), error.to_string()))?)
+            Self::Mesh { file, scale, pieces } => {
+                let mesh = meshes.load(&file, scale.map_or(1.0, f64::from), pieces);
+                let field = |error: &ObjError| if matches!(error, ObjError::Pieces(_)) { "pieces" } else { "file" };
+                ShapeSpec::Mesh(mesh.map_err(|error| (field(&error).to_owned(), error.to_string()))?)
             }
             Self::Compound { children } => {
                 let children: Result<_, _> =
@@ -228,6 +229,9 @@ impl ChildEntry {
             ShapeSpec::Hull(hull) => hull.hull().as_ref().map(|_| ()).map_err(|error| ("points", error.to_string())),
             ShapeSpec::HalfSpace | ShapeSpec::Surface(_) => {
                 Err(("", "no solid; give balls, boxes, capsules, cylinders, cones, hulls or meshes".to_owned()))
+            }
+            ShapeSpec::Mesh(mesh) if mesh.pieces().is_some() => {
+                Err(("pieces", "a compound in a compound; leave 'pieces' out".to_owned()))
             }
             ShapeSpec::Compound(_) => Err(("", "a compound in a compound; give its children instead".to_owned())),
             _ => Ok(()),

@@ -108,6 +108,7 @@ impl ShapeEntry {
             ShapeSpec::Mesh(mesh) => Self::Mesh {
                 file: file_of(mesh.file(), mesh.path(), folder)?,
                 scale: unless_same(mesh.scale(), 1.0).map(Positive::of_valid),
+                pieces: mesh.most_pieces(),
             },
             ShapeSpec::Compound(compound) => {
                 let children = compound.children().iter().map(|child| ChildEntry::of(child, folder));
