@@ -19,6 +19,7 @@ mod scene_format;
 mod scene_meshes;
 mod scene_overlap;
 mod scene_parts;
+mod scene_suite;
 mod settings_page;
 mod stability;
 mod standing;
