@@ -20,7 +20,7 @@ import mujoco
 import numpy as np
 
 COLUMNS = """
-run,scene,parameters,engine,version,precision,hz,substeps,iterations,threads,seconds,answer,error,unit,error_at_1_s,joint_separation,joint_separation_end,hinge_tilt,limit_overshoot,torque_error,sink,sink_end,drift,energy_change,energy_drift,ms_per_step,ms_low,ms_high,times_plumb,times_fastest_peer,note
+run,scene,parameters,engine,version,precision,hz,substeps,iterations,threads,seconds,answer,error,unit,error_at_1_s,joint_separation,joint_separation_end,hinge_tilt,limit_overshoot,torque_error,sink,sink_end,drift,overlap,overlap_end,energy_change,energy_drift,ms_per_step,ms_low,ms_high,times_plumb,times_fastest_peer,note
 """.strip().split(",")
 REFERENCE = pathlib.Path(__file__).resolve().parent.parent / "assets" / "reference"
 INTEGRATORS = {"RK4": "mujoco:rk4", "Euler": "mujoco:euler", "implicitfast": "mujoco:implicitfast"}

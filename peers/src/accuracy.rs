@@ -114,7 +114,7 @@ mod tests {
     #[test]
     fn a_run_is_as_long_as_asked_and_near_the_reference() {
         let scene = Scene::parse("rods 1").unwrap();
-        let settings = Settings { hz: 120.0, substeps: None, threads: 1 };
+        let settings = Settings { hz: 120.0, substeps: None, threads: 1, sleep: false };
         for kind in EngineKind::standard() {
             let row = run(&scene, kind, &settings, 1.0, "precision");
             // Half a swing of a metre: an engine that ran at another rate would be off by far more.

@@ -12,6 +12,7 @@ mod record;
 mod scene;
 mod speed;
 mod statistics;
+mod suite;
 mod table;
 mod threads;
 
@@ -51,6 +52,12 @@ struct Arguments {
     /// Time to simulate, s [default: the command's own for each scene]
     #[arg(long, global = true, value_parser = positive)]
     seconds: Option<f64>,
+    /// Let sleep what is at rest: off unless asked for
+    #[arg(long, global = true)]
+    sleep: bool,
+    /// 'speed': the scenes of Box3D's own benchmark at its sizes, for its numbers of steps, with 4 substeps
+    #[arg(long, global = true, conflicts_with = "scenes")]
+    suite: bool,
     /// How often the engines take turns
     #[arg(long, global = true, default_value_t = 9, value_parser = value_parser!(u32).range(1..))]
     rounds: u32,
@@ -105,11 +112,24 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         Command::Accuracy => ("accuracy", accuracy::SCENES, accuracy::measure),
         Command::Precision => ("precision", precision::SCENES, precision::measure),
     };
-    let scenes = arguments.scenes.as_deref().unwrap_or(default_scenes);
+    if arguments.suite && name != "speed" {
+        return Err(format!("--suite is for 'speed', not '{name}'; give --scenes").into());
+    }
+    let scenes = match &arguments.scenes {
+        Some(scenes) => scenes.split(',').map(Scene::parse).collect::<Result<_, _>>()?,
+        None if arguments.suite => suite::SUITE.iter().map(|of| Scene::parse(of.scene)).collect::<Result<_, _>>()?,
+        None => default_scenes.split(',').map(Scene::parse).collect::<Result<_, _>>()?,
+    };
     let plan = Plan {
-        scenes: scenes.split(',').map(Scene::parse).collect::<Result<_, _>>()?,
+        scenes,
         engines: if arguments.engines.is_empty() { EngineKind::standard() } else { arguments.engines.clone() },
-        settings: Settings { hz: arguments.hz, substeps: arguments.substeps, threads: arguments.threads },
+        settings: Settings {
+            hz: arguments.hz,
+            substeps: arguments.substeps.or(arguments.suite.then_some(suite::SUBSTEPS)),
+            threads: arguments.threads,
+            sleep: arguments.sleep,
+        },
+        suite: arguments.suite,
         rounds: arguments.rounds,
         seconds: arguments.seconds,
     };

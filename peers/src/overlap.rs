@@ -1,5 +1,7 @@
 //! How deep bodies overlap, from their states alone: the same code for every engine.
 
+use std::collections::HashSet;
+
 use bevy::math::DVec3;
 use plumb::lab::BodyState;
 use plumb::physics::{Collider, PlacedCollider, Position, RigidBody, Rotation};
@@ -8,10 +10,11 @@ use crate::scene::Scene;
 
 /// The deepest overlap of two bodies that may touch, m; 0 where none do.
 pub fn deepest(scene: &Scene, states: &[BodyState]) -> f64 {
-    let joined = |a: usize, b: usize| {
-        let is_joint_of = |joint: &crate::joint::Joint| [(joint.a, joint.b), (joint.b, joint.a)].contains(&(a, b));
-        scene.joints.iter().any(|joint| !joint.collide && is_joint_of(joint))
-    };
+    let order = |a: usize, b: usize| (a.min(b), a.max(b));
+    let joined: HashSet<(usize, usize)> =
+        scene.joints.iter().filter(|joint| !joint.collide).map(|joint| order(joint.a, joint.b)).collect();
+    let moves = |index: usize| scene.bodies[index].kind == RigidBody::Dynamic;
+    let mut radii = vec![0.0; scene.bodies.len()];
     let mut spans: Vec<(f64, f64, usize)> = Vec::new();
     let mut planes = Vec::new();
     for (index, (body, state)) in scene.bodies.iter().zip(states).enumerate() {
@@ -20,6 +23,7 @@ pub fn deepest(scene: &Scene, states: &[BodyState]) -> f64 {
             Some(collider) if *collider == Collider::half_space() => planes.push(index),
             Some(collider) => {
                 let radius = collider.bounding_radius();
+                radii[index] = radius;
                 spans.push((state.position.x - radius, state.position.x + radius, index));
             }
         }
@@ -35,20 +39,15 @@ pub fn deepest(scene: &Scene, states: &[BodyState]) -> f64 {
     };
     let overlap = |a: usize, b: usize| {
         let (one, other) = (&scene.bodies[a], &scene.bodies[b]);
-        let is_pair = (one.kind == RigidBody::Dynamic || other.kind == RigidBody::Dynamic)
-            && one.layers.interact(other.layers)
-            && !joined(a, b);
+        let is_pair = one.layers.interact(other.layers) && !joined.contains(&order(a, b));
         if is_pair { placed(a)?.overlap(&placed(b)?) } else { None }
     };
     let mut deepest = 0.0_f64;
     for (place, &(_, end, a)) in spans.iter().enumerate() {
         let near = spans[place + 1..].iter().take_while(|(start, ..)| *start <= end);
-        let apart = |b: usize| {
-            let reach =
-                [a, b].map(|index| scene.bodies[index].collider.as_ref().map_or(0.0, Collider::bounding_radius));
-            DVec3::distance(states[a].position, states[b].position) > reach[0] + reach[1]
-        };
-        for b in near.map(|&(.., b)| b).filter(|&b| !apart(b)).chain(planes.iter().copied()) {
+        let near = near.map(|&(.., b)| b).filter(|&b| moves(a) || moves(b));
+        let near = near.filter(|&b| DVec3::distance(states[a].position, states[b].position) <= radii[a] + radii[b]);
+        for b in near.chain(planes.iter().copied().filter(|_| moves(a))) {
             deepest = deepest.max(overlap(a, b).unwrap_or(0.0));
         }
     }

@@ -11,6 +11,8 @@ pub struct Plan {
     pub scenes: Vec<Scene>,
     pub engines: Vec<EngineKind>,
     pub settings: Settings,
+    /// Whether the scenes are those of Box3D's benchmark.
+    pub suite: bool,
     /// How often the engines take turns.
     pub rounds: u32,
     /// Time to simulate; none: the command's own choice for each scene.

@@ -146,7 +146,7 @@ mod tests {
     #[test]
     fn columns_are_those_of_the_readme_and_of_the_mujoco_script() {
         let scene = Scene::parse("rods 1").unwrap();
-        let settings = Settings { hz: 120.0, substeps: None, threads: 1 };
+        let settings = Settings { hz: 120.0, substeps: None, threads: 1, sleep: false };
         let row = Row { seconds: 1.0, ..Row::new("precision", &scene, EngineKind::Rapier, &settings) };
         let metrics = Metrics {
             answer: Some(Answer { name: "tip", error: 0.5, unit: "m" }),
@@ -172,8 +172,8 @@ mod tests {
         }
         assert_eq!(
             measured,
-            "precision,rods,n=1,rapier,0.36.1,f32,120.0,4,1,1,1.0,tip,0.5,m,0.25,,,0.125,,,2.0,1.5,3.0,-0.125,0.125,,,,,,"
+            "precision,rods,n=1,rapier,0.36.1,f32,120.0,4,1,1,1.0,tip,0.5,m,0.25,,,0.125,,,2.0,1.5,3.0,,,-0.125,0.125,,,,,,"
         );
-        assert!(refused.ends_with(",1.0,,,,,,,,,,,,,,,,,,,,\"panicked: a, \"\"b\"\"\""), "{refused}");
+        assert!(refused.ends_with(",1.0,,,,,,,,,,,,,,,,,,,,,,\"panicked: a, \"\"b\"\"\""), "{refused}");
     }
 }

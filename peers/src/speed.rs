@@ -32,6 +32,9 @@ const WARM_UP_STEPS: u32 = 60;
 /// Steps that an engine takes before it is the next one's turn.
 const BLOCK_STEPS: u32 = 20;
 
+/// Rounds of Box3D's benchmark between looks: its scenes are large, and a look costs as much as many steps.
+const SUITE_LOOKS: u32 = 5;
+
 /// A block, or the warm-up, ends early after this.
 const LONGEST_BLOCK: Duration = Duration::from_secs(2);
 
@@ -46,9 +49,10 @@ pub fn measure(plan: &Plan) -> Report {
     let mut times_plumb = heading("times plumb's");
     let mut times_fastest = heading("times the fastest peer's");
     let mut overlaps = heading("deepest overlap, m: ever, at the end");
+    let mut separations = heading("joints apart, m: ever, at the end");
     for scene in &plan.scenes {
         plan.progress(scene);
-        let rows = measure_scene(scene, &plan.engines, &plan.settings, plan.rounds);
+        let rows = measure_scene(scene, &plan.engines, &plan.settings, &Course::of(scene, plan));
         let line = |show: fn(&Row) -> Option<f64>| {
             let cell = |row: &Row| show(row).map_or_else(|| "-".to_owned(), short);
             [scene.to_string()].into_iter().chain(rows.iter().map(cell)).collect()
@@ -56,49 +60,89 @@ pub fn measure(plan: &Plan) -> Report {
         cost.push(line(|row| row.ms_per_step));
         times_plumb.push(line(|row| row.times_plumb));
         times_fastest.push(line(|row| row.times_fastest_peer));
-        if rows.iter().any(|row| row.overlap.is_some()) {
-            let both = |row: &Row| match (row.overlap, row.overlap_end) {
+        let both = |of: fn(&Row) -> (Option<f64>, Option<f64>)| {
+            let cell = |row: &Row| match of(row) {
                 (Some(ever), Some(end)) => format!("{}, {}", short(ever), short(end)),
                 _ => "-".to_owned(),
             };
-            overlaps.push([scene.to_string()].into_iter().chain(rows.iter().map(both)).collect());
+            [scene.to_string()].into_iter().chain(rows.iter().map(cell)).collect()
+        };
+        if rows.iter().any(|row| row.overlap.is_some()) {
+            overlaps.push(both(|row| (row.overlap, row.overlap_end)));
+        }
+        if rows.iter().any(|row| row.joint_separation.is_some()) {
+            separations.push(both(|row| (row.joint_separation, row.joint_separation_end)));
         }
         report.note_refusals(scene, &rows);
         report.rows.extend(rows);
     }
-    let tables = [cost, times_plumb, times_fastest, overlaps];
+    let tables = [cost, times_plumb, times_fastest, overlaps, separations];
     let tables: Vec<String> = tables.iter().filter(|cells| cells.len() > 1).map(|cells| table(cells)).collect();
     report.text = tables.join("\n") + &report.text;
     report
+}
+
+/// How a scene is run.
+struct Course {
+    /// Steps before anything is timed.
+    warm_up: u32,
+    rounds: u32,
+    /// Rounds from one look at how deep bodies overlap, and joints come apart, to the next; none: there is none.
+    look_every: Option<u32>,
+    /// Whether what is at rest may sleep.
+    sleep: bool,
+}
+
+impl Course {
+    fn of(scene: &Scene, plan: &Plan) -> Self {
+        let sleep = plan.settings.sleep;
+        let rounds = |steps: f64| (steps / f64::from(BLOCK_STEPS)).ceil() as u32;
+        let steps_of = |seconds: f64| seconds * plan.settings.hz;
+        if let Some(entry) = crate::suite::entry(scene).filter(|_| plan.suite) {
+            let steps = plan.seconds.map_or(f64::INFINITY, steps_of).min(entry.steps.into());
+            // The first step of a world is not in the benchmark's numbers.
+            let sleep = sleep && entry.sleeps;
+            Self { warm_up: 1, rounds: rounds(steps), look_every: Some(SUITE_LOOKS), sleep }
+        } else if MOVING.contains(&scene.name()) {
+            Self { warm_up: 0, rounds: rounds(steps_of(MOVING_SECONDS)), look_every: Some(1), sleep }
+        } else {
+            Self { warm_up: WARM_UP_STEPS, rounds: plan.rounds, look_every: None, sleep }
+        }
+    }
 }
 
 /// One engine in one scene: the step times, ms, of each block.
 struct Lane {
     run: Result<Run, Unable>,
     blocks: Vec<Vec<f64>>,
-    /// How deep bodies overlapped after each block, m.
+    /// How deep bodies overlapped at each look, m.
     overlaps: Vec<f64>,
+    /// How far joints had come apart, m.
+    separations: Vec<f64>,
 }
 
-fn measure_scene(scene: &Scene, engines: &[EngineKind], settings: &Settings, rounds: u32) -> Vec<Row> {
-    let start = |kind: &EngineKind| Lane { run: kind.start(scene, settings), blocks: Vec::new(), overlaps: Vec::new() };
+fn measure_scene(scene: &Scene, engines: &[EngineKind], settings: &Settings, course: &Course) -> Vec<Row> {
+    let settings = &Settings { sleep: course.sleep, ..*settings };
+    let start = |kind: &EngineKind| Lane {
+        run: kind.start(scene, settings),
+        blocks: Vec::new(),
+        overlaps: Vec::new(),
+        separations: Vec::new(),
+    };
     let mut lanes: Vec<Lane> = engines.iter().map(start).collect();
-    let moves = MOVING.contains(&scene.name());
-    if !moves {
+    if course.warm_up > 0 {
         for lane in &mut lanes {
-            lane.block(WARM_UP_STEPS);
+            lane.block(course.warm_up);
             lane.blocks.clear();
         }
     }
-    let moving_rounds = (MOVING_SECONDS * settings.hz / f64::from(BLOCK_STEPS)).ceil() as u32;
-    let rounds = if moves { moving_rounds } else { rounds };
-    for round in 0..rounds as usize {
+    for round in 0..course.rounds {
         // Not always the same after the same.
         for turn in 0..lanes.len() {
-            let lane = (round + turn) % lanes.len();
+            let lane = (round as usize + turn) % lanes.len();
             lanes[lane].block(BLOCK_STEPS);
-            if moves {
-                lanes[lane].measure_overlap(scene);
+            if course.look_every.is_some_and(|every| (round + 1) % every == 0 || round + 1 == course.rounds) {
+                lanes[lane].look(scene);
             }
         }
     }
@@ -122,6 +166,8 @@ fn measure_scene(scene: &Scene, engines: &[EngineKind], settings: &Settings, rou
                 times_fastest_peer: fastest_peer.and_then(|peer| ratio(own, &medians[peer])),
                 overlap: lane.overlaps.iter().copied().reduce(f64::max),
                 overlap_end: lane.overlaps.last().copied(),
+                joint_separation: lane.separations.iter().copied().reduce(f64::max),
+                joint_separation_end: lane.separations.last().copied(),
                 ..row
             },
         }
@@ -147,10 +193,13 @@ impl Lane {
         self.blocks.push(block);
     }
 
-    fn measure_overlap(&mut self, scene: &Scene) {
+    fn look(&mut self, scene: &Scene) {
         let Ok(run) = &mut self.run else { return };
         match run.read() {
-            Ok(states) => self.overlaps.push(overlap::deepest(scene, states)),
+            Ok(states) => {
+                self.overlaps.push(overlap::deepest(scene, states));
+                self.separations.extend(scene.joints.iter().map(|joint| joint.separation(states)).reduce(f64::max));
+            }
             Err(unable) => self.run = Err(unable),
         }
     }
@@ -180,8 +229,9 @@ mod tests {
     #[test]
     fn a_heap_is_measured_as_it_falls_with_how_deep_it_overlaps() {
         let scene = Scene::parse("heap 0 20").unwrap();
-        let settings = Settings { hz: 60.0, substeps: None, threads: 1 };
-        let rows = measure_scene(&scene, &EngineKind::standard(), &settings, 1);
+        let settings = Settings { hz: 60.0, substeps: None, threads: 1, sleep: false };
+        let course = Course { warm_up: 0, rounds: 15, look_every: Some(1), sleep: false };
+        let rows = measure_scene(&scene, &EngineKind::standard(), &settings, &course);
         for row in &rows {
             assert!((row.seconds - MOVING_SECONDS).abs() < 1e-12, "{}", row.engine);
             let (ever, end) = (row.overlap.unwrap(), row.overlap_end.unwrap());
@@ -192,8 +242,9 @@ mod tests {
     #[test]
     fn every_engine_has_a_row_and_plumb_is_one_times_plumb() {
         let scene = Scene::parse("rods 2").unwrap();
-        let settings = Settings { hz: 60.0, substeps: None, threads: 1 };
-        let rows = measure_scene(&scene, &EngineKind::standard(), &settings, 3);
+        let settings = Settings { hz: 60.0, substeps: None, threads: 1, sleep: false };
+        let course = Course { warm_up: WARM_UP_STEPS, rounds: 3, look_every: None, sleep: false };
+        let rows = measure_scene(&scene, &EngineKind::standard(), &settings, &course);
         assert_eq!(rows.len(), EngineKind::standard().len());
         assert_eq!(rows[0].times_plumb, Some(1.0));
         for row in &rows {
@@ -201,6 +252,7 @@ mod tests {
             assert!((row.seconds - 2.0).abs() < 1e-12, "{}", row.engine);
             assert!(row.ms_low <= row.ms_per_step && row.ms_per_step <= row.ms_high, "{}", row.engine);
         }
+        assert!(rows.iter().all(|row| row.overlap.is_none()));
         let fastest = rows[1..].iter().filter_map(|row| row.times_fastest_peer).fold(f64::INFINITY, f64::min);
         assert!((0.5..=1.0).contains(&fastest));
     }

@@ -20,6 +20,7 @@ mod scene_meshes;
 mod scene_overlap;
 mod scene_parts;
 mod scene_pieces;
+mod scene_suite;
 mod settings_page;
 mod stability;
 mod standing;

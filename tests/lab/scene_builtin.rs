@@ -47,7 +47,7 @@ fn all_scenes_are_there_the_start_scene_first() {
     let names: Vec<_> = catalog().iter().map(|scene| scene.name).collect();
     let expected = "limbs pendulum rods chain hanging joint_grid top heavy_top incline slide_roll rolling painleve \
                     bounce spheres cradle wall stack pyramid pyramids sandwich slab column boulder wrecking_ball arch card_house \
-                    dominoes pile heap terrain far four_bar bricard andrews arm servo stop hinge_chain bridge tower car ragdolls \
+                    dominoes pile heap terrain rain washer trees junkyard convex_pile large_world far four_bar bricard andrews arm servo stop hinge_chain bridge tower car ragdolls \
                     empty";
     assert_eq!(names.join(" "), expected);
     for scene in catalog() {
@@ -114,6 +114,12 @@ fn body_counts_are_as_designed() {
     assert_eq!(count("far", &[]), 11 + 12);
     assert_eq!(count("heap", &[("n", 30.0)]), 30 + 1);
     assert_eq!(count("terrain", &[("n", 30.0)]), 30 + 1);
+    assert_eq!(count("rain", &[("n", 10.0)]), 100 + 300 * 11);
+    assert_eq!(count("washer", &[("n", 20.0)]), 8000 + 2);
+    assert_eq!(count("trees", &[("n", 50.0)]), 50 + 1);
+    assert_eq!(count("junkyard", &[("n", 21.0), ("layers", 24.0)]), 21 * 21 * 24 + 6);
+    assert_eq!(count("convex_pile", &[("layers", 80.0)]), 5120 + 1);
+    assert_eq!(count("large_world", &[("n", 300.0)]), 90_000 + 100);
     assert_eq!(count("arch", &[]), 15 + 1);
     assert_eq!(count("pile", &[("n", 7.0)]), 7 + 5);
     assert_eq!(count("card_house", &[]), 15 + 1);
@@ -182,7 +188,7 @@ fn rods_and_chain_start_where_their_references_do() {
 
 #[test]
 fn gravity_is_as_designed() {
-    let ten = "rods chain hanging joint_grid stack pyramid pyramids sandwich slab column boulder wrecking_ball far heap terrain hinge_chain"
+    let ten = "rods chain hanging joint_grid stack pyramid pyramids sandwich slab column boulder wrecking_ball far heap terrain rain washer trees junkyard convex_pile large_world hinge_chain"
         .split(' ')
         .collect::<Vec<_>>();
     for info in catalog() {

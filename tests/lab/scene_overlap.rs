@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 
 use bevy::math::DVec3;
-use plumb::scene::{BodySpec, SceneSpec, ShapeSpec, catalog, find};
+use plumb::scene::{BodySpec, ChildSpec, SceneSpec, ShapeSpec, catalog, find};
 
 /// Rounding of positions up to 1e8 m from the origin, and touching faces.
 const TOLERANCE: f64 = 1e-7;
@@ -71,6 +71,19 @@ fn apart(a: &BodySpec, b: &BodySpec) -> bool {
     false
 }
 
+/// What a body is made of: the parts of a compound, each as a body of its name, or itself.
+fn solids(body: &BodySpec) -> Vec<BodySpec> {
+    let Some(ShapeSpec::Compound(compound)) = &body.shape else { return vec![body.clone()] };
+    let center = compound.compound().center();
+    let part = |child: &ChildSpec| BodySpec {
+        shape: Some(child.shape.clone()),
+        position: body.point(child.position - center),
+        rotation: body.rotation * child.rotation,
+        ..body.clone()
+    };
+    compound.children().iter().map(part).collect()
+}
+
 /// The names of every pair that may collide and overlaps.
 fn overlaps(scene: &SceneSpec) -> Vec<String> {
     let joined: HashSet<(&str, &str)> = scene
@@ -79,12 +92,12 @@ fn overlaps(scene: &SceneSpec) -> Vec<String> {
         .filter(|joint| !joint.collide)
         .flat_map(|joint| [(&*joint.body_a, &*joint.body_b), (&*joint.body_b, &*joint.body_a)])
         .collect();
-    let solid: Vec<&BodySpec> = scene.bodies.iter().filter(|body| body.shape.is_some()).collect();
+    let solid: Vec<BodySpec> = scene.bodies.iter().filter(|body| body.shape.is_some()).flat_map(solids).collect();
     let mut found = Vec::new();
     for (i, a) in solid.iter().enumerate() {
         for b in &solid[i + 1..] {
             let clear = match (&a.shape, &b.shape) {
-                _ if joined.contains(&(&a.name, &b.name)) || !a.layers.interact(b.layers) => true,
+                _ if a.name == b.name || joined.contains(&(&a.name, &b.name)) || !a.layers.interact(b.layers) => true,
                 (Some(ShapeSpec::HalfSpace), _) => support(b, DVec3::NEG_Y).y >= a.position.y - TOLERANCE,
                 (Some(one), Some(other)) => {
                     let reach = one.bounding_radius() + other.bounding_radius();

@@ -16,7 +16,7 @@ use bevy::prelude::{Entity, EntityWorldMut, Fixed, MinimalPlugins, Time, Transfo
 use bevy::tasks::ComputeTaskPool;
 use bevy::time::TimeUpdateStrategy;
 use plumb::lab::BodyState;
-use plumb::physics::{Damping, DistanceLaw, MassProperties, RigidBody as Kind, Shape};
+use plumb::physics::{CompoundChild, Damping, DistanceLaw, MassProperties, RigidBody as Kind, Shape};
 use plumb::scene::JointKindSpec;
 
 use super::{Engine, Follower, NO_HULL, cone_middle, finite, speed_of};
@@ -33,7 +33,7 @@ pub struct Avian {
 }
 
 impl Avian {
-    pub fn new(scene: &Scene, hz: f64, substeps: u32) -> Self {
+    pub fn new(scene: &Scene, hz: f64, substeps: u32, sleep: bool) -> Self {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, TransformPlugin, PhysicsPlugins::default()))
             .insert_resource(Gravity(scene.spec.gravity.as_vec3()))
@@ -49,7 +49,7 @@ impl Avian {
         app.finish();
         app.cleanup();
         let world = app.world_mut();
-        let bodies: Vec<Entity> = scene.bodies.iter().map(|body| spawn(world, body)).collect();
+        let bodies: Vec<Entity> = scene.bodies.iter().map(|body| spawn(world, body, sleep)).collect();
         let joints: Vec<Entity> =
             scene.joints.iter().map(|joint| spawn_joint(world, joint, &bodies, &scene.bodies)).collect();
         // A frame in which no time passes: what its plugins do at the start of an app.
@@ -106,11 +106,12 @@ impl Engine for Avian {
     }
 }
 
-fn spawn(world: &mut World, body: &Body) -> Entity {
+fn spawn(world: &mut World, body: &Body, sleep: bool) -> Entity {
     let (position, rotation) = (body.position.as_vec3(), body.rotation.as_quat());
     let kind = match body.kind {
         Kind::Dynamic => RigidBody::Dynamic,
-        Kind::Static | Kind::Kinematic => RigidBody::Static,
+        Kind::Kinematic => RigidBody::Kinematic,
+        Kind::Static => RigidBody::Static,
     };
     let mut entity = world.spawn((
         kind,
@@ -119,8 +120,10 @@ fn spawn(world: &mut World, body: &Body) -> Entity {
         Rotation(rotation),
         LinearVelocity(body.velocity.linear.as_vec3()),
         AngularVelocity(body.velocity.angular.as_vec3()),
-        SleepingDisabled,
     ));
+    if !sleep {
+        entity.insert(SleepingDisabled);
+    }
     if let Some(MassProperties { mass, inertia }) = body.mass {
         entity.insert((
             (Mass(mass as f32), AngularInertia::new(inertia.as_vec3()), CenterOfMass(Vec3::ZERO)),
@@ -165,7 +168,16 @@ fn collider(shape: &Shape) -> Collider {
         Shape::Hull(hull) => {
             Collider::convex_hull(hull.vertices().map(|vertex| vertex.as_vec3()).collect()).expect(NO_HULL)
         }
-        Shape::Compound(_) | Shape::Mesh(_) => unreachable!("not translated"),
+        Shape::Compound(compound) => {
+            let part = |child: &CompoundChild| {
+                (child.position.as_vec3(), child.rotation.as_quat(), collider(child.collider.shape()))
+            };
+            Collider::compound(compound.children().iter().map(part).collect())
+        }
+        Shape::Mesh(mesh) => {
+            let vertices = mesh.vertices().map(|vertex| vertex.as_vec3()).collect();
+            Collider::trimesh_with_config(vertices, mesh.triangles().to_vec(), TrimeshFlags::FIX_INTERNAL_EDGES)
+        }
     }
 }
 

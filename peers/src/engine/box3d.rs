@@ -1,4 +1,4 @@
-//! Box3D through its C interface: its default definitions, with sleep off.
+//! Box3D through its C interface: its default definitions, with sleep off unless it is asked for.
 #![allow(unsafe_code)]
 
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -7,7 +7,7 @@ use std::ffi::c_int;
 use bevy::math::{DQuat, DVec3};
 use box3d_sys::*;
 use plumb::lab::BodyState;
-use plumb::physics::{DistanceLaw, MassProperties, RigidBody as Kind, Shape};
+use plumb::physics::{DistanceLaw, MassProperties, RigidBody as Kind, Shape, TriangleMesh};
 use plumb::scene::JointKindSpec;
 
 use super::{Engine, Follower, NO_HULL, finite, speed_of};
@@ -18,6 +18,8 @@ use crate::scene::{Body, Scene};
 pub struct Box3d {
     world: b3WorldId,
     bodies: Vec<b3BodyId>,
+    /// Its shapes refer to them; each dies once, after the world.
+    meshes: Vec<*mut b3MeshData>,
     /// Bodies with a force and torque that last; Box3D clears both at each step.
     pushed: Vec<(b3BodyId, b3Vec3, b3Vec3)>,
     followers: Vec<Follower<b3JointId>>,
@@ -27,23 +29,25 @@ pub struct Box3d {
 }
 
 impl Box3d {
-    pub fn new(scene: &Scene, hz: f64, substeps: u32, threads: u32) -> Self {
+    pub fn new(scene: &Scene, hz: f64, substeps: u32, threads: u32, sleep: bool) -> Self {
         // SAFETY: default definitions are valid, and only public fields are changed.
         let world = unsafe {
             let mut definition = b3DefaultWorldDef();
             definition.gravity = vector(scene.spec.gravity);
-            definition.enableSleep = false;
+            definition.enableSleep = sleep;
             definition.workerCount = threads;
             b3CreateWorld(&definition)
         };
         let ground = ground_half_extent(scene);
-        let bodies: Vec<b3BodyId> = scene.bodies.iter().map(|body| create_body(world, body, ground)).collect();
+        let mut meshes = Meshes::default();
+        let bodies: Vec<b3BodyId> =
+            scene.bodies.iter().map(|body| create_body(world, body, ground, &mut meshes)).collect();
         let joints: Vec<b3JointId> =
             scene.joints.iter().map(|joint| create_joint(world, joint, &bodies, &scene.bodies)).collect();
         let followers = Follower::of(&scene.joints, &joints);
         let pushed = scene.bodies.iter().zip(&bodies).filter(|(body, _)| body.is_pushed());
         let pushed = pushed.map(|(body, &id)| (id, vector(body.force.force), vector(body.force.torque))).collect();
-        Self { world, bodies, pushed, followers, hz, substeps: substeps as c_int, steps: 0 }
+        Self { world, bodies, meshes: meshes.made, pushed, followers, hz, substeps: substeps as c_int, steps: 0 }
     }
 
     fn state(&self, body: usize) -> BodyState {
@@ -103,8 +107,11 @@ impl Engine for Box3d {
 
 impl Drop for Box3d {
     fn drop(&mut self) {
-        // SAFETY: the world was created with self and nothing uses it after this.
-        unsafe { b3DestroyWorld(self.world) }
+        // SAFETY: the world and the meshes were created with self and nothing uses them after this.
+        unsafe {
+            b3DestroyWorld(self.world);
+            self.meshes.iter().for_each(|&mesh| b3DestroyMesh(mesh));
+        }
     }
 }
 
@@ -115,13 +122,14 @@ pub fn version() -> String {
     format!("{major}.{minor}.{revision} (box3d-sys {})", super::locked_version("box3d-sys"))
 }
 
-fn create_body(world: b3WorldId, body: &Body, ground: f64) -> b3BodyId {
+fn create_body(world: b3WorldId, body: &Body, ground: f64, meshes: &mut Meshes) -> b3BodyId {
     // SAFETY: the world exists, the default definition is valid, and only public fields are changed.
     let id = unsafe {
         let mut definition = b3DefaultBodyDef();
         definition.type_ = match body.kind {
             Kind::Dynamic => b3BodyType_b3_dynamicBody,
-            Kind::Static | Kind::Kinematic => b3BodyType_b3_staticBody,
+            Kind::Kinematic => b3BodyType_b3_kinematicBody,
+            Kind::Static => b3BodyType_b3_staticBody,
         };
         definition.position = vector(body.position);
         definition.rotation = quaternion(body.rotation);
@@ -133,7 +141,7 @@ fn create_body(world: b3WorldId, body: &Body, ground: f64) -> b3BodyId {
         b3CreateBody(world, &definition)
     };
     if let Some(collider) = &body.collider {
-        create_shape(id, body, collider.shape(), ground);
+        create_shapes(id, body, collider.shape(), ground, meshes);
     }
     if let Some(MassProperties { mass, inertia }) = body.mass {
         let [cx, cy, cz] = [inertia.x * DVec3::X, inertia.y * DVec3::Y, inertia.z * DVec3::Z].map(vector);
@@ -144,9 +152,9 @@ fn create_body(world: b3WorldId, body: &Body, ground: f64) -> b3BodyId {
     id
 }
 
-fn create_shape(id: b3BodyId, body: &Body, shape: &Shape, ground: f64) {
-    // SAFETY: the default definition is valid, and only public fields are changed; the body exists;
-    // what the calls read outlives them, since Box3D copies it.
+fn create_shapes(id: b3BodyId, body: &Body, shape: &Shape, ground: f64, meshes: &mut Meshes) {
+    // SAFETY: the default definition is valid, and only public fields are changed; the body exists; a mesh lives as long as
+    // the world.
     unsafe {
         let mut definition = b3DefaultShapeDef();
         definition.baseMaterial.friction = body.material.friction as f32;
@@ -156,31 +164,91 @@ fn create_shape(id: b3BodyId, body: &Body, shape: &Shape, ground: f64) {
         // The body has its mass from elsewhere.
         definition.updateBodyMass = false;
         match shape {
-            Shape::Sphere { radius } => {
-                let sphere = b3Sphere { center: vector(DVec3::ZERO), radius: *radius as f32 };
-                b3CreateSphereShape(id, &definition, &sphere);
+            // Its own compounds are for static bodies: a body has as many shapes as parts.
+            Shape::Compound(compound) => {
+                for child in compound.children() {
+                    create_shape(id, &definition, child.collider.shape(), child.position, child.rotation);
+                }
             }
-            Shape::Cuboid { size } => {
-                let half = vector(*size / 2.0);
-                let hull = b3MakeBoxHull(half.x, half.y, half.z);
-                b3CreateHullShape(id, &definition, &hull.base);
+            Shape::Mesh(mesh) => {
+                b3CreateMeshShape(id, &definition, meshes.of(mesh), vector(DVec3::ONE));
             }
             // It has no half-space.
             Shape::HalfSpace => {
-                let half = vector(DVec3::new(ground, GROUND_HALF_DEPTH, ground));
-                let hull = b3MakeOffsetBoxHull(half.x, half.y, half.z, vector(-GROUND_HALF_DEPTH * DVec3::Y));
-                b3CreateHullShape(id, &definition, &hull.base);
+                let size = 2.0 * DVec3::new(ground, GROUND_HALF_DEPTH, ground);
+                let place = -GROUND_HALF_DEPTH * DVec3::Y;
+                create_shape(id, &definition, &Shape::Cuboid { size }, place, DQuat::IDENTITY);
             }
-            Shape::Capsule { radius, length } => {
-                let [center1, center2] = [-0.5, 0.5].map(|end| vector(DVec3::Y * (end * length)));
-                let capsule = b3Capsule { center1, center2, radius: *radius as f32 };
-                b3CreateCapsuleShape(id, &definition, &capsule);
-            }
-            Shape::Cone { radius, height } => create_hull(id, &definition, &cone_points(*radius, *height)),
-            Shape::Hull(hull) => create_hull(id, &definition, &hull.vertices().map(vector).collect::<Vec<_>>()),
-            Shape::Compound(_) | Shape::Mesh(_) => unreachable!("not translated"),
+            _ => create_shape(id, &definition, shape, DVec3::ZERO, DQuat::IDENTITY),
         }
     }
+}
+
+/// A solid at that place of its body.
+fn create_shape(id: b3BodyId, definition: &b3ShapeDef, shape: &Shape, place: DVec3, turn: DQuat) {
+    let at = |point: DVec3| vector(place + turn * point);
+    // SAFETY: the body exists; what the calls read outlives them, since Box3D copies it.
+    unsafe {
+        match shape {
+            Shape::Sphere { radius } => {
+                let sphere = b3Sphere { center: at(DVec3::ZERO), radius: *radius as f32 };
+                b3CreateSphereShape(id, definition, &sphere);
+            }
+            Shape::Cuboid { size } => {
+                let half = vector(*size / 2.0);
+                let place = b3Transform { p: vector(place), q: quaternion(turn) };
+                let hull = b3MakeTransformedBoxHull(half.x, half.y, half.z, place);
+                b3CreateHullShape(id, definition, &hull.base);
+            }
+            Shape::Capsule { radius, length } => {
+                let [center1, center2] = [-0.5, 0.5].map(|end| at(DVec3::Y * (end * length)));
+                let capsule = b3Capsule { center1, center2, radius: *radius as f32 };
+                b3CreateCapsuleShape(id, definition, &capsule);
+            }
+            Shape::Cone { radius, height } => {
+                create_hull(id, definition, &cone_points(*radius, *height).map(at).collect::<Vec<_>>());
+            }
+            Shape::Hull(hull) => create_hull(id, definition, &hull.vertices().map(at).collect::<Vec<_>>()),
+            Shape::HalfSpace | Shape::Compound(_) | Shape::Mesh(_) => unreachable!("no solids"),
+        }
+    }
+}
+
+/// Meshes of surfaces, one for all bodies that share one.
+#[derive(Default)]
+struct Meshes {
+    made: Vec<*mut b3MeshData>,
+    last: Option<TriangleMesh>,
+}
+
+impl Meshes {
+    fn of(&mut self, mesh: &TriangleMesh) -> *const b3MeshData {
+        if self.last.as_ref() != Some(mesh) {
+            self.made.push(create_mesh(mesh));
+            self.last = Some(mesh.clone());
+        }
+        self.made[self.made.len() - 1]
+    }
+}
+
+fn create_mesh(mesh: &TriangleMesh) -> *mut b3MeshData {
+    let mut vertices: Vec<b3Vec3> = mesh.vertices().map(vector).collect();
+    let mut indices: Vec<i32> = mesh.triangles().iter().flatten().map(|&index| index as i32).collect();
+    let definition = b3MeshDef {
+        vertices: vertices.as_mut_ptr(),
+        indices: indices.as_mut_ptr(),
+        materialIndices: std::ptr::null_mut(),
+        weldTolerance: 0.0,
+        vertexCount: vertices.len() as c_int,
+        triangleCount: mesh.triangles().len() as c_int,
+        weldVertices: false,
+        useMedianSplit: true,
+        identifyEdges: true,
+    };
+    // SAFETY: as many vertices and triangles as said, which Box3D copies.
+    let made = unsafe { b3CreateMesh(&definition, std::ptr::null_mut(), 0) };
+    assert!(!made.is_null(), "it makes no mesh of the triangles");
+    made
 }
 
 fn create_hull(id: b3BodyId, definition: &b3ShapeDef, points: &[b3Vec3]) {
@@ -198,21 +266,22 @@ fn create_hull(id: b3BodyId, definition: &b3ShapeDef, points: &[b3Vec3]) {
 /// m.
 const GROUND_HALF_DEPTH: f64 = 5.0;
 
-/// The ground as a box reaches this far from its middle, m: past all bodies by a good margin.
+/// The ground as a box reaches this far from its middle, m: past all bodies by as much as the widest
+/// heap spreads: `convex_pile 80` falls from 320 m.
 fn ground_half_extent(scene: &Scene) -> f64 {
-    const MARGIN: f64 = 50.0;
+    const MARGIN: f64 = 250.0;
     scene.bodies.iter().map(|body| body.position.x.abs().max(body.position.z.abs())).fold(0.0, f64::max) + MARGIN
 }
 
 /// Corners of the base and the apex, from the centre of mass. 32 sides are what Box3D allows in its
 /// own cones.
-fn cone_points(radius: f64, height: f64) -> Vec<b3Vec3> {
+fn cone_points(radius: f64, height: f64) -> impl Iterator<Item = DVec3> {
     const SIDES: usize = 32;
-    let rim = (0..SIDES).map(|side| {
+    let rim = (0..SIDES).map(move |side| {
         let (sin, cos) = (std::f64::consts::TAU * side as f64 / SIDES as f64).sin_cos();
         DVec3::new(radius * cos, -height / 4.0, radius * sin)
     });
-    rim.chain([0.75 * height * DVec3::Y]).map(vector).collect()
+    rim.chain([0.75 * height * DVec3::Y])
 }
 
 /// What it cannot do of a joint.

@@ -7,7 +7,7 @@ use bevy::math::{DQuat, DVec3};
 
 use super::*;
 
-const SETTINGS: Settings = Settings { hz: 60.0, substeps: None, threads: 1 };
+const SETTINGS: Settings = Settings { hz: 60.0, substeps: None, threads: 1, sleep: false };
 
 /// Leans against all axes, so that a frame that is laid wrong shows.
 const AXIS: DVec3 = DVec3::new(0.6, 0.0, 0.8);

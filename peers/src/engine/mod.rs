@@ -60,6 +60,8 @@ pub struct Settings {
     pub substeps: Option<u32>,
     /// Threads a step may use, the calling one included.
     pub threads: u32,
+    /// Whether what is at rest may sleep.
+    pub sleep: bool,
 }
 
 /// What an engine makes of [`Settings`].
@@ -144,10 +146,12 @@ impl EngineKind {
         let build = || -> Box<dyn Engine> {
             match self {
                 Self::Plumb { preset } => Box::new(plumb::Plumb::new(scene, plumb::settings(preset, settings))),
-                Self::Rapier => Box::new(rapier::Rapier::new(scene, settings.hz, substeps)),
-                Self::Avian => Box::new(avian::Avian::new(scene, settings.hz, substeps)),
+                Self::Rapier => Box::new(rapier::Rapier::new(scene, settings.hz, substeps, settings.sleep)),
+                Self::Avian => Box::new(avian::Avian::new(scene, settings.hz, substeps, settings.sleep)),
                 #[cfg(feature = "box3d")]
-                Self::Box3d => Box::new(box3d::Box3d::new(scene, settings.hz, substeps, settings.threads)),
+                Self::Box3d => {
+                    Box::new(box3d::Box3d::new(scene, settings.hz, substeps, settings.threads, settings.sleep))
+                }
             }
         };
         let engine = guard(build)?;
@@ -260,9 +264,9 @@ fn check_translatable(scene: &Scene) -> Result<(), Unable> {
     missing(scene.joints.iter().filter(is_distance).any(attached), "limits and motors of distances")?;
     let is_spring = |joint: &Joint| matches!(joint.kind, JointKindSpec::Distance(DistanceLaw::Spring { .. }));
     missing(scene.joints.iter().any(is_spring), "springs between points")?;
-    let has_parts = |body: &BodySpec| matches!(body.shape, Some(ShapeSpec::Compound(_) | ShapeSpec::Surface(_)));
-    missing(bodies.iter().any(has_parts), "compounds and surfaces")?;
-    missing(bodies.iter().any(|body| body.kind == RigidBody::Kinematic), "kinematic bodies")?;
+    let moves = |body: &BodySpec| body.kind != RigidBody::Static;
+    let is_surface = |body: &BodySpec| matches!(body.shape, Some(ShapeSpec::Surface(_)));
+    missing(bodies.iter().any(|body| is_surface(body) && moves(body)), "surfaces that move")?;
     missing(bodies.iter().any(|body| body.locked != Default::default()), "locked axes")
 }
 

@@ -42,12 +42,15 @@ impl Engine for Plumb {
 /// What else is measured besides the presets: the default one with all its effort for what rests, too.
 pub const FULL_EFFORT: &str = "full-effort";
 
-/// A preset at the asked rate, with sleep off as in the other engines. Substeps are the preset's own unless asked for.
+/// A preset at the asked rate, with sleep off, as in the other engines, unless it is asked for. Substeps are the preset's own unless asked for.
 pub fn settings(preset: &str, asked: &Settings) -> SolverSettings {
     let fits_effort = preset != FULL_EFFORT;
     let preset = SolverSettings::preset(preset).unwrap_or_default();
     SolverSettings {
-        impulse: ImpulseSettings { fitted_effort: preset.impulse.fitted_effort && fits_effort, sleep_speed: None },
+        impulse: ImpulseSettings {
+            fitted_effort: preset.impulse.fitted_effort && fits_effort,
+            sleep_speed: preset.impulse.sleep_speed.filter(|_| asked.sleep),
+        },
         hz: asked.hz,
         substeps: asked.substeps.unwrap_or(preset.substeps),
         threads: asked.threads,

@@ -2,12 +2,14 @@
 
 use bevy::math::{DQuat, DVec3};
 use plumb::lab::BodyState;
-use plumb::physics::{Collider, DistanceLaw, JointAxis as Coordinate, RigidBody as Kind, Shape};
+use plumb::physics::{
+    Collider, CompoundChild, DistanceLaw, JointAxis as Coordinate, RigidBody as Kind, Shape, TriangleMesh,
+};
 use plumb::scene::JointKindSpec;
 use rapier3d::prelude::{
     CoefficientCombineRule, ColliderBuilder, GenericJoint, Group, ImpulseJointHandle, InteractionGroups,
     InteractionTestMode, JointAxesMask, JointAxis, MassProperties, MotorModel, PhysicsWorld, Pose, RigidBodyBuilder,
-    RigidBodyHandle, Rotation, Vector, nalgebra,
+    RigidBodyHandle, Rotation, SharedShape, TriMeshFlags, Vector, nalgebra,
 };
 
 use super::{Engine, Follower, NO_HULL, cone_middle, finite, speed_of};
@@ -24,11 +26,11 @@ pub struct Rapier {
 }
 
 impl Rapier {
-    pub fn new(scene: &Scene, hz: f64, substeps: u32) -> Self {
+    pub fn new(scene: &Scene, hz: f64, substeps: u32, sleep: bool) -> Self {
         let mut world = PhysicsWorld { gravity: vector(scene.spec.gravity), ..Default::default() };
         world.integration_parameters.dt = (1.0 / hz) as f32;
         world.integration_parameters.num_solver_iterations = substeps as usize;
-        let bodies: Vec<RigidBodyHandle> = scene.bodies.iter().map(|body| insert(&mut world, body)).collect();
+        let bodies: Vec<RigidBodyHandle> = scene.bodies.iter().map(|body| insert(&mut world, body, sleep)).collect();
         let join = |joint: &Joint| world.insert_impulse_joint(bodies[joint.a], bodies[joint.b], joint_of(joint));
         let joints: Vec<ImpulseJointHandle> = scene.joints.iter().map(join).collect();
         Self { world, bodies, followers: Follower::of(&scene.joints, &joints), hz, steps: 0 }
@@ -71,10 +73,11 @@ impl Engine for Rapier {
     }
 }
 
-fn insert(world: &mut PhysicsWorld, body: &Body) -> RigidBodyHandle {
+fn insert(world: &mut PhysicsWorld, body: &Body, sleep: bool) -> RigidBodyHandle {
     let mut builder = match body.kind {
         Kind::Dynamic => RigidBodyBuilder::dynamic(),
-        Kind::Static | Kind::Kinematic => RigidBodyBuilder::fixed(),
+        Kind::Static => RigidBodyBuilder::fixed(),
+        Kind::Kinematic => RigidBodyBuilder::kinematic_velocity_based(),
     }
     .pose(Pose::from_parts(vector(body.position), rotation(body.rotation)))
     .linvel(vector(body.velocity.linear))
@@ -82,7 +85,7 @@ fn insert(world: &mut PhysicsWorld, body: &Body) -> RigidBodyHandle {
     .linear_damping(body.damping.linear as f32)
     .angular_damping(body.damping.angular as f32)
     .gravity_scale(body.gravity_scale as f32)
-    .can_sleep(false);
+    .can_sleep(sleep);
     if let Some(mass) = body.mass {
         let (mass, inertia) = (mass.mass as f32, vector(mass.inertia));
         builder = builder.additional_mass_properties(MassProperties::new(Vector::ZERO, mass, inertia));
@@ -132,8 +135,23 @@ fn shape(shape: &Shape) -> ColliderBuilder {
             let points: Vec<Vector> = hull.vertices().map(vector).collect();
             ColliderBuilder::convex_hull(&points).expect(NO_HULL)
         }
-        Shape::Compound(_) | Shape::Mesh(_) => unreachable!("not translated"),
+        Shape::Compound(compound) => ColliderBuilder::compound(compound.children().iter().map(part).collect()),
+        Shape::Mesh(mesh) => ColliderBuilder::new(surface(mesh)),
     }
+}
+
+/// A part of a compound where it lies in it.
+fn part(child: &CompoundChild) -> (Pose, SharedShape) {
+    let collider = shape(child.collider.shape()).build();
+    let place = Pose::from_parts(vector(child.position), rotation(child.rotation));
+    (place * *collider.position(), collider.shared_shape().clone())
+}
+
+/// One-sided: what touches an edge is turned to a face beside it, as its documentation recommends for grounds.
+fn surface(mesh: &TriangleMesh) -> SharedShape {
+    let vertices = mesh.vertices().map(vector).collect();
+    SharedShape::trimesh_with_flags(vertices, mesh.triangles().to_vec(), TriMeshFlags::FIX_INTERNAL_EDGES)
+        .expect("a mesh of Plumb has triangles")
 }
 
 /// What it cannot do of a joint.

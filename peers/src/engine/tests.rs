@@ -1,12 +1,12 @@
 //! Each engine has the scene's bodies where the scene has them, and moves what is free as Newton
 //! says.
 
-use ::plumb::scene::{HullSpec, ShapeSpec};
+use ::plumb::scene::{ChildSpec, CompoundSpec, HullSpec, ShapeSpec, SurfaceSpec};
 use bevy::math::{DQuat, DVec3};
 
 use super::*;
 
-const SETTINGS: Settings = Settings { hz: 60.0, substeps: None, threads: 1 };
+const SETTINGS: Settings = Settings { hz: 60.0, substeps: None, threads: 1, sleep: false };
 
 /// f32 at a few metres, over a few operations.
 const ROUNDING: f64 = 2e-6;
@@ -89,16 +89,72 @@ fn every_shape_rests_on_the_ground() {
         (ShapeSpec::Cone { radius: 0.5, height: 0.8 }, 0.2),
         // Its corners are not about its centre of mass.
         (ShapeSpec::Hull(HullSpec::new(corners)), 0.5),
+        // A plate on two feet, off its middle.
+        (plate_on_feet(), 0.0),
     ];
     for (shape, height) in shapes {
         let mut resting = scene("stack 1").spec;
         resting.bodies[1].shape = Some(shape.clone());
         resting.bodies[1].position.y = height;
+        if let ShapeSpec::Compound(compound) = &shape {
+            resting.bodies[1].position = compound.compound().center();
+        }
         let resting = Scene::of(resting);
         for kind in holds_things_still() {
             let moved = moved_after_a_second(kind, &resting);
             assert!(moved.length() < 0.01, "{kind}, {shape:?}: {moved}");
         }
+    }
+}
+
+/// Its feet stand on the plane through its origin.
+fn plate_on_feet() -> ShapeSpec {
+    let part = |size: DVec3, x: f64, y: f64| ChildSpec {
+        shape: ShapeSpec::Cuboid { size },
+        position: DVec3::new(x, y, 0.0),
+        rotation: DQuat::IDENTITY,
+    };
+    let foot = DVec3::new(0.3, 0.4, 1.0);
+    let parts = vec![part(DVec3::new(2.0, 0.2, 1.0), 0.3, 0.5), part(foot, -0.4, 0.2), part(foot, 0.9, 0.2)];
+    ShapeSpec::Compound(CompoundSpec::new(parts).unwrap())
+}
+
+#[test]
+fn bodies_rest_on_a_surface_of_triangles() {
+    for (shape, height) in [(ShapeSpec::Cuboid { size: DVec3::new(1.0, 0.4, 1.0) }, 0.2), (plate_on_feet(), 0.0)] {
+        let mut resting = scene("stack 1").spec;
+        let surface = SurfaceSpec::heights([7.0, 7.0], vec![vec![0.0; 6]; 6]).unwrap();
+        resting.bodies[0].shape = Some(ShapeSpec::Surface(surface));
+        resting.bodies[1].position.y = height;
+        if let ShapeSpec::Compound(compound) = &shape {
+            resting.bodies[1].position = compound.compound().center();
+        }
+        resting.bodies[1].shape = Some(shape.clone());
+        let resting = Scene::of(resting);
+        for kind in holds_things_still() {
+            let moved = moved_after_a_second(kind, &resting);
+            assert!(moved.length() < 0.02, "{kind}, {shape:?}: {moved}");
+        }
+    }
+}
+
+#[test]
+fn a_kinematic_body_goes_where_its_velocity_takes_it() {
+    let mut moving = scene("stack 1").spec;
+    moving.bodies[0].position.y = -50.0;
+    let body = &mut moving.bodies[1];
+    body.kind = RigidBody::Kinematic;
+    (body.linear_velocity, body.angular_velocity) = (DVec3::new(1.0, 2.0, 3.0), 0.5 * DVec3::Z);
+    let moving = Scene::of(moving);
+    for kind in EngineKind::all() {
+        let mut run = kind.start(&moving, &SETTINGS).unwrap();
+        for _ in 0..60 {
+            run.step().unwrap();
+        }
+        let state = run.read().unwrap()[1];
+        let moved = state.position - moving.bodies[1].position;
+        assert!(moved.distance(DVec3::new(1.0, 2.0, 3.0)) < 1e-4, "{kind}: {moved}");
+        assert!(state.rotation.angle_between(DQuat::from_rotation_z(0.5)) < 1e-3, "{kind}: {}", state.rotation);
     }
 }
 

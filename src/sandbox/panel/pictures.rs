@@ -20,7 +20,7 @@ macro_rules! pictures {
 const PICTURES: &[(&str, &[u8])] = pictures![
     "limbs" "pendulum" "rods" "chain" "hanging" "joint_grid" "top" "heavy_top" "incline" "slide_roll" "rolling" "painleve"
     "bounce" "spheres" "cradle" "wall" "stack" "pyramid" "pyramids" "sandwich" "slab" "column" "boulder" "wrecking_ball" "arch"
-    "card_house" "dominoes" "pile" "heap" "terrain" "far" "four_bar" "bricard" "andrews" "arm" "servo" "stop" "hinge_chain" "bridge"
+    "card_house" "dominoes" "pile" "heap" "terrain" "rain" "washer" "trees" "junkyard" "convex_pile" "large_world" "far" "four_bar" "bricard" "andrews" "arm" "servo" "stop" "hinge_chain" "bridge"
     "tower" "car" "ragdolls" "empty"
 ];
 

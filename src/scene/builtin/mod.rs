@@ -4,6 +4,7 @@
 mod andrews;
 mod bouncing;
 mod car;
+mod convex_pile;
 mod dominoes;
 mod driven;
 mod empty;
@@ -15,23 +16,29 @@ mod hanging;
 mod heap;
 mod heavy;
 mod hinged;
+mod junkyard;
+mod large_world;
 mod limbs;
 mod linkages;
 mod palette;
 mod pile;
 mod ragdolls;
+mod rain;
 mod random;
 mod sliding;
+mod solids;
 mod stacking;
 mod standing;
 mod terrain;
 mod tops;
 mod tower;
+mod trees;
+mod washer;
 
 use super::SceneInfo;
 
 /// Every built-in scene, the start scene first.
-pub(super) static ALL: [SceneInfo; 43] = [
+pub(super) static ALL: [SceneInfo; 49] = [
     limbs::LIMBS,
     hanging::PENDULUM,
     hanging::RODS,
@@ -62,6 +69,12 @@ pub(super) static ALL: [SceneInfo; 43] = [
     pile::PILE,
     heap::HEAP,
     terrain::TERRAIN,
+    rain::RAIN,
+    washer::WASHER,
+    trees::TREES,
+    junkyard::JUNKYARD,
+    convex_pile::CONVEX_PILE,
+    large_world::LARGE_WORLD,
     far::FAR,
     linkages::FOUR_BAR,
     linkages::BRICARD,
