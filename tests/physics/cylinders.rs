@@ -38,7 +38,7 @@ fn it_rolls_down_a_slope_or_slips_as_its_friction_says() {
             continue; // a polygon
         }
         for friction in [0.5, 0.22, 0.1] {
-            let mut world = world_with(settings.clone());
+            let mut world = world_with(settings);
             world.insert_resource(Gravity(DVec3::new(slope.sin(), -slope.cos(), 0.0) * G));
             let material = SurfaceMaterial { friction, ..default() };
             let ground = ground(&mut world);
