@@ -10,7 +10,7 @@
 //! - **Force-level rows, all others**: 0. The normal across a gap between bodies that pass beside each other would stop
 //!   them.
 //! - **Contacts that last**: [`SPECULATIVE_MARGIN`] of the smaller radius, and what both can close in the step, with what
-//!   springs at their points may add. The
+//!   springs at their points may add; of parts those of the parts ([`Near`]). The
 //!   manifold is used until the pair has moved against each other. Where something may stop one of two unequal ones,
 //!   or of two in a row, within the step, or throw back one that bounces, what they move ([`gap_if_stopped`]).
 //! - **`exact`**: the same margin of each radius, and what each can move in the step, forces included. What is in reach
@@ -18,20 +18,23 @@
 
 use nalgebra::Vector3;
 
+use super::manifold::PartPair;
+use super::parts::{PartShape, Placed, has_parts};
 use crate::physics::body::Body;
 use crate::physics::collision::constants::{LONGEST_ARM, SPECULATIVE_MARGIN, UNEQUAL_MASSES};
 use crate::physics::contact::may_bounce;
 use crate::physics::settings::{ContactModel, Method, SolverSettings};
 use crate::physics::shape::Geometry;
 
-/// The gap up to which a pair gets contact points, m. A half-space comes first.
-pub(super) fn contact_gap(a: &Body, b: &Body, settings: &SolverSettings) -> f64 {
+/// The gap up to which a pair, or those parts of it, gets contact points, m. A half-space comes first.
+pub(super) fn contact_gap(a: &Body, b: &Body, parts: PartPair, settings: &SolverSettings) -> f64 {
     let h = settings.step();
     if settings.method == Method::Exact {
         return own_reach(a, settings) + own_reach(b, settings);
     }
     if settings.method.keeps_contacts() {
-        return SPECULATIVE_MARGIN * a.radius.min(b.radius) + way_ahead(a, b, h);
+        let near = Near::of([a, b], parts);
+        return SPECULATIVE_MARGIN * near.size + (near.fastest_approach([a, b], h) + (a.pulled + b.pulled) * h) * h;
     }
     let is_over_plane = matches!(a.geometry, Some(Geometry::HalfSpace));
     let is_ahead = settings.sweeps.contacts == ContactModel::Clipping && settings.sweeps.contacts_ahead;
@@ -77,9 +80,82 @@ pub(crate) fn closing_distance(a: &Body, b: &Body, h: f64) -> f64 {
     (fastest_approach(a, b) + (pull(a) + pull(b)) * h) * h
 }
 
-/// The most that two bodies can come together in a time h, s, at their velocities and as springs pull them, m.
-pub(super) fn way_ahead(a: &Body, b: &Body, h: f64) -> f64 {
-    (fastest_approach(a, b) + (a.pulled + b.pulled) * h) * h
+/// The most that two bodies, or those parts of them, can come together in a time h, s, at their velocities and as springs
+/// pull them, m.
+pub(super) fn way_ahead(a: &Body, b: &Body, parts: PartPair, h: f64) -> f64 {
+    (Near::of([a, b], parts).fastest_approach([a, b], h) + (a.pulled + b.pulled) * h) * h
+}
+
+/// The most that points of a body within a radius of a place, m, move in a time h, s, at its velocity and as springs pull
+/// it, m.
+pub(super) fn way_of(body: &Body, place: &Vector3<f64>, radius: f64, h: f64) -> f64 {
+    let arm = place - body.position;
+    let turning = body.angular.norm();
+    let straight = body.point_velocity(&arm).norm() + turning * radius + bend(body, &arm, radius, h);
+    let speed = straight.min(body.linear.norm() + turning * (arm.norm() + radius));
+    (speed + body.pulled * h) * h
+}
+
+/// Speed by which a circle departs in the mean over a time h, s, from its tangent, of points within a radius of an arm, m/s.
+fn bend(body: &Body, arm: &Vector3<f64>, radius: f64, h: f64) -> f64 {
+    0.5 * h * body.angular.norm_squared() * (arm.norm() + radius)
+}
+
+/// Where two bodies may meet: anywhere, or about the smaller of two parts, which may be much smaller than its body, and far
+/// from the middle about which that turns.
+///
+/// Points within a radius r of the middle c of that part come together no faster than
+///
+/// |u| + |ω_a − ω_b| r + ½ h Σ |ω|² (|c − x| + r),  u = v_a + ω_a × (c − x_a) − v_b − ω_b × (c − x_b),
+///
+/// in the mean over a step of h: what moves along with what turns keeps its distance. What ω_a adds across the gap itself is
+/// less than the margin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Near {
+    /// Smaller bounding radius, m.
+    pub size: f64,
+    middle: Option<Vector3<f64>>,
+}
+
+impl Near {
+    /// Of two bodies, or those parts of them.
+    pub fn of([a, b]: [&Body; 2], parts: PartPair) -> Self {
+        if !has_parts(a) && !has_parts(b) {
+            return Self { size: a.radius.min(b.radius), middle: None };
+        }
+        let solids = [(a, parts.a), (b, parts.b)].map(|(body, part)| Placed::of(body, part));
+        let solids = solids.iter().flatten().filter(|placed| matches!(placed.shape, PartShape::Solid(_)));
+        match solids.min_by(|one, other| one.radius.total_cmp(&other.radius)) {
+            Some(placed) => Self { size: placed.radius, middle: Some(placed.position) },
+            None => Self { size: a.radius.min(b.radius), middle: None },
+        }
+    }
+
+    /// The most that the two can come together in the mean over a time h, s, m/s.
+    pub fn fastest_approach(&self, [a, b]: [&Body; 2], h: f64) -> f64 {
+        let Some(middle) = self.middle else { return fastest_approach(a, b) };
+        let arms = [a, b].map(|body| middle - body.position);
+        let together = (a.point_velocity(&arms[0]) - b.point_velocity(&arms[1])).norm();
+        let bent: f64 = [a, b].into_iter().zip(&arms).map(|(body, arm)| bend(body, arm, self.size, h)).sum();
+        let along = together + (a.angular - b.angular).norm() * self.size + bent;
+        let turning = |body: &Body, arm: &Vector3<f64>| body.angular.norm() * (arm.norm() + self.size);
+        along.min((a.linear - b.linear).norm() + turning(a, &arms[0]) + turning(b, &arms[1]))
+    }
+
+    /// Likewise along a unit direction from A to B.
+    pub fn approach_along(&self, [a, b]: [&Body; 2], direction: &Vector3<f64>, h: f64) -> f64 {
+        let Some(middle) = self.middle else {
+            let turning = |body: &Body| body.angular.cross(direction).norm() * body.radius.min(LONGEST_ARM);
+            return direction.dot(&(a.linear - b.linear)) + turning(a) + turning(b);
+        };
+        let arms = [a, b].map(|body| middle - body.position);
+        let together = direction.dot(&(a.point_velocity(&arms[0]) - b.point_velocity(&arms[1])));
+        // A direction that stays while the bodies turn: twice as much as in the mean over a step.
+        let bent: f64 = [a, b].into_iter().zip(&arms).map(|(body, arm)| 2.0 * bend(body, arm, self.size, h)).sum();
+        let along = together + (a.angular - b.angular).cross(direction).norm() * self.size + bent;
+        let turning = |body: &Body, arm: &Vector3<f64>| body.angular.cross(direction).norm() * (arm.norm() + self.size);
+        along.min(direction.dot(&(a.linear - b.linear)) + turning(a, &arms[0]) + turning(b, &arms[1]))
+    }
 }
 
 /// The most that two bodies can come together, m/s.

@@ -66,7 +66,8 @@ pub(super) fn find_contacts(
     } else {
         for &pair in &swept.0 {
             let [a, b] = [pair.a, pair.b].map(|body| &bodies.list[body as usize]);
-            parts_within(a, b, contact_gap(a, b, &settings), &mut near_parts);
+            // The gap of these methods is that of the bodies.
+            parts_within(a, b, contact_gap(a, b, PartPair::default(), &settings), &mut near_parts);
             candidates.extend(near_parts.iter().map(|&parts| PairKey { slot: None, pair, parts }));
         }
     }
@@ -118,7 +119,7 @@ impl Block {
         self.buffers.search.axes = 0;
         for &PairKey { slot, pair, parts } in candidates {
             let (a, b) = (&bodies[pair.a as usize], &bodies[pair.b as usize]);
-            if are_spheres_apart(a, b, contact_gap(a, b, settings)) {
+            if are_spheres_apart(a, b, contact_gap(a, b, parts, settings)) {
                 continue;
             }
             let first = self.points.len();
@@ -158,7 +159,7 @@ pub(super) fn touch(
 ) -> Option<Overlap> {
     match settings.contact_model() {
         ContactModel::Clipping => {
-            contact_pair::touch([a, b], parts, contact_gap(a, b, settings), &mut buffers.search, points)
+            contact_pair::touch([a, b], parts, contact_gap(a, b, parts, settings), &mut buffers.search, points)
         }
         ContactModel::ExtremeVertices | ContactModel::SinglePoint => {
             extreme_vertices::touch([a, b], parts, settings, &mut buffers.axes, points)

@@ -62,12 +62,18 @@ fn parts_of(body: &Body) -> Option<&Parts> {
 }
 
 /// Adds those parts of two bodies whose boxes overlap where B is in a box of the world and A in another, both wide enough for
-/// what the bodies may move; none of a half-space, which is everywhere. Boxes of parts are grown by that much, m.
-pub(super) fn near_parts([a, b]: [&Body; 2], within: [Option<BoundingBox>; 2], growth: f64, list: &mut Vec<PartPair>) {
+/// what the bodies may move; none of a half-space, which is everywhere. Boxes of parts are grown by as much as `growth` tells
+/// of what a body has within a radius of a place, m.
+pub(super) fn near_parts(
+    [a, b]: [&Body; 2],
+    within: [Option<BoundingBox>; 2],
+    growth: impl Fn(&Body, &Vector3<f64>, f64) -> f64 + Copy,
+    list: &mut Vec<PartPair>,
+) {
     match (parts_of(a), parts_of(b)) {
         (None, None) => list.push(PartPair::default()),
-        (Some(of_a), None) => parts_in(a, of_a, within[1], growth, |part| list.push(PartPair { a: part, b: 0 })),
-        (None, Some(of_b)) => parts_in(b, of_b, within[0], growth, |part| list.push(PartPair { a: 0, b: part })),
+        (Some(of_a), None) => parts_in(a, of_a, b, within[1], growth, |part| list.push(PartPair { a: part, b: 0 })),
+        (None, Some(of_b)) => parts_in(b, of_b, a, within[0], growth, |part| list.push(PartPair { a: 0, b: part })),
         // Two meshes never touch.
         (Some(of_a), Some(of_b)) if of_a.is_mesh() && of_b.is_mesh() => {}
         (Some(_), Some(of_b)) if of_b.is_mesh() => {
@@ -76,23 +82,68 @@ pub(super) fn near_parts([a, b]: [&Body; 2], within: [Option<BoundingBox>; 2], g
             list[first..].iter_mut().for_each(|pair| *pair = pair.swapped());
         }
         // The solids of B, each against the parts of A.
-        (Some(of_a), Some(of_b)) => parts_in(b, of_b, within[0], growth, |part_of_b| {
+        (Some(of_a), Some(of_b)) => {
             let axes = b.rotation.to_rotation_matrix().into_inner();
-            let bounds = placed_box(&of_b.solids()[part_of_b as usize].bounds(), &axes, &b.position);
-            parts_in(a, of_a, Some(bounds.grown(growth)), growth, |part| list.push(PartPair { a: part, b: part_of_b }));
-        }),
+            parts_in(b, of_b, a, within[0], growth, |part_of_b| {
+                let solid = &of_b.solids()[part_of_b as usize];
+                let bounds = placed_box(&solid.bounds(), &axes, &b.position);
+                let place = b.position + axes * solid.position;
+                let within = Some(bounds.grown(growth(b, &place, solid.radius)));
+                let own = Place { middle: place, radius: solid.radius };
+                parts_near(a, of_a, own, within, growth, |part| list.push(PartPair { a: part, b: part_of_b }));
+            });
+        }
     }
 }
 
-/// Hands on the parts of a body whose boxes overlap one of the world.
-fn parts_in(body: &Body, parts: &Parts, within: Option<BoundingBox>, growth: f64, mut take: impl FnMut(u32)) {
+/// What is about a place.
+#[derive(Clone, Copy)]
+struct Place {
+    middle: Vector3<f64>,
+    radius: f64,
+}
+
+/// Hands on the parts of a body whose boxes overlap that of another.
+fn parts_in(
+    body: &Body,
+    parts: &Parts,
+    other: &Body,
+    within: Option<BoundingBox>,
+    growth: impl Fn(&Body, &Vector3<f64>, f64) -> f64,
+    take: impl FnMut(u32),
+) {
+    parts_near(body, parts, Place { middle: other.position, radius: other.radius }, within, growth, take);
+}
+
+/// Hands on the parts of a body whose boxes overlap one of the world, of something about a place: a mesh's are grown by what
+/// moves there, of solids each by its own way.
+fn parts_near(
+    body: &Body,
+    parts: &Parts,
+    Place { middle, radius }: Place,
+    within: Option<BoundingBox>,
+    growth: impl Fn(&Body, &Vector3<f64>, f64) -> f64,
+    mut take: impl FnMut(u32),
+) {
     let Some(bounds) = within else {
         (0..parts.solids().len() as u32).for_each(take);
         return;
     };
-    let into_body = body.rotation.inverse().to_rotation_matrix().into_inner();
+    let axes = body.rotation.to_rotation_matrix().into_inner();
+    let into_body = axes.transpose();
     let bounds = placed_box(&bounds, &into_body, &-(into_body * body.position));
-    parts.tree().overlapping(&bounds.grown(growth), &mut take);
+    let PartList::Solids(solids) = &parts.list else {
+        return parts.tree().overlapping(&bounds.grown(growth(body, &middle, radius)), &mut take);
+    };
+    // No part reaches as far from the body's middle.
+    let most = growth(body, &body.position, 2.0 * body.radius);
+    parts.tree().overlapping(&bounds.grown(most), |part| {
+        let solid = &solids[part as usize];
+        let own = growth(body, &(body.position + axes * solid.position), solid.radius);
+        if solid.bounds().overlaps(&bounds.grown(own)) {
+            take(part);
+        }
+    });
 }
 
 /// A box that holds a body's shape where it is; none of a half-space, and of what has no shape.
@@ -105,7 +156,7 @@ pub(crate) fn box_of(body: &Body) -> Option<BoundingBox> {
 pub(crate) fn parts_within(a: &Body, b: &Body, distance: f64, list: &mut Vec<PartPair>) {
     list.clear();
     if has_parts(a) || has_parts(b) {
-        near_parts([a, b], [box_of(a), box_of(b)], distance, list);
+        near_parts([a, b], [box_of(a), box_of(b)], |_, _, _| distance, list);
     } else {
         list.push(PartPair::default());
     }

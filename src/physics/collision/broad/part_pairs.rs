@@ -5,13 +5,15 @@
 //! when either body has a new fat box, and in each step in which a body with parts may have moved; what is there already
 //! keeps its slot.
 
+use nalgebra::Vector3;
+
 use super::in_step::InStep;
 use super::pair_slots::PairSlot;
 use super::persistent_pairs::{PairChanges, PersistentPairs};
 use crate::physics::bit_set::BitSet;
 use crate::physics::body::{Body, RigidBody};
 use crate::physics::collision::constants::FAT_MARGIN;
-use crate::physics::collision::gap::{own_reach, turning_speed};
+use crate::physics::collision::gap::{own_reach, way_of};
 use crate::physics::collision::manifold::{Pair, PartPair};
 use crate::physics::collision::parts::{has_parts, near_parts};
 
@@ -99,7 +101,7 @@ impl PartPairs {
         changes: &mut PairChanges,
     ) {
         self.found.clear();
-        let growth: f64 = ends.iter().map(|body| growth(body, in_step)).sum();
+        let growth = |body: &Body, place: &Vector3<f64>, radius: f64| growth(body, place, radius, in_step);
         near_parts(ends, [pair.a, pair.b].map(|body| pairs.paired_within(body)), growth, &mut self.found);
         self.found.sort_unstable();
         if self.known.len() <= slot as usize {
@@ -130,14 +132,10 @@ fn wholes_of(whole: &BitSet, pairs: &PersistentPairs, body: u32) -> impl Iterato
     pairs.pairs().of_body(body).map(|(slot, _)| slot.0).filter(|&slot| whole.contains(slot))
 }
 
-/// By how much the parts of a body may come nearer to what is in a fat box until they are looked for again, m; of one that
-/// does not move no more than it reaches for contacts, as the fat box has room for all that comes to it.
-fn growth(body: &Body, in_step: &InStep) -> f64 {
-    if !has_parts(body) {
-        return 0.0;
-    }
+/// By how much what a body has within a radius of a place may come nearer to what is in a fat box in this step, m, and a margin
+/// in which it gets contacts ahead.
+fn growth(body: &Body, place: &Vector3<f64>, radius: f64, in_step: &InStep) -> f64 {
     let h = in_step.h;
-    let moves = (body.linear.norm() + turning_speed(body) + body.pulled * h) * h;
-    let reach = in_step.reach.map_or(moves, |settings| own_reach(body, settings));
-    if body.kind == RigidBody::Static { reach } else { reach + FAT_MARGIN * body.radius }
+    let reach = in_step.reach.map_or_else(|| way_of(body, place, radius, h), |settings| own_reach(body, settings));
+    if body.kind == RigidBody::Static { reach } else { reach + FAT_MARGIN * radius }
 }

@@ -56,7 +56,7 @@ pub(crate) struct FastPair {
 
 impl FastPair {
     pub fn new(pair: Pair, parts: PartPair, [a, b]: [&Body; 2], h: f64, impact: Option<f64>) -> Self {
-        let fast = [time_of_impact::moves_far(a, b, h), time_of_impact::moves_far(b, a, h)];
+        let fast = time_of_impact::move_far([a, b], parts, h);
         Self { pair, parts, starts: [Start::of(a), Start::of(b)], fast, impact }
     }
 }

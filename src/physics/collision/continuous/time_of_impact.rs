@@ -15,10 +15,11 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::physics::collision::constants::{IMPACT_TOLERANCE, LONGEST_ARM, MOST_ADVANCES};
-use crate::physics::collision::gap::{fastest_approach, turning_speed};
+use crate::physics::collision::constants::{IMPACT_TOLERANCE, MOST_ADVANCES};
+use crate::physics::collision::gap::{Near, turning_speed};
 use crate::physics::collision::manifold::{Overlap, PartPair};
 use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
+use crate::physics::collision::parts::{PartShape, Placed, has_parts};
 use crate::physics::{Body, ContactPoint, Geometry, RigidBody, rotation_by};
 
 /// Where a pair is when it first touches.
@@ -46,11 +47,18 @@ pub(crate) fn inner_radius(body: &Body) -> f64 {
     body.geometry.as_ref().map_or(f64::INFINITY, Geometry::inner_radius)
 }
 
-/// Whether a point of a body moves farther against another within a time h, s, than the body is thick: then
-/// contacts sought ahead are not enough.
-pub(crate) fn moves_far(body: &Body, other: &Body, h: f64) -> bool {
-    let speed = (body.linear - other.linear).norm() + turning_speed(body);
-    body.kind != RigidBody::Static && speed * h > inner_radius(body)
+/// Whether a point of each of two bodies, or those parts of them, moves farther against the other within a time h, s, than
+/// that is thick: then contacts sought ahead are not enough.
+pub(crate) fn move_far([a, b]: [&Body; 2], parts: PartPair, h: f64) -> [bool; 2] {
+    if !has_parts(a) && !has_parts(b) {
+        let speed = |body: &Body| (a.linear - b.linear).norm() + turning_speed(body);
+        return [a, b].map(|body| body.kind != RigidBody::Static && speed(body) * h > inner_radius(body));
+    }
+    let way = Near::of([a, b], parts).fastest_approach([a, b], h) * h;
+    [(a, parts.a), (b, parts.b)].map(|(body, part)| match Placed::of(body, part).map(|placed| placed.shape) {
+        Some(PartShape::Solid(shape)) => body.kind != RigidBody::Static && way > shape.inner_radius(),
+        Some(PartShape::Facet(..)) | None => false,
+    })
 }
 
 /// Where a body's velocity takes it.
@@ -82,7 +90,8 @@ pub(crate) fn course(
         return Course::Apart;
     }
     let is_with_mesh = [a, b].iter().any(|body| body.geometry.as_ref().is_some_and(Geometry::is_mesh));
-    let fastest = fastest_approach(a, b);
+    let near = Near::of([a, b], parts);
+    let fastest = near.fastest_approach([a, b], h);
     let (mut at_a, mut at_b, mut time) = (a.clone(), b.clone(), 0.0);
     for look in 0.. {
         points.clear();
@@ -106,8 +115,7 @@ pub(crate) fn course(
             return Course::Impact(Impact { time, at: [at_a.position, at_b.position], overlap });
         }
         let n = overlap.normal;
-        let turning = |body: &Body| body.angular.cross(&n).norm() * body.radius.min(LONGEST_ARM);
-        let approach = n.dot(&(a.linear - b.linear)) + turning(a) + turning(b);
+        let approach = near.approach_along([a, b], &n, h);
         // Half the tolerance is left, so that the end is reached.
         time += (separation - 0.5 * tolerance) / approach;
         if approach <= 0.0 || time >= h {

@@ -11,8 +11,9 @@ use super::slot::Slot;
 use super::watch::Known;
 use crate::physics::body::{Body, RigidBody};
 use crate::physics::collision::constants::ON_SURFACE;
-use crate::physics::collision::continuous::time_of_impact::moves_far;
+use crate::physics::collision::continuous::time_of_impact::move_far;
 use crate::physics::collision::gap::contact_gap;
+use crate::physics::collision::manifold::PartPair;
 use crate::physics::collision::narrow::Scale;
 use crate::physics::contact::{surface, tangents};
 use crate::physics::settings::SolverSettings;
@@ -28,12 +29,13 @@ impl Slot {
         settings: &SolverSettings,
     ) -> Option<Known> {
         let h = settings.step();
-        if !self.is_of_balls || a.kind == RigidBody::Static || moves_far(a, b, h) || moves_far(b, a, h) {
+        if !self.is_of_balls || a.kind == RigidBody::Static || move_far([a, b], PartPair::default(), h).contains(&true)
+        {
             return None;
         }
         let between = b.position - a.position;
         let distance = between.norm();
-        let scale = Scale::new(a.radius, b.radius, contact_gap(a, b, settings));
+        let scale = Scale::new(a.radius, b.radius, contact_gap(a, b, PartPair::default(), settings));
         let depth = a.radius + b.radius - distance;
         if scale.separates(depth) {
             if self.touching {
@@ -75,7 +77,6 @@ mod tests {
     use super::*;
     use crate::physics::bit_set::BitSet;
     use crate::physics::collision::manifold::Pair;
-    use crate::physics::collision::manifold::PartPair;
     use crate::physics::collision::narrow::contact_pair::PairSearch;
     use crate::physics::collision::slots::pose::Pose;
     use crate::physics::shape::Geometry;
@@ -124,7 +125,7 @@ mod tests {
                 let Some(known) = short.find_balls(of_short, a, b, &settings) else { break };
                 points.clear();
                 let (search, joined) = (&mut PairSearch::default(), &BitSet::default());
-                let place = (Pose::relative(a, b), contact_gap(a, b, &settings));
+                let place = (Pose::relative(a, b), contact_gap(a, b, PartPair::default(), &settings));
                 long.find(place, of_long, a, b, joined, &settings, search, &mut points);
                 assert_eq!((short.touching, short.features), (long.touching, long.features));
                 let off = difference(of_short, of_long);

@@ -48,7 +48,7 @@ impl ContactGraph {
                 let ends = [&bodies[a as usize], &bodies[b as usize]];
                 let is_row = is_row(&self.pair_counts, [a, b]);
                 if let Some(gap) = gap_if_stopped(ends[0], ends[1], is_row, settings) {
-                    let place = (Pose::relative(ends[0], ends[1]), gap);
+                    let place = (self.slots[index as usize].pose(ends[0], ends[1]), gap);
                     self.find_with(&mut finders[0], index, place, ends, joined, settings);
                     if self.slots[index as usize].touching {
                         touched.set(a, true);

@@ -370,10 +370,10 @@ impl Chunk<'_> {
                 self.finder.note(self.first + index, slot, state, before);
                 known
             } else {
-                let pose = Pose::relative(a, b);
+                let pose = slot.pose(a, b);
                 let held = slot.moved(&pose).filter(|&moved| slot.holds_after(moved, a, b, settings));
                 if held.is_none() {
-                    let place = (pose, contact_gap(a, b, settings));
+                    let place = (pose, contact_gap(a, b, slot.parts, settings));
                     let found = (self.first + index, &mut *slot, state);
                     self.finder.find([a, b], place, found, self.update, self.joined, settings);
                 }

@@ -25,6 +25,12 @@ impl Pose {
         }
     }
 
+    /// Likewise of a place in B's axes.
+    pub fn relative_at(a: &Body, b: &Body, place: &Vector3<f64>) -> Self {
+        let of_b = Self::relative(a, b);
+        Self { offset: of_b.offset + of_b.rotation * place, ..of_b }
+    }
+
     /// An upper bound of how far apart a point within `reach` of the centre lies by this pose and by another.
     pub fn moved(&self, other: &Self, reach: f64) -> f64 {
         // The chord between unit quaternions is half the angle, to third order.

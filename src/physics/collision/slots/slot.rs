@@ -11,11 +11,11 @@ use crate::physics::body::{Body, RigidBody};
 use crate::physics::collision::constants::{FLAT_RECYCLING, ROUND_RECYCLING, SUCCESSION_REACH};
 use crate::physics::collision::continuous::fast_pair::FastPair;
 use crate::physics::collision::continuous::time_of_impact::{self, Course, Impact};
-use crate::physics::collision::gap::{contact_gap, way_ahead};
+use crate::physics::collision::gap::{Near, contact_gap, way_ahead};
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap, Pair, PartPair};
 use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
 use crate::physics::collision::narrow::feature_sat::Feature;
-use crate::physics::collision::parts::has_parts;
+use crate::physics::collision::parts::{Placed, has_parts};
 use crate::physics::contact::{predecessors, surface, tangents};
 use crate::physics::settings::SolverSettings;
 use crate::physics::shape::Geometry;
@@ -38,7 +38,7 @@ pub(crate) struct Slot {
     size: f64,
     /// By how much the bodies may move against each other until the manifold is found anew, m.
     recycling: f64,
-    /// Bounding radius of B.
+    /// Bounding radius of B, or of its part.
     reach: f64,
     /// The gap up to which the manifold was looked for, m.
     found_within: f64,
@@ -61,6 +61,8 @@ pub(crate) struct Slot {
     pub(super) features: [FeatureId; POINTS],
     /// Which parts of the two shapes it is of.
     pub parts: PartPair,
+    /// The middle of B's part in B's axes.
+    part_of_b: Vector3<f64>,
     /// Whether one of them has parts, so that the bodies may have several slots.
     pub is_of_parts: bool,
 }
@@ -70,17 +72,25 @@ impl Slot {
     pub(super) fn new(pair: Pair, parts: PartPair, a: &Body, b: &Body) -> Self {
         let is_round = |body: &Body| body.geometry.as_ref().is_some_and(Geometry::is_round);
         let is_ball = |body: &Body| matches!(body.geometry, Some(Geometry::Sphere { .. }));
+        let of_b = Placed::of(b, parts.b).map_or((b.radius, b.position), |placed| (placed.radius, placed.position));
         Self {
             pair,
             parts,
             is_of_parts: has_parts(a) || has_parts(b),
             is_curved: is_round(a) || is_round(b),
             is_of_balls: is_ball(a) && is_ball(b),
-            size: a.radius.min(b.radius),
-            reach: b.radius,
+            size: Near::of([a, b], parts).size,
+            reach: of_b.0,
+            part_of_b: b.rotation.inverse_transform_vector(&(of_b.1 - b.position)),
             entities: Some((a.entity, b.entity)),
             ..Self::default()
         }
+    }
+
+    /// How B, or its part, lies to A.
+    #[inline]
+    pub(super) fn pose(&self, a: &Body, b: &Body) -> Pose {
+        if self.is_of_parts { Pose::relative_at(a, b, &self.part_of_b) } else { Pose::relative(a, b) }
     }
 
     /// Has the manifold found anew.
@@ -103,8 +113,8 @@ impl Slot {
             return moved <= self.recycling;
         }
         let limit = ROUND_RECYCLING * self.size;
-        moved + contact_gap(a, b, settings) <= self.apart
-            || (moved <= limit && way_ahead(a, b, settings.step()) <= self.found_within - limit)
+        moved + contact_gap(a, b, self.parts, settings) <= self.apart
+            || (moved <= limit && way_ahead(a, b, self.parts, settings.step()) <= self.found_within - limit)
     }
 
     /// What is known of the pair where the bodies have moved so far since the manifold was looked for.
@@ -154,7 +164,7 @@ impl Slot {
         // One on a joint will not go on as it moves now.
         let is_free = !joined.contains(self.pair.a) && !joined.contains(self.pair.b);
         let parts = self.parts;
-        let is_fast = is_free && (time_of_impact::moves_far(a, b, h) || time_of_impact::moves_far(b, a, h));
+        let is_fast = is_free && (time_of_impact::move_far([a, b], parts, h).contains(&true));
         let course = if is_fast { time_of_impact::course([a, b], parts, h, search, points) } else { Course::Touching };
         let meeting = match course {
             Course::Touching => {
