@@ -1,5 +1,7 @@
 //! Sets of small numbers, one bit each: walked in order, at the price of a word where 64 are absent.
 
+use std::ops::Range;
+
 /// A set of indices.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BitSet {
@@ -69,14 +71,19 @@ impl BitSet {
         walk(self.words.iter().enumerate().map(move |(place, own)| own & (one.word(place) | other.word(place))))
     }
 
-    /// What of 0..count is not in it, ascending.
-    pub fn absent(&self, count: u32) -> impl Iterator<Item = u32> + Clone + '_ {
-        let words = (0..count.div_ceil(u64::BITS)).map(move |place| {
-            let left = count - place * u64::BITS;
+    /// What of a range that begins with a multiple of 64 is neither in it nor in another, ascending.
+    pub fn in_neither<'t>(
+        &'t self,
+        other: &'t Self,
+        Range { start, end }: Range<u32>,
+    ) -> impl Iterator<Item = u32> + Clone + 't {
+        debug_assert_eq!(start % u64::BITS, 0);
+        let words = (start / u64::BITS..end.div_ceil(u64::BITS)).map(move |place| {
+            let left = end - place * u64::BITS;
             let range = if left < u64::BITS { (1 << left) - 1 } else { u64::MAX };
-            !self.word(place as usize) & range
+            !(self.word(place as usize) | other.word(place as usize)) & range
         });
-        walk(words)
+        walk(words).map(move |index| start + index)
     }
 
     /// The words from a multiple of 64 on, for a run of indices: see [`ones`].
@@ -129,11 +136,17 @@ mod tests {
             (0..count).for_each(|index| set.set(index, in_it(index)));
             let (present, absent): (Vec<u32>, Vec<u32>) = (0..count).partition(|&index| in_it(index));
             assert_eq!(set.iter().collect::<Vec<_>>(), present);
-            assert_eq!(set.absent(count).collect::<Vec<_>>(), absent);
+            let none = BitSet::default();
+            assert_eq!(set.in_neither(&none, 0..count).collect::<Vec<_>>(), absent);
+            assert_eq!(none.in_neither(&set, 0..count).collect::<Vec<_>>(), absent);
+            let mut fives = BitSet::default();
+            (0..count).for_each(|index| fives.set(index, index.is_multiple_of(5)));
+            let neither: Vec<u32> = absent.iter().copied().filter(|index| *index >= 64 && index % 5 != 0).collect();
+            assert_eq!(set.in_neither(&fives, 64..count.max(64)).collect::<Vec<_>>(), neither);
             assert_eq!((set.len() as usize, set.is_empty()), (present.len(), present.is_empty()));
             assert!((0..count + 99).all(|index| set.contains(index) == (index < count && in_it(index))));
             present.iter().for_each(|&index| set.set(index, false));
-            assert_eq!((set.len(), set.absent(count).count()), (0, count as usize));
+            assert_eq!((set.len(), set.in_neither(&none, 0..count).count()), (0, count as usize));
         }
     }
 

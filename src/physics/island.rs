@@ -11,9 +11,7 @@ mod tests;
 use bevy::prelude::*;
 
 use super::grouped::Grouped;
-use super::{
-    Bodies, ContactGraph, Contacts, Joints, Keep, LaggedContacts, Refill, RigidBody, SolverSettings, StepStats,
-};
+use super::{Bodies, ContactGraph, Contacts, Joints, Keep, LaggedContacts, Refill, SolverSettings, StepStats};
 
 /// Islands are packed until a group has this many bodies.
 const BODIES_PER_GROUP: u32 = 128;
@@ -124,9 +122,6 @@ impl Islands {
         self.local_of.reset(n, 0);
         let (mut group, mut filled, mut constrained) = (0, 0, 0);
         for body in bodies.awake() {
-            if bodies.list[body as usize].kind == RigidBody::Static {
-                continue;
-            }
             let root = self.parent[body as usize];
             if root == body {
                 constrained += u32::from(self.constrained[body as usize]);

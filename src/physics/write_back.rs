@@ -64,7 +64,7 @@ pub(super) fn write_bodies(
 ) {
     stats.count_step(&settings);
     bodies.written_back = Some(ticks.this_run());
-    let list = &mut bodies.list;
+    let Bodies { list, fixed, .. } = &mut *bodies;
     for mut table in query.contiguous_iter_mut().expect("gathered from tables") {
         // Who woke in this step is still among those that sleep.
         if table.sleeping && !sleep.has_woken {
@@ -73,11 +73,11 @@ pub(super) fn write_bodies(
         for row in 0..table.entity.len() {
             let entity = table.entity[row];
             let slot = table.slot.as_ref()[row];
-            // Whoever became a body since the step began waits for the next.
-            let Some(body) = list.get_mut(slot.index as usize).filter(|body| body.entity == entity) else { continue };
-            if body.kind == RigidBody::Static {
+            if fixed.contains(slot.index) {
                 continue;
             }
+            // Whoever became a body since the step began waits for the next.
+            let Some(body) = list.get_mut(slot.index as usize).filter(|body| body.entity == entity) else { continue };
             if is_finite(body) {
                 write_state(&mut table, row, body);
                 continue;

@@ -135,6 +135,8 @@ pub(crate) struct Bodies {
     pub renewed: Vec<u32>,
     /// Those that sleep: dynamic ones that the step leaves as they are.
     pub asleep: BitSet,
+    /// Those that are static: a step leaves them where they are, and looks at none of them for itself.
+    pub fixed: BitSet,
     /// Counts every time one fell asleep or woke.
     pub sleep_version: u64,
     /// When the last step wrote bodies back: what was written then is known here already.
@@ -144,9 +146,17 @@ pub(crate) struct Bodies {
 }
 
 impl Bodies {
-    /// Those that do not sleep, of all kinds, in their order.
+    /// As a step gathers them.
+    #[cfg(test)]
+    pub fn of(list: Vec<Body>) -> Self {
+        let mut fixed = BitSet::default();
+        (0..).zip(&list).for_each(|(index, body)| fixed.set(index, body.kind == RigidBody::Static));
+        Self { list, fixed, ..Self::default() }
+    }
+
+    /// Those that may move in a step: neither asleep nor static, in their order.
     pub fn awake(&self) -> impl Iterator<Item = u32> + Clone + '_ {
-        self.asleep.absent(self.list.len() as u32)
+        self.asleep.in_neither(&self.fixed, 0..self.list.len() as u32)
     }
 
     /// Whether contacts and joints can move a body now.

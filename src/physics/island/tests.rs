@@ -1,7 +1,7 @@
 use bevy::ecs::system::RunSystemOnce;
 
 use super::*;
-use crate::physics::body::Body;
+use crate::physics::body::{Body, RigidBody};
 use crate::physics::collision::{Manifold, Pair};
 use crate::physics::joint::Joint;
 use nalgebra::Vector3;
@@ -28,7 +28,7 @@ fn touch(a: u32, b: u32) -> Manifold {
 fn islands_of(kinds: &[RigidBody], joints: &[(u32, u32)], contacts: &[(u32, u32)]) -> World {
     let mut world = World::new();
     let list = kinds.iter().map(|&kind| Body { kind, ..Body::new(Entity::PLACEHOLDER) }).collect();
-    world.insert_resource(Bodies { list, ..Bodies::default() });
+    world.insert_resource(Bodies::of(list));
     world.insert_resource(Joints { list: joints.iter().map(|&(a, b)| joint(a, b)).collect(), ..Joints::default() });
     let manifolds = contacts.iter().map(|&(a, b)| touch(a, b)).collect();
     world.insert_resource(Contacts { manifolds, ..Default::default() });

@@ -123,6 +123,7 @@ fn gather_row(
     // Looked at again in the next step, even if somebody lets it go without mending it.
     let gathered_with = if reason.is_some() { BodySlot::TO_GATHER } else { presence.0 };
     table.slot.bypass_change_detection()[row].gathered_with = gathered_with;
+    bodies.fixed.set(slot.index, body.kind == RigidBody::Static);
     bodies.version += u64::from(body.kind != before.0);
     if known(body) != before {
         bodies.renewed.push(slot.index);
@@ -173,6 +174,7 @@ fn drop_gone_bodies(seen: &[bool], bodies: &mut Bodies, known: &mut Known) {
     known.graph.remap(&new_index);
     known.joints.remap(&new_index);
     known.sleep.remap(&new_index, bodies);
+    bodies.fixed.remap(&new_index);
     for (body, _) in bodies.list.iter().zip(seen).filter(|(_, seen)| !**seen) {
         if !known.query.contains(body.entity) {
             forget_place(body.entity, &mut known.commands);

@@ -371,9 +371,10 @@ impl Chunk<'_> {
                 known
             } else {
                 let pose = slot.pose(a, b);
-                let held = slot.moved(&pose).filter(|&moved| slot.holds_after(moved, a, b, settings));
+                let near = slot.near(b);
+                let held = slot.moved(&pose).filter(|&moved| slot.holds_after(moved, a, b, &near, settings));
                 if held.is_none() {
-                    let place = (pose, contact_gap(a, b, slot.parts, settings));
+                    let place = (pose, contact_gap(a, b, &near, settings));
                     let found = (self.first + index, &mut *slot, state);
                     self.finder.find([a, b], place, found, self.update, self.joined, settings);
                 }

@@ -93,6 +93,13 @@ impl Slot {
         if self.is_of_parts { Pose::relative_at(a, b, &self.part_of_b) } else { Pose::relative(a, b) }
     }
 
+    /// Where the two may meet.
+    #[inline]
+    pub(super) fn near(&self, b: &Body) -> Near {
+        let part = || (b.position + b.rotation * self.part_of_b, self.reach);
+        Near { size: self.size, part: self.is_of_parts.then(part) }
+    }
+
     /// Has the manifold found anew.
     pub(super) fn forget(&mut self) {
         self.found_at = None;
@@ -108,13 +115,13 @@ impl Slot {
     /// hardly moved against each other. Bodies that are apart have none while they cannot have come as near as one is
     /// looked for, nor where they have hardly moved and do not come from beyond where it was looked for.
     #[inline]
-    pub(super) fn holds_after(&self, moved: f64, a: &Body, b: &Body, settings: &SolverSettings) -> bool {
+    pub(super) fn holds_after(&self, moved: f64, a: &Body, b: &Body, near: &Near, settings: &SolverSettings) -> bool {
         if self.touching {
             return moved <= self.recycling;
         }
         let limit = ROUND_RECYCLING * self.size;
-        moved + contact_gap(a, b, self.parts, settings) <= self.apart
-            || (moved <= limit && way_ahead(a, b, self.parts, settings.step()) <= self.found_within - limit)
+        moved + contact_gap(a, b, near, settings) <= self.apart
+            || (moved <= limit && way_ahead(a, b, near, settings.step()) <= self.found_within - limit)
     }
 
     /// What is known of the pair where the bodies have moved so far since the manifold was looked for.

@@ -56,11 +56,10 @@ impl Travels {
         let runs = self.seen.chunks_mut(BODIES_A_CHUNK).zip(self.ways.chunks_mut(BODIES_A_CHUNK)).enumerate();
         for_each_of(threads, runs, |(chunk, (seen, ways))| {
             let first = chunk * BODIES_A_CHUNK;
-            for (place, (seen, way)) in seen.iter_mut().zip(ways).enumerate() {
-                if bodies.asleep.contains((first + place) as u32) {
-                    continue;
-                }
-                let body = &bodies.list[first + place];
+            let run = first as u32..(first + seen.len()) as u32;
+            for index in bodies.asleep.in_neither(&bodies.fixed, run) {
+                let (seen, way) = (&mut seen[index as usize - first], &mut ways[index as usize - first]);
+                let body = &bodies.list[index as usize];
                 let now = Pose::of(body);
                 way.gone += now.moved(seen, body.radius.min(LONGEST_ARM));
                 way.ahead = way.gone + (body.linear.norm() + turning_speed(body) + body.pulled * h) * h;

@@ -10,8 +10,8 @@ use crate::physics::collision::broad::in_step::InStep;
 use crate::physics::collision::broad::near_pairs::{self, NearPairs};
 use crate::physics::collision::broad::persistent_pairs::{BoundedBodies, Bounds};
 use crate::physics::collision::classic::sweep_and_sort::{self, SweptPairs};
-use crate::physics::collision::gap::contact_gap;
-use crate::physics::collision::manifold::{ContactPoint, Contacts, Pair, PartPair};
+use crate::physics::collision::gap::{Near, contact_gap};
+use crate::physics::collision::manifold::{ContactPoint, Contacts, Pair};
 use crate::physics::collision::narrow_phase;
 use crate::physics::collision::slots::graph::{ContactGraph, update_graph};
 use crate::physics::joint::{JoinedPairs, Joints};
@@ -22,7 +22,7 @@ use crate::physics::testing::Random;
 
 fn world(list: Vec<Body>, settings: SolverSettings) -> World {
     let mut world = World::new();
-    world.insert_resource(Bodies { list, ..Bodies::default() });
+    world.insert_resource(Bodies::of(list));
     world.insert_resource(settings);
     world.init_resource::<JoinedPairs>();
     world.init_resource::<Joints>();
@@ -190,7 +190,7 @@ fn slots_have_every_pair_within_its_gap() {
             let mut expected: Vec<Pair> = pairs
                 .filter(|pair| {
                     let (a, b) = (&bodies[pair.a as usize], &bodies[pair.b as usize]);
-                    let gap = contact_gap(a, b, PartPair::default(), &preset);
+                    let gap = contact_gap(a, b, &Near::of_bodies(a, b), &preset);
                     (b.position - a.position).norm() <= a.radius + b.radius + gap && touch(a, b, &preset).is_some()
                 })
                 .collect();

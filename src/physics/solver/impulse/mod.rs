@@ -114,8 +114,8 @@ fn solve_groups(
             double.solve(&mut bodies, &mut joints, &mut graph, &islands, &settings, stats.time, residuals)
         }
     };
-    let Bodies { list, asleep, .. } = &mut *bodies;
-    for index in asleep.absent(list.len() as u32) {
+    let Bodies { list, asleep, fixed, .. } = &mut *bodies;
+    for index in asleep.in_neither(fixed, 0..list.len() as u32) {
         let body = &mut list[index as usize];
         if body.kind != RigidBody::Kinematic {
             continue;
