@@ -100,7 +100,7 @@ fn a_body_is_added_on_the_surface_that_is_pointed_at() {
     ];
     for (i, (shape, name, height)) in shapes.into_iter().enumerate() {
         for (point, name) in [
-            (DVec3::new(-0.6 + 0.4 * i as f64, 1.0, 0.0), name.to_owned()),
+            (DVec3::new(-0.7 + 0.45 * i as f64, 1.0, 0.0), name.to_owned()),
             (DVec3::new(-0.8 + 0.6 * i as f64, 0.0, 4.0), format!("{name} 2")),
         ] {
             add_at(&mut stage, shape.clone(), point);

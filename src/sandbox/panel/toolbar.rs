@@ -13,7 +13,10 @@ use crate::sandbox::state::Covered;
 use crate::sandbox::{Blueprint, CurrentScene, JoinKind, SandboxAction, Tool};
 use crate::scene::ShapeSpec;
 
+/// Side of a button, and of one where there is no room for all in so many columns, points.
 const BUTTON: f32 = 30.0;
+const SMALL_BUTTON: f32 = 24.0;
+const COLUMNS: usize = 4;
 const SPACING: f32 = 3.0;
 const MARGIN: f32 = 8.0;
 /// Where there is room beside the tools in two columns, points from the left.
@@ -103,7 +106,8 @@ pub(super) fn show(
     let plots = covered.bottom / context.zoom_factor();
     let room = context.content_rect().height() - TOP - STRIP_HEIGHT - plots - 3.0 * MARGIN;
     let beside = context.content_rect().width() - covered.right / context.zoom_factor() - 4.0 * MARGIN;
-    let [most_rows, most_columns] = [room, beside].map(|room| ((room / (BUTTON + SPACING)) as usize).max(1));
+    let size = (room / entries.len().div_ceil(COLUMNS) as f32 - SPACING).clamp(SMALL_BUTTON, BUTTON);
+    let [most_rows, most_columns] = [room, beside].map(|room| ((room / (size + SPACING)) as usize).max(1));
     // Rather over the plots than over the panel.
     let rows = most_rows.min(entries.len().div_ceil(2)).max(entries.len().div_ceil(most_columns));
     let area = egui::Area::new(egui::Id::new("tools")).fixed_pos([MARGIN, TOP]).constrain(false);
@@ -115,7 +119,7 @@ pub(super) fn show(
                 ui.horizontal(|ui| {
                     for entry in row {
                         let is_chosen = is_chosen(&entry.choice, *tool, &blueprint, *kind);
-                        if button(ui, entry, is_chosen).clicked() {
+                        if button(ui, entry, is_chosen, size).clicked() {
                             take(&entry.choice, &mut blueprint, &mut kind, &mut actions);
                         }
                     }
@@ -178,8 +182,8 @@ fn take(
     actions.write(SandboxAction::ChooseTool(tool));
 }
 
-fn button(ui: &mut egui::Ui, entry: &Entry, is_chosen: bool) -> egui::Response {
-    let (square, response) = ui.allocate_exact_size(egui::Vec2::splat(BUTTON), egui::Sense::click());
+fn button(ui: &mut egui::Ui, entry: &Entry, is_chosen: bool, size: f32) -> egui::Response {
+    let (square, response) = ui.allocate_exact_size(egui::Vec2::splat(size), egui::Sense::click());
     let visuals = ui.style().interact_selectable(&response, is_chosen);
     ui.painter().rect_filled(square, 4.0, visuals.weak_bg_fill);
     icons::paint(ui.painter(), entry.icon, square.shrink(4.0), visuals.text_color());
