@@ -161,6 +161,7 @@ fn collider(shape: &Shape) -> Collider {
         Shape::Sphere { radius } => Collider::sphere(*radius as f32),
         Shape::Cuboid { size } => Collider::cuboid(size.x as f32, size.y as f32, size.z as f32),
         Shape::Capsule { radius, length } => Collider::capsule(*radius as f32, *length as f32),
+        Shape::Cylinder { radius, height } => Collider::cylinder(*radius as f32, *height as f32),
         Shape::Cone { radius, height } => {
             let cone = Collider::cone(*radius as f32, *height as f32);
             Collider::compound(vec![(cone_middle(*height).as_vec3(), Quat::IDENTITY, cone)])

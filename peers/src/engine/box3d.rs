@@ -205,6 +205,9 @@ fn create_shape(id: b3BodyId, definition: &b3ShapeDef, shape: &Shape, place: DVe
                 let capsule = b3Capsule { center1, center2, radius: *radius as f32 };
                 b3CreateCapsuleShape(id, definition, &capsule);
             }
+            Shape::Cylinder { radius, height } => {
+                create_hull(id, definition, &cylinder_points(*radius, *height).map(at).collect::<Vec<_>>());
+            }
             Shape::Cone { radius, height } => {
                 create_hull(id, definition, &cone_points(*radius, *height).map(at).collect::<Vec<_>>());
             }
@@ -273,15 +276,23 @@ fn ground_half_extent(scene: &Scene) -> f64 {
     scene.bodies.iter().map(|body| body.position.x.abs().max(body.position.z.abs())).fold(0.0, f64::max) + MARGIN
 }
 
-/// Corners of the base and the apex, from the centre of mass. 32 sides are what Box3D allows in its
-/// own cones.
+/// Corners of the base and the apex, from the centre of mass.
 fn cone_points(radius: f64, height: f64) -> impl Iterator<Item = DVec3> {
+    rim_points(radius, -height / 4.0).chain([0.75 * height * DVec3::Y])
+}
+
+/// Corners of both ends.
+fn cylinder_points(radius: f64, height: f64) -> impl Iterator<Item = DVec3> {
+    rim_points(radius, -height / 2.0).chain(rim_points(radius, height / 2.0))
+}
+
+/// Corners of a circle at that height. 32 sides are what Box3D allows in its own cones.
+fn rim_points(radius: f64, level: f64) -> impl Iterator<Item = DVec3> {
     const SIDES: usize = 32;
-    let rim = (0..SIDES).map(move |side| {
+    (0..SIDES).map(move |side| {
         let (sin, cos) = (std::f64::consts::TAU * side as f64 / SIDES as f64).sin_cos();
-        DVec3::new(radius * cos, -height / 4.0, radius * sin)
-    });
-    rim.chain([0.75 * height * DVec3::Y])
+        DVec3::new(radius * cos, level, radius * sin)
+    })
 }
 
 /// What it cannot do of a joint.

@@ -128,6 +128,7 @@ fn shape(shape: &Shape) -> ColliderBuilder {
             ColliderBuilder::cuboid(half.x, half.y, half.z)
         }
         Shape::Capsule { radius, length } => ColliderBuilder::capsule_y((*length / 2.0) as f32, *radius as f32),
+        Shape::Cylinder { radius, height } => ColliderBuilder::cylinder((*height / 2.0) as f32, *radius as f32),
         Shape::Cone { radius, height } => {
             ColliderBuilder::cone((*height / 2.0) as f32, *radius as f32).translation(vector(cone_middle(*height)))
         }
