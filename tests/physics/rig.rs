@@ -4,11 +4,13 @@
 #[path = "../../src/physics/testing/runge_kutta.rs"]
 mod runge_kutta;
 
-use bevy::math::DVec3;
+use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
-use plumb::physics::{Shape, hash_state};
+use plumb::physics::{Diagnostics, Shape, hash_state};
 use plumb::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 
 pub use runge_kutta::runge_kutta;
 
@@ -101,6 +103,43 @@ pub fn velocity(world: &World, body: Entity) -> DVec3 {
 
 pub fn spin(world: &World, body: Entity) -> DVec3 {
     world.get::<Velocity>(body).unwrap().angular
+}
+
+/// Kinetic and potential, of a world with [`Diagnostics`], J.
+pub fn energy(world: &World) -> f64 {
+    let told = world.resource::<Diagnostics>();
+    told.kinetic_energy + told.potential_energy
+}
+
+/// So many steps in none of which the energy is more than ever before by more than `gain` says of that, J.
+#[track_caller]
+pub fn assert_gains_nothing(world: &mut World, count: u32, name: &str, gain: impl Fn(f64) -> f64) {
+    let mut most = energy(world);
+    for index in 0..count {
+        step(world);
+        let now = energy(world);
+        assert!(now <= most + gain(most), "{name}, step {index}: {most} J grow to {now} J");
+        most = most.min(now);
+    }
+}
+
+/// A hundred shots at 400 m/s at a sheet of 1 cm.
+#[track_caller]
+pub fn assert_none_passes_a_sheet(collider: &Collider, seed: u64) {
+    let mut dice = Pcg64Mcg::seed_from_u64(seed);
+    for case in 0..100 {
+        let mut world = weightless(SolverSettings::game());
+        world.spawn((RigidBody::Static, Collider::cuboid(0.01, 6.0, 6.0)));
+        let start = DVec3::new(-dice.random_range(2.0..8.0), dice.random_range(-1.0..1.0), 0.0);
+        let own = body(&mut world, collider.clone(), start);
+        let turned = DQuat::from_rotation_z(dice.random_range(-3.0..3.0));
+        let velocity = Velocity { linear: DVec3::X * 400.0, angular: DVec3::Z * dice.random_range(-20.0..20.0) };
+        world.entity_mut(own).insert((Rotation(turned), velocity));
+        for _ in 0..6 {
+            step(&mut world);
+            assert!(position(&world, own).x < 0.05, "case {case}");
+        }
+    }
 }
 
 /// Takes all messages of a kind that are in the buffers.

@@ -26,15 +26,14 @@ use crate::physics::contact::may_bounce;
 use crate::physics::settings::{ContactModel, Method, SolverSettings};
 use crate::physics::shape::Geometry;
 
-/// The gap up to which a pair, or those parts of it that are near each other there, gets contact points, m. A half-space comes
-/// first.
-pub(super) fn contact_gap(a: &Body, b: &Body, near: &Near, settings: &SolverSettings) -> f64 {
+/// The gap up to which a pair gets contact points, m; of parts where contacts last [`lasting_gap`]. A half-space comes first.
+pub(super) fn contact_gap(a: &Body, b: &Body, settings: &SolverSettings) -> f64 {
     let h = settings.step();
     if settings.method == Method::Exact {
         return own_reach(a, settings) + own_reach(b, settings);
     }
     if settings.method.keeps_contacts() {
-        return SPECULATIVE_MARGIN * near.size + way_ahead(a, b, near, h);
+        return lasting_gap(a, b, &Near::of_bodies(a, b), h);
     }
     let is_over_plane = matches!(a.geometry, Some(Geometry::HalfSpace));
     let is_ahead = settings.sweeps.contacts == ContactModel::Clipping && settings.sweeps.contacts_ahead;
@@ -43,6 +42,11 @@ pub(super) fn contact_gap(a: &Body, b: &Body, near: &Near, settings: &SolverSett
     }
     let normal = a.rotation * Vector3::y();
     ((a.linear - b.linear).dot(&normal).max(0.0) + b.angular.norm() * b.radius) * h
+}
+
+/// Likewise where contacts last, of two bodies, or parts of them, that are near each other there, before a step of h, s.
+pub(super) fn lasting_gap(a: &Body, b: &Body, near: &Near, h: f64) -> f64 {
+    SPECULATIVE_MARGIN * near.size + way_ahead(a, b, near, h)
 }
 
 /// The gap within which two bodies that move along with each other may meet in a step in which something stops one of them,

@@ -9,7 +9,7 @@ use super::broad::near_pairs::NearPairs;
 use super::classic::extreme_vertices;
 use super::classic::sat::AxisBuffers;
 use super::classic::sweep_and_sort::{SweptPairs, begin};
-use super::gap::{Near, contact_gap};
+use super::gap::contact_gap;
 use super::manifold::{ContactPoint, Contacts, Manifold, Overlap, Pair, PairKey, PartPair};
 use super::narrow::contact_pair::{self, PairSearch};
 use super::narrow::feature_sat::Feature;
@@ -66,8 +66,7 @@ pub(super) fn find_contacts(
     } else {
         for &pair in &swept.0 {
             let [a, b] = [pair.a, pair.b].map(|body| &bodies.list[body as usize]);
-            // The gap of these methods is that of the bodies.
-            parts_within(a, b, contact_gap(a, b, &Near::of_bodies(a, b), &settings), &mut near_parts);
+            parts_within(a, b, contact_gap(a, b, &settings), &mut near_parts);
             candidates.extend(near_parts.iter().map(|&parts| PairKey { slot: None, pair, parts }));
         }
     }
@@ -119,7 +118,7 @@ impl Block {
         self.buffers.search.axes = 0;
         for &PairKey { slot, pair, parts } in candidates {
             let (a, b) = (&bodies[pair.a as usize], &bodies[pair.b as usize]);
-            if are_spheres_apart(a, b, contact_gap(a, b, &Near::of([a, b], parts), settings)) {
+            if are_spheres_apart(a, b, contact_gap(a, b, settings)) {
                 continue;
             }
             let first = self.points.len();
@@ -158,13 +157,9 @@ pub(super) fn touch(
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
     match settings.contact_model() {
-        ContactModel::Clipping => contact_pair::touch(
-            [a, b],
-            parts,
-            contact_gap(a, b, &Near::of([a, b], parts), settings),
-            &mut buffers.search,
-            points,
-        ),
+        ContactModel::Clipping => {
+            contact_pair::touch([a, b], parts, contact_gap(a, b, settings), &mut buffers.search, points)
+        }
         ContactModel::ExtremeVertices | ContactModel::SinglePoint => {
             extreme_vertices::touch([a, b], parts, settings, &mut buffers.axes, points)
         }

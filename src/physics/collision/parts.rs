@@ -70,10 +70,15 @@ pub(super) fn near_parts(
     growth: impl Fn(&Body, &Vector3<f64>, f64) -> f64 + Copy,
     list: &mut Vec<PartPair>,
 ) {
+    let about = |body: &Body| (body.position, body.radius);
     match (parts_of(a), parts_of(b)) {
         (None, None) => list.push(PartPair::default()),
-        (Some(of_a), None) => parts_in(a, of_a, b, within[1], growth, |part| list.push(PartPair { a: part, b: 0 })),
-        (None, Some(of_b)) => parts_in(b, of_b, a, within[0], growth, |part| list.push(PartPair { a: 0, b: part })),
+        (Some(of_a), None) => {
+            parts_in(a, of_a, about(b), within[1], growth, |part| list.push(PartPair { a: part, b: 0 }))
+        }
+        (None, Some(of_b)) => {
+            parts_in(b, of_b, about(a), within[0], growth, |part| list.push(PartPair { a: 0, b: part }))
+        }
         // Two meshes never touch.
         (Some(of_a), Some(of_b)) if of_a.is_mesh() && of_b.is_mesh() => {}
         (Some(_), Some(of_b)) if of_b.is_mesh() => {
@@ -84,43 +89,25 @@ pub(super) fn near_parts(
         // The solids of B, each against the parts of A.
         (Some(of_a), Some(of_b)) => {
             let axes = b.rotation.to_rotation_matrix().into_inner();
-            parts_in(b, of_b, a, within[0], growth, |part_of_b| {
+            parts_in(b, of_b, about(a), within[0], growth, |part_of_b| {
                 let solid = &of_b.solids()[part_of_b as usize];
                 let bounds = placed_box(&solid.bounds(), &axes, &b.position);
-                let place = b.position + axes * solid.position;
-                let within = Some(bounds.grown(growth(b, &place, solid.radius)));
-                let own = Place { middle: place, radius: solid.radius };
-                parts_near(a, of_a, own, within, growth, |part| list.push(PartPair { a: part, b: part_of_b }));
+                let middle = b.position + axes * solid.position;
+                let within = Some(bounds.grown(growth(b, &middle, solid.radius)));
+                parts_in(a, of_a, (middle, solid.radius), within, growth, |part| {
+                    list.push(PartPair { a: part, b: part_of_b })
+                });
             });
         }
     }
 }
 
-/// What is about a place.
-#[derive(Clone, Copy)]
-struct Place {
-    middle: Vector3<f64>,
-    radius: f64,
-}
-
-/// Hands on the parts of a body whose boxes overlap that of another.
+/// Hands on the parts of a body whose boxes overlap one of the world, of something within a radius of a middle: a mesh's are
+/// grown by what moves there, of solids each by its own way.
 fn parts_in(
     body: &Body,
     parts: &Parts,
-    other: &Body,
-    within: Option<BoundingBox>,
-    growth: impl Fn(&Body, &Vector3<f64>, f64) -> f64,
-    take: impl FnMut(u32),
-) {
-    parts_near(body, parts, Place { middle: other.position, radius: other.radius }, within, growth, take);
-}
-
-/// Hands on the parts of a body whose boxes overlap one of the world, of something about a place: a mesh's are grown by what
-/// moves there, of solids each by its own way.
-fn parts_near(
-    body: &Body,
-    parts: &Parts,
-    Place { middle, radius }: Place,
+    (middle, radius): (Vector3<f64>, f64),
     within: Option<BoundingBox>,
     growth: impl Fn(&Body, &Vector3<f64>, f64) -> f64,
     mut take: impl FnMut(u32),

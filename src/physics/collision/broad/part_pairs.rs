@@ -75,8 +75,7 @@ impl PartPairs {
             self.to_find.extend(wholes_of(&self.whole, pairs, body));
         }
         for body in awake {
-            let it = &in_step.bodies[body as usize];
-            if it.kind != RigidBody::Static && has_parts(it) {
+            if has_parts(&in_step.bodies[body as usize]) {
                 self.to_find.extend(wholes_of(&self.whole, pairs, body));
             }
         }

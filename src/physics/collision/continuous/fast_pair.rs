@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::time_of_impact::{self, advanced};
+use super::time_of_impact::advanced;
 use crate::physics::collision::manifold::PartPair;
 use crate::physics::{Body, Pair};
 
@@ -55,8 +55,7 @@ pub(crate) struct FastPair {
 }
 
 impl FastPair {
-    pub fn new(pair: Pair, parts: PartPair, [a, b]: [&Body; 2], h: f64, impact: Option<f64>) -> Self {
-        let fast = time_of_impact::move_far([a, b], parts, h);
+    pub fn new(pair: Pair, parts: PartPair, [a, b]: [&Body; 2], fast: [bool; 2], impact: Option<f64>) -> Self {
         Self { pair, parts, starts: [Start::of(a), Start::of(b)], fast, impact }
     }
 }

@@ -23,6 +23,7 @@ pub(crate) struct Cylinder {
 }
 
 /// What faces a direction, by number: an end, or the flank.
+const BOTTOM: u32 = 0;
 const TOP: u32 = 1;
 const FLANK: u32 = 2;
 
@@ -34,7 +35,7 @@ impl Cylinder {
 
     /// The end that a direction points to.
     fn end_toward(&self, direction: &Vector3<f64>) -> End {
-        self.end(if direction.y > 0.0 { TOP } else { 1 - TOP })
+        self.end(if direction.y > 0.0 { TOP } else { BOTTOM })
     }
 }
 
@@ -72,7 +73,7 @@ impl Faced for Cylinder {
 
 impl Revolved for Cylinder {
     fn ends(&self) -> [Option<End>; 2] {
-        [Some(self.end(1 - TOP)), Some(self.end(TOP))]
+        [Some(self.end(BOTTOM)), Some(self.end(TOP))]
     }
 
     fn tip(&self) -> Option<Vector3<f64>> {
@@ -92,7 +93,7 @@ impl Revolved for Cylinder {
     }
 
     fn generator(&self, toward: [f64; 2]) -> Segment {
-        Segment([self.end(1 - TOP), self.end(TOP)].map(|end| end.rim_point(toward)))
+        Segment([self.end(BOTTOM), self.end(TOP)].map(|end| end.rim_point(toward)))
     }
 
     /// All in the half-plane of the axis and the point.

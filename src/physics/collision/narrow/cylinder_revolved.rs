@@ -32,7 +32,7 @@ use super::revolved_polyhedron::{flanks_across, rims_across};
 use super::{
     Cylinder, Feature, Found, Frame, Least, Overlap, PairSearch, Rim, Segment, ShapePair, edge_contact, unit_across,
 };
-use crate::physics::collision::constants::{ON_FLANK, SADDLE_GAP};
+use crate::physics::collision::constants::SADDLE_GAP;
 
 /// What may lie on a cylinder's flank or rim.
 pub(crate) trait BesideCylinder: Revolved {
@@ -242,8 +242,7 @@ impl Foremost {
         if shape.has_on_flank(direction) {
             return Self { core: shape.generator(toward), radius: 0.0 };
         }
-        let faces = |end: &End| direction.dot(&end.normal()) > 1.0 - ON_FLANK * ON_FLANK;
-        match shape.ends().into_iter().flatten().find(faces) {
+        match shape.end_of(direction) {
             Some(end) => Self { core: Segment([end.center(); 2]), radius: end.radius },
             None => Self { core: Segment([shape.foremost(direction); 2]), radius: 0.0 },
         }

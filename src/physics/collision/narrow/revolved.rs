@@ -33,9 +33,9 @@ pub(crate) trait Revolved: Faced {
         (normal.y - sine).abs() < ON_FLANK
     }
 
-    /// Whether a unit normal is that of an end.
-    fn has_at_end(&self, normal: &Vector3<f64>) -> bool {
-        self.ends().iter().flatten().any(|end| normal.y * end.outward > 1.0 - ON_FLANK * ON_FLANK)
+    /// The end of which a unit normal is, if it is one's.
+    fn end_of(&self, normal: &Vector3<f64>) -> Option<End> {
+        self.ends().into_iter().flatten().find(|end| normal.y * end.outward > 1.0 - ON_FLANK * ON_FLANK)
     }
 
     /// The normal of the flank over that line.
@@ -61,7 +61,7 @@ impl<A: Revolved, B: Revolved> ShapePair<'_, A, B> {
             return;
         }
         // Of a line or an end no point is foremost of all.
-        let point = if line_a || self.a.has_at_end(&normal) {
+        let point = if line_a || self.a.end_of(&normal).is_some() {
             self.b_in_a.place(&self.b.foremost(&toward_a)) + normal * (depth / 2.0)
         } else {
             self.a.foremost(&normal) - normal * (depth / 2.0)

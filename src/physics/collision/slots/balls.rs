@@ -12,7 +12,7 @@ use super::watch::Known;
 use crate::physics::body::{Body, RigidBody};
 use crate::physics::collision::constants::ON_SURFACE;
 use crate::physics::collision::continuous::time_of_impact::move_far;
-use crate::physics::collision::gap::{Near, contact_gap};
+use crate::physics::collision::gap::contact_gap;
 use crate::physics::collision::manifold::PartPair;
 use crate::physics::collision::narrow::Scale;
 use crate::physics::contact::{surface, tangents};
@@ -35,7 +35,7 @@ impl Slot {
         }
         let between = b.position - a.position;
         let distance = between.norm();
-        let scale = Scale::new(a.radius, b.radius, contact_gap(a, b, &Near::of_bodies(a, b), settings));
+        let scale = Scale::new(a.radius, b.radius, contact_gap(a, b, settings));
         let depth = a.radius + b.radius - distance;
         if scale.separates(depth) {
             if self.touching {
@@ -125,7 +125,7 @@ mod tests {
                 let Some(known) = short.find_balls(of_short, a, b, &settings) else { break };
                 points.clear();
                 let (search, joined) = (&mut PairSearch::default(), &BitSet::default());
-                let place = (Pose::relative(a, b), contact_gap(a, b, &Near::of_bodies(a, b), &settings));
+                let place = (Pose::relative(a, b), contact_gap(a, b, &settings));
                 long.find(place, of_long, a, b, joined, &settings, search, &mut points);
                 assert_eq!((short.touching, short.features), (long.touching, long.features));
                 let off = difference(of_short, of_long);

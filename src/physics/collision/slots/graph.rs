@@ -14,7 +14,7 @@ use crate::physics::collision::broad::near_pairs::NearPairs;
 use crate::physics::collision::broad::pair_slots::PairSlot;
 use crate::physics::collision::constants::{PAIRS_IN_ROW, SLOTS_A_CHUNK};
 use crate::physics::collision::continuous::fast_pair::FastPair;
-use crate::physics::collision::gap::{contact_gap, gap_if_stopped};
+use crate::physics::collision::gap::{gap_if_stopped, lasting_gap};
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Pair, PairKey, PartPair};
 use crate::physics::collision::narrow::contact_pair::PairSearch;
 use crate::physics::collision::narrow::feature_sat::Feature;
@@ -372,9 +372,9 @@ impl Chunk<'_> {
             } else {
                 let pose = slot.pose(a, b);
                 let near = slot.near(b);
-                let held = slot.moved(&pose).filter(|&moved| slot.holds_after(moved, a, b, &near, settings));
+                let held = slot.moved(&pose).filter(|&moved| slot.holds_after(moved, a, b, &near, settings.step()));
                 if held.is_none() {
-                    let place = (pose, contact_gap(a, b, &near, settings));
+                    let place = (pose, lasting_gap(a, b, &near, settings.step()));
                     let found = (self.first + index, &mut *slot, state);
                     self.finder.find([a, b], place, found, self.update, self.joined, settings);
                 }

@@ -11,7 +11,7 @@ use crate::physics::body::{Body, RigidBody};
 use crate::physics::collision::constants::{FLAT_RECYCLING, ROUND_RECYCLING, SUCCESSION_REACH};
 use crate::physics::collision::continuous::fast_pair::FastPair;
 use crate::physics::collision::continuous::time_of_impact::{self, Course, Impact};
-use crate::physics::collision::gap::{Near, contact_gap, way_ahead};
+use crate::physics::collision::gap::{Near, lasting_gap, way_ahead};
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap, Pair, PartPair};
 use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
 use crate::physics::collision::narrow::feature_sat::Feature;
@@ -115,13 +115,13 @@ impl Slot {
     /// hardly moved against each other. Bodies that are apart have none while they cannot have come as near as one is
     /// looked for, nor where they have hardly moved and do not come from beyond where it was looked for.
     #[inline]
-    pub(super) fn holds_after(&self, moved: f64, a: &Body, b: &Body, near: &Near, settings: &SolverSettings) -> bool {
+    pub(super) fn holds_after(&self, moved: f64, a: &Body, b: &Body, near: &Near, h: f64) -> bool {
         if self.touching {
             return moved <= self.recycling;
         }
         let limit = ROUND_RECYCLING * self.size;
-        moved + contact_gap(a, b, near, settings) <= self.apart
-            || (moved <= limit && way_ahead(a, b, near, settings.step()) <= self.found_within - limit)
+        moved + lasting_gap(a, b, near, h) <= self.apart
+            || (moved <= limit && way_ahead(a, b, near, h) <= self.found_within - limit)
     }
 
     /// What is known of the pair where the bodies have moved so far since the manifold was looked for.
@@ -171,7 +171,8 @@ impl Slot {
         // One on a joint will not go on as it moves now.
         let is_free = !joined.contains(self.pair.a) && !joined.contains(self.pair.b);
         let parts = self.parts;
-        let is_fast = is_free && (time_of_impact::move_far([a, b], parts, h).contains(&true));
+        let fast = if is_free { time_of_impact::move_far([a, b], parts, h) } else { [false; 2] };
+        let is_fast = fast.contains(&true);
         let course = if is_fast { time_of_impact::course([a, b], parts, h, search, points) } else { Course::Touching };
         let meeting = match course {
             Course::Touching => {
@@ -194,7 +195,7 @@ impl Slot {
             *state = ContactState::default();
         }
         self.touching = meeting.is_some();
-        is_fast.then(|| FastPair::new(self.pair, parts, [a, b], h, meeting.map(|meeting| meeting.time)))
+        is_fast.then(|| FastPair::new(self.pair, parts, [a, b], fast, meeting.map(|meeting| meeting.time)))
     }
 
     /// Takes in the points found where the bodies meet.

@@ -10,7 +10,7 @@ use crate::physics::collision::broad::in_step::InStep;
 use crate::physics::collision::broad::near_pairs::{self, NearPairs};
 use crate::physics::collision::broad::persistent_pairs::{BoundedBodies, Bounds};
 use crate::physics::collision::classic::sweep_and_sort::{self, SweptPairs};
-use crate::physics::collision::gap::{Near, contact_gap};
+use crate::physics::collision::gap::contact_gap;
 use crate::physics::collision::manifold::{ContactPoint, Contacts, Pair};
 use crate::physics::collision::narrow_phase;
 use crate::physics::collision::slots::graph::{ContactGraph, update_graph};
@@ -190,7 +190,7 @@ fn slots_have_every_pair_within_its_gap() {
             let mut expected: Vec<Pair> = pairs
                 .filter(|pair| {
                     let (a, b) = (&bodies[pair.a as usize], &bodies[pair.b as usize]);
-                    let gap = contact_gap(a, b, &Near::of_bodies(a, b), &preset);
+                    let gap = contact_gap(a, b, &preset);
                     (b.position - a.position).norm() <= a.radius + b.radius + gap && touch(a, b, &preset).is_some()
                 })
                 .collect();
