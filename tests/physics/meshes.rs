@@ -121,7 +121,7 @@ fn a_ball_slides_over_a_smooth_wave_and_loses_what_its_edges_take() {
         first - energy(&world)
     };
     let lost = [600, 2400].map(lost_on);
-    assert!(lost[0] < 1.0 && lost[1] < 0.5 * lost[0], "{lost:?}");
+    assert!(lost[0] < 1.1 && lost[1] < 0.5 * lost[0], "{lost:?}");
 }
 
 /// A ball that slides in a half pipe of radius R swings as a pendulum of length R − r.

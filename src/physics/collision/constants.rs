@@ -24,6 +24,10 @@ pub(super) const FAT_MARGIN: f64 = 0.05;
 /// Steps of travel at the present velocity that a fat box has ahead of it; the same balance. *speed*.
 pub(super) const STEPS_AHEAD: f64 = 4.0;
 
+/// Share of that margin that two bodies of which one has parts move in a step up to which it counts as lasting, so that
+/// their parts are looked for with it; others are looked for in each step without. *speed*, `trees`.
+pub(super) const LASTING_SHARE: f64 = 0.25;
+
 // Contacts that last, in slots.
 
 /// Share of the smaller bounding radius by which a pair with a curved surface may move before its manifold, of a point or

@@ -100,6 +100,29 @@ pub(super) fn way_of(body: &Body, place: &Vector3<f64>, radius: f64, h: f64) -> 
     (speed + body.pulled * h) * h
 }
 
+/// What a body moves by in a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Motion {
+    linear: Vector3<f64>,
+    angular: Vector3<f64>,
+    pulled: f64,
+}
+
+impl Motion {
+    /// Of a body.
+    pub fn of(&Body { linear, angular, pulled, .. }: &Body) -> Self {
+        Self { linear, angular, pulled }
+    }
+}
+
+/// By how much more than at another motion points of a body that are within a reach of its middle, m, move in a time h, s, at
+/// most ([`way_of`]).
+pub(super) fn way_gained(body: &Body, before: &Motion, reach: f64, h: f64) -> f64 {
+    let bent = 0.5 * h * (body.angular.norm_squared() - before.angular.norm_squared()).max(0.0);
+    let turning = ((body.angular - before.angular).norm() + bent) * reach;
+    ((body.linear - before.linear).norm() + turning + (body.pulled - before.pulled).max(0.0) * h) * h
+}
+
 /// Speed by which a circle departs in the mean over a time h, s, from its tangent, of points within a radius of an arm, m/s.
 fn bend(body: &Body, arm: &Vector3<f64>, radius: f64, h: f64) -> f64 {
     0.5 * h * body.angular.norm_squared() * (arm.norm() + radius)

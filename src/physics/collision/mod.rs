@@ -11,6 +11,7 @@
 //! on the distance from the origin. What contacts do to bodies is the constraints' business, and
 //! who is told of them that of the events. Outside a step, [`probe`] tells whether two overlap.
 
+mod box_around;
 mod broad;
 mod classic;
 mod constants;
@@ -21,6 +22,7 @@ mod manifold;
 mod narrow;
 mod narrow_phase;
 mod parts;
+mod pose;
 mod probe;
 mod slots;
 

@@ -1,9 +1,12 @@
 //! Bodies whose shape has parts: each part where it is, and which parts of two bodies are near each other.
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
+use super::box_around::BoxAround;
 use super::broad::bounding_tree::BoundingBox;
+use super::constants::CONTACT_TOLERANCE;
 use super::manifold::PartPair;
+use super::narrow::Frame;
 use crate::physics::shape::{PartList, Parts, Triangles, placed_box};
 use crate::physics::{Body, Geometry};
 
@@ -57,75 +60,113 @@ pub(super) fn has_parts(body: &Body) -> bool {
     parts_of(body).is_some()
 }
 
+/// The smallest bounding radius among the solids of a body, of a mesh its own, m.
+pub(super) fn least_radius(body: &Body) -> f64 {
+    let solids = parts_of(body).map_or(&[][..], Parts::solids);
+    solids.iter().map(|solid| solid.radius).fold(body.radius, f64::min)
+}
+
 fn parts_of(body: &Body) -> Option<&Parts> {
     body.geometry.as_ref().and_then(Geometry::parts)
 }
 
-/// Adds those parts of two bodies whose boxes overlap where B is in a box of the world and A in another, both wide enough for
-/// what the bodies may move; none of a half-space, which is everywhere. Boxes of parts are grown by as much as `growth` tells
-/// of what a body has within a radius of a place, m.
+/// Adds those parts of two bodies that may meet where either moves: boxes of parts, grown by as much as `growth` tells of what a
+/// body has within a radius of a place, m, overlap. A half-space is everywhere. Two meshes never touch.
 pub(super) fn near_parts(
     [a, b]: [&Body; 2],
-    within: [Option<BoundingBox>; 2],
     growth: impl Fn(&Body, &Vector3<f64>, f64) -> f64 + Copy,
     list: &mut Vec<PartPair>,
 ) {
-    let about = |body: &Body| (body.position, body.radius);
+    let whole = |body| Mover::of(body, 0, growth);
     match (parts_of(a), parts_of(b)) {
         (None, None) => list.push(PartPair::default()),
         (Some(of_a), None) => {
-            parts_in(a, of_a, about(b), within[1], growth, |part| list.push(PartPair { a: part, b: 0 }))
+            parts_near(a, of_a, whole(b), growth, |part| list.push(PartPair { a: part, b: 0 }));
         }
         (None, Some(of_b)) => {
-            parts_in(b, of_b, about(a), within[0], growth, |part| list.push(PartPair { a: 0, b: part }))
+            parts_near(b, of_b, whole(a), growth, |part| list.push(PartPair { a: 0, b: part }));
         }
-        // Two meshes never touch.
         (Some(of_a), Some(of_b)) if of_a.is_mesh() && of_b.is_mesh() => {}
         (Some(_), Some(of_b)) if of_b.is_mesh() => {
             let first = list.len();
-            near_parts([b, a], [within[1], within[0]], growth, list);
+            near_parts([b, a], growth, list);
             list[first..].iter_mut().for_each(|pair| *pair = pair.swapped());
         }
         // The solids of B, each against the parts of A.
         (Some(of_a), Some(of_b)) => {
             let axes = b.rotation.to_rotation_matrix().into_inner();
-            parts_in(b, of_b, about(a), within[0], growth, |part_of_b| {
-                let solid = &of_b.solids()[part_of_b as usize];
-                let bounds = placed_box(&solid.bounds(), &axes, &b.position);
-                let middle = b.position + axes * solid.position;
-                let within = Some(bounds.grown(growth(b, &middle, solid.radius)));
-                parts_in(a, of_a, (middle, solid.radius), within, growth, |part| {
-                    list.push(PartPair { a: part, b: part_of_b })
-                });
+            let into_b = axes.transpose();
+            let around_a = box_of(a).map(|bounds| bounds.grown(growth(a, &a.position, a.radius)));
+            let Some(around_a) = around_a else { return };
+            let around_a = placed_box(&around_a, &into_b, &-(into_b * b.position));
+            solids_in(b, of_b, &axes, &around_a, growth, |part_of_b| {
+                let mover = Mover::of(b, part_of_b, growth);
+                parts_near(a, of_a, mover, growth, |part| list.push(PartPair { a: part, b: part_of_b }));
             });
         }
     }
 }
 
-/// Hands on the parts of a body whose boxes overlap one of the world, of something within a radius of a middle: a mesh's are
-/// grown by what moves there, of solids each by its own way.
-fn parts_in(
+/// A solid where it is, and by how much it may come nearer to something, m.
+struct Mover<'t> {
+    placed: Placed<'t>,
+    shape: &'t Geometry,
+    way: f64,
+}
+
+impl<'t> Mover<'t> {
+    /// A body's shape, or that solid of it; none of a mesh and of what has no shape.
+    fn of(body: &'t Body, part: u32, growth: impl Fn(&Body, &Vector3<f64>, f64) -> f64) -> Option<Self> {
+        let placed = Placed::of(body, part)?;
+        let PartShape::Solid(shape) = placed.shape else { return None };
+        let way = growth(body, &placed.position, placed.radius);
+        Some(Self { placed, shape, way })
+    }
+}
+
+/// Hands on the parts of a body that a solid may meet: a mesh's are grown by what moves there, solids each by its own way.
+fn parts_near(
     body: &Body,
     parts: &Parts,
-    (middle, radius): (Vector3<f64>, f64),
-    within: Option<BoundingBox>,
+    mover: Option<Mover>,
     growth: impl Fn(&Body, &Vector3<f64>, f64) -> f64,
     mut take: impl FnMut(u32),
 ) {
-    let Some(bounds) = within else {
+    let Some(Mover { placed, shape, way }) = mover else { return };
+    let axes = body.rotation.to_rotation_matrix().into_inner();
+    let into_body = axes.transpose();
+    let rotation = into_body * placed.rotation.to_rotation_matrix().into_inner();
+    let center = into_body * (placed.position - body.position);
+    let Some([low, high]) = shape.reach(&rotation) else {
         (0..parts.solids().len() as u32).for_each(take);
         return;
     };
-    let axes = body.rotation.to_rotation_matrix().into_inner();
-    let into_body = axes.transpose();
-    let bounds = placed_box(&bounds, &into_body, &-(into_body * body.position));
-    let PartList::Solids(solids) = &parts.list else {
-        return parts.tree().overlapping(&bounds.grown(growth(body, &middle, radius)), &mut take);
+    let bounds = BoundingBox { low: center + low, high: center + high }.grown(way);
+    let PartList::Triangles(mesh) = &parts.list else {
+        return solids_in(body, parts, &axes, &bounds, growth, take);
     };
+    let own = growth(body, &placed.position, placed.radius);
+    let around = BoxAround::new(shape, Frame { rotation, center }, way + own + CONTACT_TOLERANCE * placed.radius);
+    parts.tree().overlapping(&bounds.grown(own), |facet| {
+        if around.may_meet(mesh, facet) {
+            take(facet);
+        }
+    });
+}
+
+/// Hands on the solids of a body, whose axes are given as columns, that may come into a box in these axes.
+fn solids_in(
+    body: &Body,
+    parts: &Parts,
+    axes: &Matrix3<f64>,
+    bounds: &BoundingBox,
+    growth: impl Fn(&Body, &Vector3<f64>, f64) -> f64,
+    mut take: impl FnMut(u32),
+) {
     // No part reaches as far from the body's middle.
     let most = growth(body, &body.position, 2.0 * body.radius);
     parts.tree().overlapping(&bounds.grown(most), |part| {
-        let solid = &solids[part as usize];
+        let solid = &parts.solids()[part as usize];
         let own = growth(body, &(body.position + axes * solid.position), solid.radius);
         if solid.bounds().overlaps(&bounds.grown(own)) {
             take(part);
@@ -143,7 +184,7 @@ pub(crate) fn box_of(body: &Body) -> Option<BoundingBox> {
 pub(crate) fn parts_within(a: &Body, b: &Body, distance: f64, list: &mut Vec<PartPair>) {
     list.clear();
     if has_parts(a) || has_parts(b) {
-        near_parts([a, b], [box_of(a), box_of(b)], |_, _, _| distance, list);
+        near_parts([a, b], |_, _, _| distance, list);
     } else {
         list.push(PartPair::default());
     }

@@ -39,6 +39,8 @@ const LIST: usize = 16;
 pub(crate) struct Triangles {
     pub vertices: Vec<Vector3<f64>>,
     pub corners: Vec<[u32; 3]>,
+    /// Unit, to the front of each triangle.
+    normals: Vec<Vector3<f64>>,
     /// The farthest vertex from the origin, m.
     pub radius: f64,
     /// Where the neighbors of each vertex begin; then the number of all.
@@ -100,14 +102,19 @@ impl Triangles {
         let neighbors = ends.iter().map(|[_, to]| *to).collect();
         let radius = vertices.iter().map(Vector3::norm).fold(0.0, f64::max);
         let facets = Vec::new();
-        let mut own = Self { vertices, corners, radius, first_neighbor, neighbors, owners, beyond, facets };
+        let normals = corners.iter().map(|triangle| {
+            let [a, b, c] = triangle.map(|vertex| vertices[vertex as usize]);
+            (b - a).cross(&(c - a)).normalize()
+        });
+        let normals = normals.collect();
+        let mut own = Self { vertices, corners, normals, radius, first_neighbor, neighbors, owners, beyond, facets };
         own.facets = own.find_facets();
         own
     }
 
     /// Neighbors in one plane where they make a convex polygon, else each triangle alone.
     fn find_facets(&self) -> Vec<Facet> {
-        let normals: Vec<_> = (0..self.count()).map(|triangle| self.get(triangle).normal).collect();
+        let normals = &self.normals;
         let mut is_taken = vec![false; self.corners.len()];
         let (mut facets, mut stack) = (Vec::new(), Vec::new());
         for first in 0..self.count() {
@@ -164,6 +171,11 @@ impl Triangles {
         self.facets.len() as u32
     }
 
+    /// The triangles of a facet.
+    pub fn triangles_of(&self, facet: u32) -> &[u32] {
+        &self.facets[facet as usize].triangles
+    }
+
     /// The box of a facet.
     pub fn facet_bounds(&self, facet: u32) -> BoundingBox {
         let all = self.facets[facet as usize].triangles.iter().map(|&triangle| self.bounds(triangle));
@@ -215,6 +227,11 @@ impl Triangles {
         self.corners[triangle as usize].map(|vertex| self.vertices[vertex as usize])
     }
 
+    /// Its unit normal, to the front.
+    pub fn normal(&self, triangle: u32) -> Vector3<f64> {
+        self.normals[triangle as usize]
+    }
+
     /// One of them, placed.
     pub fn get(&self, index: u32) -> Triangle<'_> {
         let corners = self.corners_of(index);
@@ -222,7 +239,7 @@ impl Triangles {
         let middle = (a + b + c) / 3.0;
         let corners = corners.map(|corner| corner - middle);
         let radius = corners.iter().map(Vector3::norm).fold(0.0, f64::max);
-        Triangle { mesh: self, index, middle, corners, normal: (b - a).cross(&(c - a)).normalize(), radius }
+        Triangle { mesh: self, index, middle, corners, normal: self.normal(index), radius }
     }
 
     fn neighbors(&self, vertex: u32) -> &[u32] {

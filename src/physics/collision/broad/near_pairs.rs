@@ -62,7 +62,8 @@ pub(crate) fn update_pairs(
     let reach = (!lasts).then_some(&*settings);
     let in_step = InStep { bodies: &bodies.list, joined: &joined, h: settings.step(), reach };
     pairs.update(&in_step, bodies.awake(), settings.threads, changes);
-    parted.update(pairs, &in_step, bodies.awake(), changes);
+    let is_awake = |body| !bodies.asleep.contains(body) && !bodies.fixed.contains(body);
+    parted.update(pairs, &in_step, is_awake, changes);
     if !dropped.is_empty() {
         dropped.append(&mut changes.removed);
         std::mem::swap(dropped, &mut changes.removed);

@@ -130,16 +130,6 @@ impl PersistentPairs {
         &self.pairs
     }
 
-    /// The box that pairs of a body are made of; none of a half-space.
-    pub fn paired_within(&self, body: u32) -> Option<BoundingBox> {
-        self.leaves[body as usize].map(|_| self.fat[body as usize])
-    }
-
-    /// The bodies that got a new one in the last update.
-    pub fn moved(&self) -> &[u32] {
-        &self.moved
-    }
-
     /// Adds a pair of parts of two bodies that are a pair. It goes when that goes.
     pub fn insert_parts(&mut self, pair: Pair, parts: PartPair) -> PairSlot {
         self.pairs.insert_parts(pair, parts)

@@ -28,6 +28,13 @@ pub(super) fn touch(
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
     let first = points.len();
+    if let &[index] = mesh.triangles_of(facet) {
+        let triangle = mesh.get(index);
+        let placed = Frame { center: shape_in_mesh.center - triangle.middle, ..*shape_in_mesh };
+        let overlap = triangle::touch(triangle, shape, radius, &placed, gap, search, points);
+        points[first..].iter_mut().for_each(|found| found.point += triangle.middle);
+        return overlap;
+    }
     let [low, high] = shape.reach(&shape_in_mesh.rotation)?;
     let scale = Scale::new(radius, radius, gap);
     let center = &shape_in_mesh.center;

@@ -126,8 +126,19 @@ pub(crate) fn touch(
         return None;
     }
     search.apart = 0.0;
-    let pyramid = &Pyramid::new(triangle, !search.any_normal);
     let scale = &Scale::new(triangle.radius, radius, gap);
+    let below = -shape_in_triangle.rotation.tr_mul(&triangle.normal);
+    let reach = match shape {
+        Geometry::Cuboid { half } => below.abs().dot(half),
+        Geometry::Hull(hull) => hull.reach(&below),
+        _ => height,
+    };
+    if scale.separates(reach - height) {
+        // Most of a mesh that is near something is.
+        search.apart = height - reach;
+        return None;
+    }
+    let pyramid = &Pyramid::new(triangle, !search.any_normal);
     macro_rules! tested {
         ($touch:path, $a:expr, $b:expr, $b_in_a:expr) => {
             $touch(&ShapePair { a: $a, b: $b, b_in_a: $b_in_a, scale }, search)?

@@ -78,7 +78,7 @@ mod tests {
     use crate::physics::bit_set::BitSet;
     use crate::physics::collision::manifold::Pair;
     use crate::physics::collision::narrow::contact_pair::PairSearch;
-    use crate::physics::collision::slots::pose::Pose;
+    use crate::physics::collision::pose::Pose;
     use crate::physics::shape::Geometry;
     use crate::physics::testing::Random;
 

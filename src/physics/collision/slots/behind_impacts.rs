@@ -10,11 +10,11 @@
 //! as all of it pushes the first.
 
 use super::graph::{ContactGraph, Finder, is_row};
-use super::pose::Pose;
 use crate::physics::bit_set::BitSet;
 use crate::physics::body::Body;
 use crate::physics::collision::gap::gap_if_stopped;
 use crate::physics::collision::manifold::Pair;
+use crate::physics::collision::pose::Pose;
 use crate::physics::settings::SolverSettings;
 
 impl ContactGraph {

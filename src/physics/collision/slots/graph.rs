@@ -4,7 +4,6 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use super::pose::Pose;
 use super::record::{ContactState, POINTS};
 use super::slot::Slot;
 use super::watch::{Known, Travels, Watch};
@@ -18,6 +17,7 @@ use crate::physics::collision::gap::{gap_if_stopped, lasting_gap};
 use crate::physics::collision::manifold::{ContactPoint, FeatureId, Pair, PairKey, PartPair};
 use crate::physics::collision::narrow::contact_pair::PairSearch;
 use crate::physics::collision::narrow::feature_sat::Feature;
+use crate::physics::collision::pose::Pose;
 use crate::physics::contact::namesake;
 use crate::physics::joint::Joints;
 use crate::physics::lanes::Record;

@@ -12,7 +12,6 @@ mod balls;
 mod behind_impacts;
 pub(super) mod export;
 pub(super) mod graph;
-mod pose;
 pub(super) mod record;
 pub(super) mod slot;
 mod watch;

@@ -3,7 +3,6 @@
 use bevy::prelude::*;
 use nalgebra::Vector3;
 
-use super::pose::Pose;
 use super::record::{ContactGeometry, ContactState, POINTS};
 use super::watch::Known;
 use crate::physics::bit_set::BitSet;
@@ -16,6 +15,7 @@ use crate::physics::collision::manifold::{ContactPoint, FeatureId, Overlap, Pair
 use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
 use crate::physics::collision::narrow::feature_sat::Feature;
 use crate::physics::collision::parts::{Placed, has_parts};
+use crate::physics::collision::pose::Pose;
 use crate::physics::contact::{predecessors, surface, tangents};
 use crate::physics::settings::SolverSettings;
 use crate::physics::shape::Geometry;

@@ -17,11 +17,11 @@
 //! Bodies that fly side by side use up their way without coming nearer. Then the pair is looked at, and how they have
 //! moved against each other tells how much of d is left.
 
-use super::pose::Pose;
 use crate::physics::body::Bodies;
 use crate::physics::collision::constants::{BODIES_A_CHUNK, LONGEST_ARM, SPECULATIVE_MARGIN};
 use crate::physics::collision::gap::turning_speed;
 use crate::physics::collision::manifold::Pair;
+use crate::physics::collision::pose::Pose;
 use crate::physics::threads::for_each_of;
 
 /// How far the points of a body have gone at most, m.

@@ -7,6 +7,7 @@ mod feature_sat;
 mod gaps;
 mod hulls;
 mod manifolds;
+mod parts;
 mod persistent_pairs;
 mod room;
 mod sat;

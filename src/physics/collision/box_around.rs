@@ -1,0 +1,52 @@
+//! Which facets of a mesh a solid may meet: an early test that leaves out most of those whose boxes overlap its own.
+//!
+//! Around the solid is a box in its own axes, rounded where the solid is round. It and a facet are apart if they are along the
+//! facet's normal, or along an axis of the box (Gottschalk, Lin and Manocha 1996, less the crossings of edges).
+
+use nalgebra::Vector3;
+
+use super::narrow::Frame;
+use crate::physics::Geometry;
+use crate::physics::shape::Triangles;
+
+/// A rounded box around a solid, and a distance within which what is near it matters.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BoxAround {
+    /// Its axes, and its middle.
+    frame: Frame,
+    half: Vector3<f64>,
+    /// The radius of its rounding, and the distance, m.
+    wide: f64,
+}
+
+impl BoxAround {
+    /// Of a solid placed in a mesh's axes.
+    pub fn new(shape: &Geometry, mut frame: Frame, distance: f64) -> Self {
+        let (half, radius) = match shape {
+            Geometry::Sphere { radius } => (Vector3::zeros(), *radius),
+            Geometry::Capsule { radius, half, .. } => (Vector3::y() * *half, *radius),
+            _ => {
+                let whole = [Vector3::repeat(f64::NEG_INFINITY), Vector3::repeat(f64::INFINITY)];
+                let [low, high] = shape.reach(&nalgebra::Matrix3::identity()).unwrap_or(whole);
+                frame.center += frame.rotation * ((low + high) / 2.0);
+                ((high - low) / 2.0, 0.0)
+            }
+        };
+        Self { frame, half, wide: radius + distance }
+    }
+
+    /// Whether the facet may be within the distance.
+    pub fn may_meet(&self, mesh: &Triangles, facet: u32) -> bool {
+        let Frame { rotation, center } = &self.frame;
+        let triangles = mesh.triangles_of(facet);
+        let (corners, normal) = (mesh.corners_of(triangles[0]), mesh.normal(triangles[0]));
+        let height = normal.dot(&(center - corners[0])).abs();
+        if height > rotation.tr_mul(&normal).abs().dot(&self.half) + self.wide {
+            return false;
+        }
+        let [_] = triangles else { return true };
+        let [a, b, c] = corners.map(|corner| rotation.tr_mul(&(corner - center)));
+        let (low, high) = (a.inf(&b).inf(&c), a.sup(&b).sup(&c));
+        (0..3).all(|axis| low[axis].max(-high[axis]) <= self.half[axis] + self.wide)
+    }
+}

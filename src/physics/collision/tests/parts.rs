@@ -1,0 +1,81 @@
+//! Which parts of two bodies are looked at.
+
+use bevy::math::{DQuat, DVec3};
+use nalgebra::Vector3;
+
+use super::body;
+use crate::physics::collision::manifold::{ContactPoint, PartPair};
+use crate::physics::collision::narrow::contact_pair::{PairSearch, touch};
+use crate::physics::collision::narrow::triangle::nearest_on_triangle;
+use crate::physics::collision::parts::parts_within;
+use crate::physics::shape::{Collider, CompoundChild, PartList, TriangleMesh};
+use crate::physics::testing::Random;
+
+/// One of each kind, alone or as a part.
+fn solid(random: &mut Random, kind: usize) -> Collider {
+    let mut size = || random.within(0.1, 1.0);
+    let solid = match kind % 6 {
+        0 => Collider::sphere(size()),
+        1 => Collider::cuboid(size(), size(), size()),
+        2 => Collider::cone(size(), size()),
+        3 => Collider::cylinder(0.5 * size(), size()),
+        4 => Collider::capsule(0.5 * size(), size()),
+        _ => {
+            let points: Vec<DVec3> = (0..10).map(|_| DVec3::new(size(), size(), size()) - 0.5).collect();
+            Collider::convex_hull(&points).expect("points that span a volume")
+        }
+    };
+    if kind < 6 {
+        return solid;
+    }
+    let parts = [-1.2, 0.0, 1.5].map(|x| CompoundChild {
+        collider: solid.clone(),
+        position: DVec3::X * x,
+        rotation: DQuat::from_rotation_y(x),
+    });
+    Collider::compound(&parts).expect("a compound")
+}
+
+#[test]
+fn no_part_that_touches_a_facet_is_left_out_and_few_others_are_looked_at() {
+    let mut random = Random::new(62);
+    let bumps = |x: f64, z: f64| 0.4 * (3.0 * x).sin() * (2.0 * z).cos();
+    let ground = Collider::mesh(TriangleMesh::height_field([4.0, 4.0], [16, 16], bumps).expect("a field"));
+    let geometry = ground.geometry();
+    let Some(PartList::Triangles(triangles)) = geometry.parts().map(|parts| &parts.list) else { panic!("a mesh") };
+    assert_eq!(triangles.facet_count(), triangles.count(), "a facet of each");
+    let (mut near, mut search, mut points) = (Vec::new(), PairSearch::default(), Vec::new());
+    let (mut touching, mut looked_at) = (0, 0);
+    for case in 0..600 {
+        let collider = solid(&mut random, case % 12);
+        let mut position: Vector3<f64> = random.vector() * 2.0;
+        position.y = 0.3 * position.y + 0.5;
+        let moved = random.rotation();
+        let above = body(&collider, moved * position, moved * random.rotation());
+        let below = body(&ground, Vector3::zeros(), moved);
+        let gap = [0.0, 0.02, 0.3][case % 3];
+        let pair = if case % 2 == 0 { [&below, &above] } else { [&above, &below] };
+        parts_within(pair[0], pair[1], 0.5 * gap, &mut near);
+        near.sort_unstable();
+        looked_at += near.len();
+        let parts = if case % 12 < 6 { 1 } else { 3 };
+        for (facet, part) in (0..512).flat_map(|facet| (0..parts).map(move |part| (facet, part))) {
+            let parts = PartPair { a: facet, b: part };
+            let parts = if case % 2 == 0 { parts } else { parts.swapped() };
+            points.clear();
+            search.last = None;
+            let Some(found) = touch(pair, parts, gap, &mut search, &mut points) else { continue };
+            // Half way between the surfaces; what is deep may be in the pyramid behind the triangle and beside this.
+            let is_there = |point: &ContactPoint| {
+                let local = moved.inverse_transform_vector(&point.point);
+                let away = (local - nearest_on_triangle(&triangles.corners_of(facet), &local)).norm();
+                away <= 0.5 * point.depth.abs() + 1e-6
+            };
+            if found.depth < 0.05 && points.iter().any(is_there) {
+                touching += 1;
+                assert!(near.binary_search(&parts).is_ok(), "case {case}: {parts:?} of {near:?}");
+            }
+        }
+    }
+    assert!(touching > 500 && looked_at < 25_000, "{looked_at} looked at, {touching} touch");
+}
