@@ -225,14 +225,14 @@ mod tests {
     #[test]
     fn parts_that_may_meet_are_known_until_the_margin_is_used_up() {
         let mut random = Random::new(61);
-        let waves = TriangleMesh::height_field([8.0, 8.0], [30, 30], |x, z| 0.3 * (x + 2.0 * z).sin());
+        let waves = TriangleMesh::height_field([8.0, 8.0], [100, 100], |x, z| 0.3 * (x + 2.0 * z).sin());
         let ground = Collider::mesh(waves.expect("a field"));
         let ball = Collider::sphere(0.4);
         let (mut held, mut kept, mut lost) = (0, 0, 0);
-        for case in 0..3000 {
+        for case in 0..1000 {
             let rake = &rake();
             let below = if case % 3 == 0 { rake } else { &ground };
-            let (h, speed) = (random.within(0.002, 0.02), [0.0, 0.05, 0.3][case / 3 % 3]);
+            let (h, speed) = (random.within(0.002, 0.02), [0.05, 0.15, 0.4][case / 3 % 3]);
             let mut ends = [
                 body(below, [RigidBody::Static, RigidBody::Kinematic][case % 2]),
                 body(if case % 5 == 0 { &ball } else { rake }, RigidBody::Dynamic),
@@ -240,7 +240,8 @@ mod tests {
             for body in &mut ends {
                 (body.position, body.rotation) = (random.vector() * 1.5, random.rotation());
                 if body.kind != RigidBody::Static {
-                    (body.linear, body.angular) = (random.vector() * speed, random.vector() * speed);
+                    body.linear = random.vector() * speed;
+                    body.angular = random.vector() * if case % 2 == 0 { speed } else { 0.0 };
                 }
             }
             let parts_of = |ends: &[Body; 2], share: f64| {
@@ -253,12 +254,11 @@ mod tests {
                 (Seen::new([&ends[0], &ends[1]], &in_step), found)
             };
             let (seen, known) = parts_of(&ends, FAT_MARGIN);
-            for _ in 0..8 {
+            for _ in 0..30 {
                 for body in &mut ends {
                     (body.position, body.rotation) = advanced(body, h);
                     if body.kind != RigidBody::Static {
                         body.linear += random.vector() * 0.1 * speed;
-                        body.angular += random.vector() * 0.1 * speed;
                     }
                 }
                 let (_, now) = parts_of(&ends, SPECULATIVE_MARGIN);

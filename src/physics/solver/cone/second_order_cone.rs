@@ -3,9 +3,11 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::law::width;
+
 /// x₀² − |x₁|².
 pub(super) fn determinant(x: &Vector3<f64>) -> f64 {
-    let across = x.y.hypot(x.z);
+    let across = width(x);
     (x.x - across) * (x.x + across)
 }
 
