@@ -55,8 +55,8 @@ struct Arguments {
     /// Let sleep what is at rest: off unless asked for
     #[arg(long, global = true)]
     sleep: bool,
-    /// 'speed': the scenes of Box3D's own benchmark at its sizes, for its numbers of steps, with 4 substeps
-    #[arg(long, global = true, conflicts_with = "scenes")]
+    /// 'speed': the scenes of Box3D's own benchmark, or those of them in --scenes, for its numbers of steps, with 4 substeps
+    #[arg(long, global = true)]
     suite: bool,
     /// How often the engines take turns
     #[arg(long, global = true, default_value_t = 9, value_parser = value_parser!(u32).range(1..))]
