@@ -5,13 +5,18 @@
 //! metre, and by no more along any way. So it is moved on by s/(n·d) and looked at again; where n·d ≤ 0 they are apart
 //! along n for ever. Where one is curved that is Newton's method for the distance.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
-use crate::physics::collision::{PartPair, parts_within, touch};
-use crate::physics::{Body, ContactPoint, PairSearch};
+use crate::physics::box_tree::Way;
+use crate::physics::collision::{PartPair, touch};
+use crate::physics::shape::Parts;
+use crate::physics::{Body, ContactPoint, Geometry, PairSearch};
 
 /// Looks at most; what grazes takes many.
 const LOOKS: usize = 64;
+
+/// Part of its radius by which a box of what moves is larger than that, as rounding might else leave something out.
+const SLACK: f64 = 1e-9;
 
 /// Where a shape first touches another.
 #[derive(Clone, Copy, Debug)]
@@ -24,71 +29,167 @@ pub(super) struct Impact {
     pub normal: Vector3<f64>,
 }
 
-/// Buffers of a cast.
-#[derive(Default)]
-pub(super) struct Buffers {
+/// A shape on its way along a unit direction.
+pub(super) struct Caster {
+    mover: Body,
+    direction: Vector3<f64>,
+    advanced: Advanced,
+}
+
+/// The shape where it is looked at, with buffers.
+struct Advanced {
+    at: Body,
     search: PairSearch,
     points: Vec<ContactPoint>,
-    parts: Vec<PartPair>,
 }
 
-/// Where `mover` first touches the other on its way along a unit `direction`, within `most`, m.
-pub(super) fn cast(
-    mover: &Body,
-    other: &Body,
-    direction: &Vector3<f64>,
-    most: f64,
-    buffers: &mut Buffers,
-) -> Option<Impact> {
-    let mut list = std::mem::take(&mut buffers.parts);
-    parts_within(mover, other, most, &mut list);
-    let first = list.iter().fold(None, |first: Option<Impact>, &parts| {
-        let most = first.map_or(most, |impact| impact.distance);
-        let nearer = cast_parts([mover, other], parts, direction, most, buffers);
-        nearer.filter(|impact| first.is_none_or(|first| impact.distance < first.distance)).or(first)
-    });
-    buffers.parts = list;
-    first
-}
-
-/// Likewise, of those parts.
-fn cast_parts(
-    [mover, other]: [&Body; 2],
-    parts: PartPair,
-    direction: &Vector3<f64>,
-    most: f64,
-    Buffers { search, points, .. }: &mut Buffers,
-) -> Option<Impact> {
-    let (mut at, mut distance) = (mover.clone(), 0.0);
-    for look in 1..=LOOKS {
-        points.clear();
-        // What another shape was tested by is no help here.
-        search.last = None;
-        search.any_normal = true;
-        let overlap = touch([&at, other], parts, most - distance, search, points);
-        search.any_normal = false;
-        let overlap = overlap?;
-        let (separation, approach) = (-overlap.depth, overlap.normal.dot(direction));
-        let is_last = look == LOOKS;
-        if separation <= 0.0 || is_last {
-            let deepest = points.iter().max_by(|one, other| one.depth.total_cmp(&other.depth))?;
-            let impact = Impact { distance, point: deepest.point, normal: -overlap.normal };
-            // A face was preferred to edges that are apart by little more than it.
-            let Some(left) = left_apart([&at, other], parts, search, points).filter(|_| !is_last) else {
-                return Some(impact);
-            };
-            distance += left;
-        } else if approach <= 0.0 {
-            return None;
-        } else {
-            distance += separation / approach;
-        }
-        if distance > most {
-            return None;
-        }
-        at.position = mover.position + direction * distance;
+impl Caster {
+    pub fn new(mover: Body, direction: Vector3<f64>) -> Self {
+        let advanced = Advanced { at: mover.clone(), search: PairSearch::default(), points: Vec::new() };
+        Self { mover, direction, advanced }
     }
-    unreachable!("the last look returns")
+
+    /// Where it first touches the other, within `most`, m.
+    pub fn cast(&mut self, other: &Body, most: f64) -> Option<Impact> {
+        let Self { mover, direction, advanced } = self;
+        let mut first: Option<Impact> = None;
+        parts_on_the_way([mover, other], direction, most, &mut |parts, most| {
+            let nearer = advanced.cast([mover, other], parts, direction, most);
+            if let Some(nearer) = nearer.filter(|it| first.is_none_or(|first| it.distance < first.distance)) {
+                first = Some(nearer);
+            }
+            first.map_or(most, |first| first.distance)
+        });
+        first
+    }
+}
+
+/// Hands on the pairs of parts whose boxes meet on the way, the nearer first as far as one tree tells, and how far matters;
+/// what is handed on to tells how far matters from then on.
+fn parts_on_the_way(
+    [mover, other]: [&Body; 2],
+    direction: &Vector3<f64>,
+    most: f64,
+    look: &mut dyn FnMut(PartPair, f64) -> f64,
+) {
+    let (Some(of_mover), Some(of_other)) = (&mover.geometry, &other.geometry) else { return };
+    let whole = |body: &Body| (body.position, body.rotation.to_rotation_matrix().into_inner());
+    let (at_mover, at_other) = (whole(mover), whole(other));
+    match (of_mover.parts(), of_other.parts()) {
+        (None, None) => {
+            look(PartPair::default(), most);
+        }
+        (None, Some(parts)) => {
+            let thing = Thing { geometry: of_mover, place: at_mover, radius: mover.radius };
+            thing.meets((parts, at_other), *direction, most, |b, most| look(PartPair { a: 0, b }, most));
+        }
+        (Some(parts), None) => {
+            let thing = Thing { geometry: of_other, place: at_other, radius: other.radius };
+            thing.meets((parts, at_mover), -direction, most, |a, most| look(PartPair { a, b: 0 }, most));
+        }
+        // Of two meshes there are no solids: they never touch.
+        (Some(parts), Some(of_other)) if parts.is_mesh() => {
+            each_solid((of_other, at_other), most, |b, solid, most| {
+                solid.meets((parts, at_mover), -direction, most, |a, most| look(PartPair { a, b }, most))
+            });
+        }
+        (Some(of_mover), Some(parts)) => {
+            each_solid((of_mover, at_mover), most, |a, solid, most| {
+                solid.meets((parts, at_other), *direction, most, |b, most| look(PartPair { a, b }, most))
+            });
+        }
+    }
+}
+
+/// Where something is, and its axes.
+type At = (Vector3<f64>, Matrix3<f64>);
+
+/// A convex solid where it is.
+struct Thing<'g> {
+    geometry: &'g Geometry,
+    place: At,
+    radius: f64,
+}
+
+impl Thing<'_> {
+    /// Hands on the parts of another body whose boxes its own box meets on its way, as [`parts_on_the_way`] does, and tells
+    /// how far matters then.
+    fn meets(
+        &self,
+        (parts, (position, axes)): (&Parts, At),
+        direction: Vector3<f64>,
+        most: f64,
+        mut look: impl FnMut(u32, f64) -> f64,
+    ) -> f64 {
+        let (place, own) = self.place;
+        let mut so_far = most;
+        let mut look = |part: u32, most: f64| {
+            so_far = look(part, most);
+            so_far
+        };
+        let Some([low, high]) = self.geometry.reach(&axes.tr_mul(&own)) else {
+            // A half-space is everywhere.
+            (0..parts.solids().len() as u32).fold(most, |most, part| look(part, most));
+            return so_far;
+        };
+        let slack = SLACK * self.radius;
+        let (low, high) = (low.add_scalar(-slack), high.add_scalar(slack));
+        let way = Way::new(&axes.tr_mul(&(place - position)), &axes.tr_mul(&direction));
+        parts.tree().search(most, |bounds| way.enters(&(bounds.low - high), &(bounds.high - low)), look);
+        so_far
+    }
+}
+
+/// Hands on each solid where it is, by its number, and how far matters, which each tells anew.
+fn each_solid((parts, (position, axes)): (&Parts, At), most: f64, mut look: impl FnMut(u32, &Thing, f64) -> f64) {
+    (0..).zip(parts.solids()).fold(most, |most, (index, solid)| {
+        let place = (position + axes * solid.position, axes * solid.rotation.to_rotation_matrix().into_inner());
+        look(index, &Thing { geometry: &solid.geometry, place, radius: solid.radius }, most)
+    });
+}
+
+impl Advanced {
+    /// Where those parts of the two first touch.
+    fn cast(
+        &mut self,
+        [mover, other]: [&Body; 2],
+        parts: PartPair,
+        direction: &Vector3<f64>,
+        most: f64,
+    ) -> Option<Impact> {
+        let Self { at, search, points } = self;
+        at.position = mover.position;
+        let mut distance = 0.0;
+        for look in 1..=LOOKS {
+            points.clear();
+            // What another shape was tested by is no help here.
+            search.last = None;
+            search.any_normal = true;
+            let overlap = touch([at, other], parts, most - distance, search, points);
+            search.any_normal = false;
+            let overlap = overlap?;
+            let (separation, approach) = (-overlap.depth, overlap.normal.dot(direction));
+            let is_last = look == LOOKS;
+            if separation <= 0.0 || is_last {
+                let deepest = points.iter().max_by(|one, other| one.depth.total_cmp(&other.depth))?;
+                let impact = Impact { distance, point: deepest.point, normal: -overlap.normal };
+                // A face was preferred to edges that are apart by little more than it.
+                let Some(left) = left_apart([at, other], parts, search, points).filter(|_| !is_last) else {
+                    return Some(impact);
+                };
+                distance += left;
+            } else if approach <= 0.0 {
+                return None;
+            } else {
+                distance += separation / approach;
+            }
+            if distance > most {
+                return None;
+            }
+            at.position = mover.position + direction * distance;
+        }
+        unreachable!("the last look returns")
+    }
 }
 
 /// How far parts are apart at least, m, along any of the axes there are for them; none if they are not.
