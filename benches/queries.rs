@@ -12,6 +12,7 @@ use bevy::ecs::system::SystemState;
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use criterion::{Criterion, criterion_group, criterion_main};
+use parry3d_f64::bounding_volume::BoundingVolume;
 use parry3d_f64::math::{Pose, Rotation as Rot, Vector};
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use parry3d_f64::query::details::{NormalConstraints, ShapeCastOptions};
@@ -59,7 +60,8 @@ impl Dice {
             3 => Collider::cylinder(self.within(0.2, 0.6), self.within(0.3, 1.2)),
             4 => Collider::cone(self.within(0.2, 0.7), self.within(0.4, 1.4)),
             5 => {
-                let points: Vec<DVec3> = (0..16).map(|_| self.vector(DVec3::ONE).normalize_or(DVec3::X) * 0.6).collect();
+                let points: Vec<DVec3> =
+                    (0..16).map(|_| self.vector(DVec3::ONE).normalize_or(DVec3::X) * 0.6).collect();
                 Collider::convex_hull(&points).expect("points that span a volume")
             }
             _ => {
@@ -100,8 +102,7 @@ fn to_parry_shape(collider: &Collider, position: DVec3, rotation: DQuat) -> (Pos
             (at, SharedShape::convex_hull(&points).expect("it is a hull"))
         }
         Shape::Compound(compound) => {
-            let child =
-                |child: &CompoundChild| to_parry_shape(&child.collider, child.position, child.rotation);
+            let child = |child: &CompoundChild| to_parry_shape(&child.collider, child.position, child.rotation);
             (at, SharedShape::compound(compound.children().iter().map(child).collect()))
         }
         Shape::Mesh(mesh) => {
@@ -249,7 +250,7 @@ fn overlaps_of_peer(peer: &Peer, probe: &Probe) -> Vec<u32> {
     let near = peer.tree.leaves(|node: &BvhNode| node.aabb().intersects(&bounds));
     let touches = |other: &u32| {
         let (at, other) = &peer.bodies[*other as usize];
-        DefaultQueryDispatcher.intersection_test(&at.inv_mul(pose), &*other.0, &*shape.0).is_ok_and(|it| it.is_some())
+        DefaultQueryDispatcher.intersection_test(&at.inv_mul(pose), &*other.0, &*shape.0).is_ok_and(|it| it.intersecting)
     };
     near.filter(touches).collect()
 }
@@ -285,9 +286,8 @@ fn measure(criterion: &mut Criterion, name: &str, kinds: &[usize], has_ground: b
 
     let ray = |ray: &Ray| query.ray(ray, &all).map(|hit| hit.distance);
     let nearest = |&point: &DVec3| query.nearest_point(point, FAR, &all).map(|hit| hit.distance);
-    let cast = |place: usize, probe: &Probe| {
-        query.shape_cast(&probe.placed(), way(place), FAR, &all).map(|hit| hit.distance)
-    };
+    let cast =
+        |place: usize, probe: &Probe| query.shape_cast(&probe.placed(), way(place), FAR, &all).map(|hit| hit.distance);
     let overlaps = |probe: &Probe| query.overlap_all(&probe.placed(), &all).len();
     let overlap = |probe: &Probe| query.overlap(&probe.placed(), &all).is_some();
 
@@ -321,25 +321,19 @@ fn measure(criterion: &mut Criterion, name: &str, kinds: &[usize], has_ground: b
         };
     }
     both!("ray", rays.iter(), |it: &&Ray| ray(it).is_some(), |it: &&Ray| ray_of_peer(&peer, it).is_some());
-    both!(
-        "nearest point",
-        points.iter(),
-        |it: &&DVec3| nearest(it).is_some(),
-        |it: &&DVec3| nearest_of_peer(&peer, **it).is_some()
-    );
-    both!(
-        "shape cast",
-        probes.iter().enumerate(),
-        |it: &(usize, &Probe)| cast(it.0, it.1).is_some(),
-        |it: &(usize, &Probe)| cast_of_peer(&peer, it.1, way(it.0)).is_some()
-    );
+    both!("nearest point", points.iter(), |it: &&DVec3| nearest(it).is_some(), |it: &&DVec3| nearest_of_peer(
+        &peer, **it
+    )
+    .is_some());
+    both!("shape cast", probes.iter().enumerate(), |it: &(usize, &Probe)| cast(it.0, it.1).is_some(), |it: &(
+        usize,
+        &Probe
+    )| {
+        cast_of_peer(&peer, it.1, way(it.0)).is_some()
+    });
     both!("overlap", probes.iter(), |it: &&Probe| overlap(it), |it: &&Probe| overlap_of_peer(&peer, it));
-    both!(
-        "all overlaps",
-        probes.iter(),
-        |it: &&Probe| overlaps(it) > 0,
-        |it: &&Probe| !overlaps_of_peer(&peer, it).is_empty()
-    );
+    both!("all overlaps", probes.iter(), |it: &&Probe| overlaps(it) > 0, |it: &&Probe| !overlaps_of_peer(&peer, it)
+        .is_empty());
     group.finish();
 }
 

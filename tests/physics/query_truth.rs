@@ -127,7 +127,10 @@ fn distance_of_triangle(corners: &[DVec3; 3], point: DVec3) -> f64 {
     if normal.length() > SLIVER * (b - a).length_squared() && inside_of_sides(corners, point) >= 0.0 {
         return normal.normalize().dot(point - a).abs();
     }
-    [(a, b), (b, c), (c, a)].map(|(from, to)| distance_of_segment(from, to, point)).into_iter().fold(f64::INFINITY, f64::min)
+    [(a, b), (b, c), (c, a)]
+        .map(|(from, to)| distance_of_segment(from, to, point))
+        .into_iter()
+        .fold(f64::INFINITY, f64::min)
 }
 
 impl Solid {
@@ -151,9 +154,7 @@ impl Solid {
             Core::Points { planes, .. } if !planes.is_empty() => {
                 planes.iter().map(|(normal, offset)| normal.dot(at) - offset).fold(f64::NEG_INFINITY, f64::max)
             }
-            Core::Points { points, .. } => {
-                distance_of_segment(points[0], points[points.len() - 1], at) - self.radius
-            }
+            Core::Points { points, .. } => distance_of_segment(points[0], points[points.len() - 1], at) - self.radius,
             Core::Turned(corners) => {
                 let at = DVec2::new(at.x.hypot(at.z), at.y);
                 let over = |side: &[DVec2]| -(side[1] - side[0]).perp().normalize().dot(at - side[0]);
@@ -176,7 +177,8 @@ impl Solid {
             },
             Core::Turned(corners) if self.height(point) > 0.0 => {
                 let at = DVec3::new(at.x.hypot(at.z), at.y, 0.0);
-                let sides = corners.windows(2).map(|side| distance_of_segment(side[0].extend(0.0), side[1].extend(0.0), at));
+                let sides =
+                    corners.windows(2).map(|side| distance_of_segment(side[0].extend(0.0), side[1].extend(0.0), at));
                 sides.fold(f64::INFINITY, f64::min)
             }
             _ => self.height(point).max(0.0),
@@ -247,6 +249,27 @@ impl Solid {
         least >= -slack
     }
 
+    /// How far it reaches from its middle, m; 0 of a half-space.
+    pub fn size(&self) -> f64 {
+        match &self.core {
+            Core::HalfSpace => 0.0,
+            Core::Points { points, .. } => points.iter().map(|at| at.length()).fold(0.0, f64::max) + self.radius,
+            Core::Turned(corners) => corners.iter().map(|at| at.length()).fold(0.0, f64::max),
+        }
+    }
+
+    /// Of a triangle, which has only a front, the part of a way in which a point is before it; of a solid, all. None: nowhere,
+    /// or the point begins behind.
+    fn way_before(&self, point: DVec3, way: DVec3) -> Option<DVec3> {
+        let Some([a, b, c]) = self.triangle() else { return Some(way) };
+        let normal = self.rotation * (b - a).cross(c - a).normalize();
+        let (height, rise) = (normal.dot(point - self.position - self.rotation * a), normal.dot(way));
+        if height <= 0.0 {
+            return None;
+        }
+        Some(if height + rise < 0.0 { way * (height / -rise) } else { way })
+    }
+
     /// Whether a point is on it and, where it has an inside, the plane there has all of it on one side; of a triangle,
     /// whether that is its front.
     pub fn has_on_its_surface(&self, point: DVec3, normal: DVec3, slack: f64) -> bool {
@@ -268,8 +291,10 @@ impl SupportMap for Swept<'_> {
     }
 }
 
-/// How far a solid stays apart from another on a way, m, as proven by a plane between them; none if there is no such proof.
-pub fn apart_on_a_way(mover: &Solid, way: DVec3, other: &Solid) -> Option<f64> {
+/// How far a solid stays apart from another on a way, m, as proven by a plane between them, across the one direction that is
+/// known or one that is sought; none if there is no such proof. A triangle knows only what has its middle before it.
+pub fn apart_on_a_way(mover: &Solid, way: DVec3, other: &Solid, known: Option<DVec3>) -> Option<f64> {
+    let Some(way) = other.way_before(mover.position, way) else { return Some(f64::INFINITY) };
     let between = |normal: DVec3| {
         let end = mover.farthest(normal) + if way.dot(normal) > 0.0 { way } else { DVec3::ZERO };
         -other.beyond(end, -normal)
@@ -277,14 +302,19 @@ pub fn apart_on_a_way(mover: &Solid, way: DVec3, other: &Solid) -> Option<f64> {
     if matches!(other.core, Core::HalfSpace) {
         return Some(between(other.rotation * DVec3::NEG_Y));
     }
+    let of_known = known.map(between);
+    if of_known.is_some_and(|gap| gap > -1e-12) {
+        return of_known;
+    }
     let (swept, rest) = (Swept { solid: mover, way }, Swept { solid: other, way: DVec3::ZERO });
     let (mut simplex, here) = (VoronoiSimplex::new(), Pose::IDENTITY);
     let first = (other.position - mover.position).normalize_or(DVec3::X);
     simplex.reset(CsoPoint::from_shapes(&here, &swept, &rest, Vector::from_array(first.to_array())));
     match gjk::closest_points(&here, &swept, &rest, f64::MAX, true, &mut simplex) {
         GJKResult::ClosestPoints(_, _, normal) | GJKResult::NoIntersection(normal) | GJKResult::Proximity(normal) => {
-            Some(between(DVec3::from_array(normal.to_array()).normalize()))
+            let gap = between(DVec3::from_array(normal.to_array()).normalize());
+            Some(of_known.map_or(gap, |known| known.max(gap)))
         }
-        GJKResult::Intersection => None,
+        GJKResult::Intersection => of_known,
     }
 }
