@@ -7,13 +7,17 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::clear_way::{Clear, Outline, Solid, clear_way};
 use crate::physics::box_tree::Way;
-use crate::physics::collision::{PartPair, touch};
-use crate::physics::shape::Parts;
+use crate::physics::collision::{PartPair, place, touch};
+use crate::physics::shape::{PartList, Parts};
 use crate::physics::{Body, ContactPoint, Geometry, PairSearch};
 
 /// Looks at most; what grazes takes many.
 const LOOKS: usize = 64;
+
+/// Part of its radius by which shapes may be farther apart than is known, where something is sought between them.
+const MARGIN: f64 = 1e-6;
 
 /// Part of its radius by which a box of what moves is larger than that, as rounding might else leave something out.
 const SLACK: f64 = 1e-9;
@@ -158,30 +162,44 @@ impl Advanced {
         most: f64,
     ) -> Option<Impact> {
         let Self { at, search, points } = self;
-        at.position = mover.position;
-        let mut distance = 0.0;
+        let solids = [solid_of(mover, parts.a, &other.position), solid_of(other, parts.b, &other.position)];
+        let clear = match &solids {
+            [Some(mover), Some(other)] => clear_way(mover, other, direction, most)?,
+            _ => Clear { distance: 0.0, within: f64::INFINITY },
+        };
+        let Clear { mut distance, mut within } = clear;
+        let margin = MARGIN * mover.radius;
+        at.position = mover.position + direction * distance;
         for look in 1..=LOOKS {
             points.clear();
             // What another shape was tested by is no help here.
             search.last = None;
-            search.any_normal = true;
-            let overlap = touch([at, other], parts, most - distance, search, points);
-            search.any_normal = false;
+            (search.any_normal, search.is_sheet) = (true, true);
+            let gap = (most - distance).min(within + margin);
+            let overlap = touch([at, other], parts, gap, search, points);
+            (search.any_normal, search.is_sheet) = (false, false);
+            if overlap.is_none() && gap < most - distance {
+                within = f64::INFINITY;
+                continue;
+            }
             let overlap = overlap?;
             let (separation, approach) = (-overlap.depth, overlap.normal.dot(direction));
             let is_last = look == LOOKS;
             if separation <= 0.0 || is_last {
                 let deepest = points.iter().max_by(|one, other| one.depth.total_cmp(&other.depth))?;
-                let impact = Impact { distance, point: deepest.point, normal: -overlap.normal };
+                let point = common_point([at, other], deepest.point);
+                let impact = Impact { distance, point, normal: -overlap.normal };
                 // A face was preferred to edges that are apart by little more than it.
                 let Some(left) = left_apart([at, other], parts, search, points).filter(|_| !is_last) else {
                     return Some(impact);
                 };
                 distance += left;
+                within += left;
             } else if approach <= 0.0 {
                 return None;
             } else {
                 distance += separation / approach;
+                within += separation / approach;
             }
             if distance > most {
                 return None;
@@ -190,6 +208,41 @@ impl Advanced {
         }
         unreachable!("the last look returns")
     }
+}
+
+/// A body's shape, or that part of it, from a place; none of a half-space and of a facet of many triangles.
+fn solid_of<'b>(body: &'b Body, part: u32, from: &Vector3<f64>) -> Option<Solid<'b>> {
+    let (position, axes) = (body.position - from, body.rotation.to_rotation_matrix().into_inner());
+    let geometry = body.geometry.as_ref()?;
+    match geometry.parts().map(|parts| &parts.list) {
+        None => {
+            let shape = Outline::Solid(geometry);
+            body.radius.is_finite().then_some(Solid { shape, position, axes, radius: body.radius })
+        }
+        Some(PartList::Solids(solids)) => {
+            let solid = &solids[part as usize];
+            let position = position + axes * solid.position;
+            let axes = axes * solid.rotation.to_rotation_matrix().into_inner();
+            Some(Solid { shape: Outline::Solid(&solid.geometry), position, axes, radius: solid.radius })
+        }
+        Some(PartList::Triangles(mesh)) => {
+            let corners = mesh.corners_of(mesh.only_triangle(part)?);
+            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+            let corners = corners.map(|corner| corner - middle);
+            let radius = corners.iter().map(Vector3::norm).fold(0.0, f64::max);
+            Some(Solid { shape: Outline::Corners(corners), position: position + axes * middle, axes, radius })
+        }
+    }
+}
+
+/// A point of both bodies, which touch, near one where a contact point is: such may be beside a side of a face, by a little.
+fn common_point([mover, other]: [&Body; 2], point: Vector3<f64>) -> Vector3<f64> {
+    [mover, other, mover, other].into_iter().fold(point, |point, body| {
+        let Some(geometry) = &body.geometry else { return point };
+        let local = body.rotation.inverse_transform_vector(&(point - body.position));
+        let (normal, height) = place(geometry, &local, body.radius);
+        point - body.rotation * (normal * height.max(0.0))
+    })
 }
 
 /// How far parts are apart at least, m, along any of the axes there are for them; none if they are not.
