@@ -20,8 +20,8 @@ const CASES: usize = 10_000;
 /// Cases with each shape of those that are run by hand.
 const MANY: usize = 1_000_000;
 
-/// How deep a ray or a shape may graze what it is not said to touch, and how far from a surface a point may be that is on
-/// it, m: shapes are of some metres.
+/// How deep a ray may graze what it is not said to meet, and how far from a surface a point may be that is on it, m. Of two
+/// shapes, as a share of the sum of their sizes, the distance up to which they count as touching.
 const GRAZING: f64 = 1e-9;
 
 /// Questions about each body of a world, which is costly to make.

@@ -14,7 +14,7 @@ use super::filter::QueryFilter;
 use super::index::{Index, QueryIndex, box_of};
 use super::ray::enter;
 use crate::physics::box_tree::Way;
-use crate::physics::collision::{PlacedCollider, parts_within, place, touch};
+use crate::physics::collision::{PartPair, PlacedCollider, parts_within, place, touch};
 use crate::physics::{Bodies, Body, BoundingBox, PairSearch, SolverSettings, StepStats, for_each_of};
 
 /// Rays that one thread takes at a time.
@@ -139,14 +139,20 @@ impl PhysicsQuery<'_> {
     fn touching<'q>(&'q self, body: &Body, filter: &QueryFilter, mut take: impl FnMut(&'q Body) -> bool) {
         let (index, bounds) = (self.index(), box_of(body));
         let (mut search, mut points, mut parts) = (PairSearch::default(), Vec::new(), Vec::new());
+        let mut touch_in = |other: &Body, parts: PartPair| {
+            points.clear();
+            search.last = None;
+            let found = touch([body, other], parts, 0.0, &mut search, &mut points);
+            found.is_some_and(|overlap| overlap.depth >= 0.0)
+        };
+        let has_parts = |body: &Body| body.geometry.as_ref().is_some_and(|geometry| geometry.parts().is_some());
+        let is_compound = has_parts(body);
         let mut touches = |other: &Body| {
+            if !is_compound && !has_parts(other) {
+                return touch_in(other, PartPair::default());
+            }
             parts_within(body, other, 0.0, &mut parts);
-            parts.iter().any(|&parts| {
-                points.clear();
-                search.last = None;
-                let found = touch([body, other], parts, 0.0, &mut search, &mut points);
-                found.is_some_and(|overlap| overlap.depth >= 0.0)
-            })
+            parts.iter().any(|&parts| touch_in(other, parts))
         };
         // How far matters: 0, and nothing any more once it is enough.
         let mut look = |other: u32, most: f64| {

@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::physics::Geometry;
+use crate::physics::{Geometry, Hull};
 use crate::physics::collision::narrow::polyhedron::nearest_on_hull;
 use crate::physics::collision::parts;
 
