@@ -163,7 +163,7 @@ fn ask_about_each(
     let few = &wrong[..wrong.len().min(20)];
     assert!(wrong.is_empty(), "{} of {hits:?} hits, {misses:?} misses are wrong: {few:#?}", wrong.len());
     println!("{hits:?} hits, {misses:?} misses");
-    assert!(hits.iter().all(|hits| hits * 20 > cases) && misses.iter().sum::<usize>() > cases);
+    assert!(hits.iter().all(|hits| hits * 20 > cases) && misses.iter().sum::<usize>() * 4 > cases);
 }
 
 fn brief(collider: &Collider) -> String {
