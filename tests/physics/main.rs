@@ -39,6 +39,7 @@ mod public_face;
 mod pulled;
 mod quarantine;
 mod queries;
+mod query_truth;
 mod resting;
 mod rewind;
 mod rig;

@@ -44,7 +44,9 @@ impl BoxAround {
         if height > rotation.tr_mul(&normal).abs().dot(&self.half) + self.wide {
             return false;
         }
-        let [_] = triangles else { return true };
+        if triangles.len() > 1 {
+            return true;
+        }
         let [a, b, c] = corners.map(|corner| rotation.tr_mul(&(corner - center)));
         let (low, high) = (a.inf(&b).inf(&c), a.sup(&b).sup(&c));
         (0..3).all(|axis| low[axis].max(-high[axis]) <= self.half[axis] + self.wide)

@@ -5,13 +5,25 @@
 //! metre, and by no more along any way. So it is moved on by s/(n·d) and looked at again; where n·d ≤ 0 they are apart
 //! along n for ever. Where one is curved that is Newton's method for the distance.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
-use crate::physics::collision::{PartPair, parts_within, touch};
-use crate::physics::{Body, ContactPoint, PairSearch};
+use super::clear_way::{Clear, Outline, Solid, clear_way};
+use crate::physics::box_tree::Way;
+use crate::physics::collision::{PartPair, place, touch};
+use crate::physics::shape::{PartList, Parts};
+use crate::physics::{Body, ContactPoint, Geometry, PairSearch};
 
 /// Looks at most; what grazes takes many.
 const LOOKS: usize = 64;
+
+/// Times that a contact point is moved into both shapes: fewer, but where edges cross at a small angle.
+const PROJECTIONS: usize = 64;
+
+/// Part of its radius by which shapes may be farther apart than is known, where something is sought between them.
+const MARGIN: f64 = 1e-6;
+
+/// Part of its radius by which a box of what moves is larger than that, as rounding might else leave something out.
+const SLACK: f64 = 1e-9;
 
 /// Where a shape first touches another.
 #[derive(Clone, Copy, Debug)]
@@ -24,71 +36,227 @@ pub(super) struct Impact {
     pub normal: Vector3<f64>,
 }
 
-/// Buffers of a cast.
-#[derive(Default)]
-pub(super) struct Buffers {
+/// A shape on its way along a unit direction.
+pub(super) struct Caster {
+    mover: Body,
+    direction: Vector3<f64>,
+    advanced: Advanced,
+}
+
+/// The shape where it is looked at, with buffers.
+struct Advanced {
+    at: Body,
     search: PairSearch,
     points: Vec<ContactPoint>,
-    parts: Vec<PartPair>,
 }
 
-/// Where `mover` first touches the other on its way along a unit `direction`, within `most`, m.
-pub(super) fn cast(
-    mover: &Body,
-    other: &Body,
-    direction: &Vector3<f64>,
-    most: f64,
-    buffers: &mut Buffers,
-) -> Option<Impact> {
-    let mut list = std::mem::take(&mut buffers.parts);
-    parts_within(mover, other, most, &mut list);
-    let first = list.iter().fold(None, |first: Option<Impact>, &parts| {
-        let most = first.map_or(most, |impact| impact.distance);
-        let nearer = cast_parts([mover, other], parts, direction, most, buffers);
-        nearer.filter(|impact| first.is_none_or(|first| impact.distance < first.distance)).or(first)
-    });
-    buffers.parts = list;
-    first
-}
-
-/// Likewise, of those parts.
-fn cast_parts(
-    [mover, other]: [&Body; 2],
-    parts: PartPair,
-    direction: &Vector3<f64>,
-    most: f64,
-    Buffers { search, points, .. }: &mut Buffers,
-) -> Option<Impact> {
-    let (mut at, mut distance) = (mover.clone(), 0.0);
-    for look in 1..=LOOKS {
-        points.clear();
-        // What another shape was tested by is no help here.
-        search.last = None;
-        search.any_normal = true;
-        let overlap = touch([&at, other], parts, most - distance, search, points);
-        search.any_normal = false;
-        let overlap = overlap?;
-        let (separation, approach) = (-overlap.depth, overlap.normal.dot(direction));
-        let is_last = look == LOOKS;
-        if separation <= 0.0 || is_last {
-            let deepest = points.iter().max_by(|one, other| one.depth.total_cmp(&other.depth))?;
-            let impact = Impact { distance, point: deepest.point, normal: -overlap.normal };
-            // A face was preferred to edges that are apart by little more than it.
-            let Some(left) = left_apart([&at, other], parts, search, points).filter(|_| !is_last) else {
-                return Some(impact);
-            };
-            distance += left;
-        } else if approach <= 0.0 {
-            return None;
-        } else {
-            distance += separation / approach;
-        }
-        if distance > most {
-            return None;
-        }
-        at.position = mover.position + direction * distance;
+impl Caster {
+    pub fn new(mover: Body, direction: Vector3<f64>) -> Self {
+        let advanced = Advanced { at: mover.clone(), search: PairSearch::default(), points: Vec::new() };
+        Self { mover, direction, advanced }
     }
-    unreachable!("the last look returns")
+
+    /// Where it first touches the other, within `most`, m.
+    pub fn cast(&mut self, other: &Body, most: f64) -> Option<Impact> {
+        let Self { mover, direction, advanced } = self;
+        let mut first: Option<Impact> = None;
+        parts_on_the_way([mover, other], direction, most, &mut |parts, most| {
+            let nearer = advanced.cast([mover, other], parts, direction, most);
+            if let Some(nearer) = nearer.filter(|it| first.is_none_or(|first| it.distance < first.distance)) {
+                first = Some(nearer);
+            }
+            first.map_or(most, |first| first.distance)
+        });
+        first
+    }
+}
+
+/// Hands on the pairs of parts whose boxes meet on the way, the nearer first as far as one tree tells, and how far matters;
+/// what is handed on to tells how far matters from then on.
+fn parts_on_the_way(
+    [mover, other]: [&Body; 2],
+    direction: &Vector3<f64>,
+    most: f64,
+    look: &mut dyn FnMut(PartPair, f64) -> f64,
+) {
+    let (Some(of_mover), Some(of_other)) = (&mover.geometry, &other.geometry) else { return };
+    let whole = |body: &Body| (body.position, body.rotation.to_rotation_matrix().into_inner());
+    let (at_mover, at_other) = (whole(mover), whole(other));
+    match (of_mover.parts(), of_other.parts()) {
+        (None, None) => {
+            look(PartPair::default(), most);
+        }
+        (None, Some(parts)) => {
+            let thing = Thing { geometry: of_mover, place: at_mover, radius: mover.radius };
+            thing.meets((parts, at_other), *direction, most, |b, most| look(PartPair { a: 0, b }, most));
+        }
+        (Some(parts), None) => {
+            let thing = Thing { geometry: of_other, place: at_other, radius: other.radius };
+            thing.meets((parts, at_mover), -direction, most, |a, most| look(PartPair { a, b: 0 }, most));
+        }
+        // Of two meshes there are no solids: they never touch.
+        (Some(parts), Some(of_other)) if parts.is_mesh() => {
+            each_solid((of_other, at_other), most, |b, solid, most| {
+                solid.meets((parts, at_mover), -direction, most, |a, most| look(PartPair { a, b }, most))
+            });
+        }
+        (Some(of_mover), Some(parts)) => {
+            each_solid((of_mover, at_mover), most, |a, solid, most| {
+                solid.meets((parts, at_other), *direction, most, |b, most| look(PartPair { a, b }, most))
+            });
+        }
+    }
+}
+
+/// Where something is, and its axes.
+type At = (Vector3<f64>, Matrix3<f64>);
+
+/// A convex solid where it is.
+struct Thing<'g> {
+    geometry: &'g Geometry,
+    place: At,
+    radius: f64,
+}
+
+impl Thing<'_> {
+    /// Hands on the parts of another body whose boxes its own box meets on its way, as [`parts_on_the_way`] does, and tells
+    /// how far matters then.
+    fn meets(
+        &self,
+        (parts, (position, axes)): (&Parts, At),
+        direction: Vector3<f64>,
+        most: f64,
+        mut look: impl FnMut(u32, f64) -> f64,
+    ) -> f64 {
+        let (place, own) = self.place;
+        let mut so_far = most;
+        let mut look = |part: u32, most: f64| {
+            so_far = look(part, most);
+            so_far
+        };
+        let Some([low, high]) = self.geometry.reach(&axes.tr_mul(&own)) else {
+            // A half-space is everywhere.
+            (0..parts.solids().len() as u32).fold(most, |most, part| look(part, most));
+            return so_far;
+        };
+        let slack = SLACK * self.radius;
+        let (low, high) = (low.add_scalar(-slack), high.add_scalar(slack));
+        let way = Way::new(&axes.tr_mul(&(place - position)), &axes.tr_mul(&direction));
+        parts.tree().search(most, |bounds| way.enters(&(bounds.low - high), &(bounds.high - low)), look);
+        so_far
+    }
+}
+
+/// Hands on each solid where it is, by its number, and how far matters, which each tells anew.
+fn each_solid((parts, (position, axes)): (&Parts, At), most: f64, mut look: impl FnMut(u32, &Thing, f64) -> f64) {
+    (0..).zip(parts.solids()).fold(most, |most, (index, solid)| {
+        let place = (position + axes * solid.position, axes * solid.rotation.to_rotation_matrix().into_inner());
+        look(index, &Thing { geometry: &solid.geometry, place, radius: solid.radius }, most)
+    });
+}
+
+impl Advanced {
+    /// Where those parts of the two first touch.
+    fn cast(
+        &mut self,
+        [mover, other]: [&Body; 2],
+        parts: PartPair,
+        direction: &Vector3<f64>,
+        most: f64,
+    ) -> Option<Impact> {
+        let Self { at, search, points } = self;
+        let solids = [solid_of(mover, parts.a, &other.position), solid_of(other, parts.b, &other.position)];
+        let clear = match &solids {
+            [Some(mover), Some(other)] => clear_way(mover, other, direction, most)?,
+            _ => Clear { distance: 0.0, within: f64::INFINITY },
+        };
+        let Clear { mut distance, mut within } = clear;
+        let margin = MARGIN * mover.radius;
+        at.position = mover.position + direction * distance;
+        for look in 1..=LOOKS {
+            points.clear();
+            // What another shape was tested by is no help here.
+            search.last = None;
+            (search.any_normal, search.is_sheet) = (true, true);
+            let gap = (most - distance).min(within + margin);
+            let overlap = touch([at, other], parts, gap, search, points);
+            (search.any_normal, search.is_sheet) = (false, false);
+            if overlap.is_none() && gap < most - distance {
+                within = f64::INFINITY;
+                continue;
+            }
+            let overlap = overlap?;
+            let (separation, approach) = (-overlap.depth, overlap.normal.dot(direction));
+            let is_last = look == LOOKS;
+            if separation <= 0.0 || is_last {
+                let deepest = points.iter().max_by(|one, other| one.depth.total_cmp(&other.depth))?;
+                let point = common_point([at, other], deepest.point);
+                let impact = Impact { distance, point, normal: -overlap.normal };
+                // A face was preferred to edges that are apart by little more than it.
+                let Some(left) = left_apart([at, other], parts, search, points).filter(|_| !is_last) else {
+                    return Some(impact);
+                };
+                distance += left;
+                within += left;
+            } else if approach <= 0.0 {
+                return None;
+            } else {
+                distance += separation / approach;
+                within += separation / approach;
+            }
+            if distance > most {
+                return None;
+            }
+            at.position = mover.position + direction * distance;
+        }
+        unreachable!("the last look returns")
+    }
+}
+
+/// A body's shape, or that part of it, from a place; none of a half-space and of a facet of many triangles.
+fn solid_of<'b>(body: &'b Body, part: u32, from: &Vector3<f64>) -> Option<Solid<'b>> {
+    let (position, axes) = (body.position - from, body.rotation.to_rotation_matrix().into_inner());
+    let geometry = body.geometry.as_ref()?;
+    match geometry.parts().map(|parts| &parts.list) {
+        None => {
+            let shape = Outline::Solid(geometry);
+            body.radius.is_finite().then_some(Solid { shape, position, axes, radius: body.radius })
+        }
+        Some(PartList::Solids(solids)) => {
+            let solid = &solids[part as usize];
+            let position = position + axes * solid.position;
+            let axes = axes * solid.rotation.to_rotation_matrix().into_inner();
+            Some(Solid { shape: Outline::Solid(&solid.geometry), position, axes, radius: solid.radius })
+        }
+        Some(PartList::Triangles(mesh)) => {
+            let corners = mesh.corners_of(mesh.only_triangle(part)?);
+            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+            let corners = corners.map(|corner| corner - middle);
+            let radius = corners.iter().map(Vector3::norm).fold(0.0, f64::max);
+            Some(Solid { shape: Outline::Corners(corners), position: position + axes * middle, axes, radius })
+        }
+    }
+}
+
+/// A point of both bodies, which touch, near one where a contact point is, which may be beside a side of a face by a little:
+/// the nearest point of each, of one after the other (von Neumann's alternating projections).
+fn common_point([mover, other]: [&Body; 2], mut point: Vector3<f64>) -> Vector3<f64> {
+    for _ in 0..PROJECTIONS {
+        let mut moved = 0.0_f64;
+        for body in [mover, other] {
+            let Some(geometry) = &body.geometry else { return point };
+            let local = body.rotation.inverse_transform_vector(&(point - body.position));
+            let (normal, height) = place(geometry, &local, body.radius);
+            if height > 0.0 {
+                point -= body.rotation * (normal * height);
+                moved = moved.max(height);
+            }
+        }
+        if moved <= SLACK * mover.radius {
+            break;
+        }
+    }
+    point
 }
 
 /// How far parts are apart at least, m, along any of the axes there are for them; none if they are not.

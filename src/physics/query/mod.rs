@@ -9,11 +9,13 @@
 //! | --- | --- |
 //! | [`ray`] | closed forms of a ray and each shape |
 //! | [`cast`] | a shape on its way: conservative advancement |
+//! | [`clear_way`] | how far it certainly touches nothing |
 //! | [`box_tree`](super::box_tree) | which bodies are looked at |
 //! | [`sensor`] | colliders that only report, which ask after each step |
 
 mod answers;
 mod cast;
+mod clear_way;
 mod filter;
 mod index;
 mod physics_query;

@@ -9,12 +9,12 @@ use bevy::prelude::*;
 use nalgebra::Vector3;
 
 use super::answers::{CastHit, Hit, PointHit, Ray, RayHit};
-use super::cast::{Buffers, cast};
+use super::cast::Caster;
 use super::filter::QueryFilter;
 use super::index::{Index, QueryIndex, box_of};
 use super::ray::enter;
 use crate::physics::box_tree::Way;
-use crate::physics::collision::{PlacedCollider, parts_within, place, touch};
+use crate::physics::collision::{PartPair, PlacedCollider, parts_within, place, touch};
 use crate::physics::{Bodies, Body, BoundingBox, PairSearch, SolverSettings, StepStats, for_each_of};
 
 /// Rays that one thread takes at a time.
@@ -109,7 +109,12 @@ impl PhysicsQuery<'_> {
 
     /// Whether a shape overlaps or touches a body; one of them.
     pub fn overlap(&self, shape: &PlacedCollider, filter: &QueryFilter) -> Option<Entity> {
-        self.overlap_all(shape, filter).into_iter().next()
+        let (body, mut found) = (shape.body()?, None);
+        self.touching(&body, filter, |other| {
+            found = Some(other.entity);
+            false
+        });
+        found
     }
 
     /// All bodies that a shape overlaps or touches, in the order of their entities.
@@ -122,32 +127,48 @@ impl PhysicsQuery<'_> {
 
     /// The bodies that one overlaps or touches, itself left out.
     pub(super) fn touched_by<'q>(&'q self, body: &Body, filter: &QueryFilter) -> Vec<&'q Body> {
-        let (index, bounds) = (self.index(), box_of(body));
-        let distance = |other: &BoundingBox| match bounds {
-            Some(bounds) if !bounds.overlaps(other) => f64::INFINITY,
-            _ => 0.0,
-        };
-        let mut near = Vec::new();
-        index.tree.search(0.0, distance, |other, most| {
-            near.push(other);
-            most
+        let mut found = Vec::new();
+        self.touching(body, filter, |other| {
+            found.push(other);
+            true
         });
-        if bounds.is_some() {
-            // Of two half-spaces no depth tells.
-            near.extend(&index.unbounded);
-        }
+        found
+    }
+
+    /// Hands the bodies that one overlaps or touches to `take`, itself left out, which tells whether to go on.
+    fn touching<'q>(&'q self, body: &Body, filter: &QueryFilter, mut take: impl FnMut(&'q Body) -> bool) {
+        let (index, bounds) = (self.index(), box_of(body));
         let (mut search, mut points, mut parts) = (PairSearch::default(), Vec::new(), Vec::new());
-        let mut touches = |other: &Body| {
-            parts_within(body, other, 0.0, &mut parts);
-            parts.iter().any(|&parts| {
-                points.clear();
-                search.last = None;
-                let found = touch([body, other], parts, 0.0, &mut search, &mut points);
-                found.is_some_and(|overlap| overlap.depth >= 0.0)
-            })
+        let mut touch_in = |other: &Body, parts: PartPair| {
+            points.clear();
+            search.last = None;
+            let found = touch([body, other], parts, 0.0, &mut search, &mut points);
+            found.is_some_and(|overlap| overlap.depth >= 0.0)
         };
-        let others = near.into_iter().map(|other| &self.bodies.list[other as usize]);
-        others.filter(|other| other.entity != body.entity && filter.admits(other) && touches(other)).collect()
+        let has_parts = |body: &Body| body.geometry.as_ref().is_some_and(|geometry| geometry.parts().is_some());
+        let is_compound = has_parts(body);
+        let mut touches = |other: &Body| {
+            if !is_compound && !has_parts(other) {
+                return touch_in(other, PartPair::default());
+            }
+            parts_within(body, other, 0.0, &mut parts);
+            parts.iter().any(|&parts| touch_in(other, parts))
+        };
+        // How far matters: 0, and nothing any more once it is enough.
+        let mut look = |other: u32, most: f64| {
+            let other = &self.bodies.list[other as usize];
+            let is_met = other.entity != body.entity && filter.admits(other) && touches(other);
+            if is_met && !take(other) { f64::NEG_INFINITY } else { most }
+        };
+        let Some(bounds) = bounds else {
+            // Of two half-spaces no depth tells.
+            index.tree.search(0.0, |_| 0.0, look);
+            return;
+        };
+        let distance = |other: &BoundingBox| if bounds.overlaps(other) { 0.0 } else { f64::INFINITY };
+        let unbounded = index.unbounded.iter();
+        let most = unbounded.fold(0.0, |most, &plane| if most < 0.0 { most } else { look(plane, most) });
+        index.tree.search(most, distance, look);
     }
 
     /// All bodies of the last step.
@@ -221,13 +242,13 @@ impl PhysicsQuery<'_> {
         let Some(mover) = shape.body().filter(|body| body.position.iter().all(|part| part.is_finite())) else { return };
         let (Some(bounds), Some(direction)) = (box_of(&mover), direction.try_normalize()) else { return };
         let (index, unit) = (self.index(), Vector3::from(direction));
-        let mut buffers = Buffers::default();
+        let (start, mut caster) = (mover.position, Caster::new(mover, unit));
         let mut look = |index: u32, most: f64| {
             let other = &self.bodies.list[index as usize];
             if !filter.admits(other) {
                 return most;
             }
-            match cast(&mover, other, &unit, most, &mut buffers) {
+            match caster.cast(other, most) {
                 Some(impact) => {
                     let (point, normal) = (impact.point.into(), impact.normal.into());
                     take(CastHit { entity: other.entity, distance: impact.distance, point, normal }, most)
@@ -237,8 +258,8 @@ impl PhysicsQuery<'_> {
         };
         let most = index.unbounded.iter().fold(length, |most, &plane| look(plane, most));
         // A box that moves meets another where its middle meets one that is larger by it.
-        let way = Way::new(&mover.position, &unit);
-        let (low, high) = (bounds.low - mover.position, bounds.high - mover.position);
+        let way = Way::new(&start, &unit);
+        let (low, high) = (bounds.low - start, bounds.high - start);
         index.tree.search(most, |other| way.enters(&(other.low - high), &(other.high - low)), look);
     }
 }

@@ -6,7 +6,7 @@ use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-use super::geometry::{Geometry, Parts, Solid};
+use super::geometry::{Geometry, Parts, Solid, StandIn};
 use super::measures::Measures;
 use super::principal_axes::principal_axes;
 use super::{ConvexHull, HullError, TriangleMesh, capsule, cone, cuboid, cylinder, sphere};
@@ -202,13 +202,13 @@ impl Collider {
             Shape::Sphere { radius } => Geometry::Sphere { radius: *radius },
             Shape::Cuboid { size } => Geometry::Cuboid { half: Vector3::from(size.to_array()) / 2.0 },
             &Shape::Capsule { radius, length } => {
-                Geometry::Capsule { radius, half: 0.5 * length, hull: Arc::new(capsule::hull(radius, length)) }
+                Geometry::Capsule { radius, half: 0.5 * length, hull: StandIn::new(capsule::hull, [radius, length]) }
             }
             &Shape::Cylinder { radius, height } => {
-                Geometry::Cylinder { radius, half: 0.5 * height, hull: Arc::new(cylinder::hull(radius, height)) }
+                Geometry::Cylinder { radius, half: 0.5 * height, hull: StandIn::new(cylinder::hull, [radius, height]) }
             }
             &Shape::Cone { radius, height } => {
-                Geometry::Cone { radius, height, hull: Arc::new(cone::hull(radius, height)) }
+                Geometry::Cone { radius, height, hull: StandIn::new(cone::hull, [radius, height]) }
             }
             Shape::Hull(hull) => Geometry::Hull(hull.hull()),
             Shape::Compound(compound) => Geometry::Parts(compound.parts()),

@@ -4,7 +4,7 @@
 //! Pairs of bodies of which one has parts are looked at part by part, each with a slot, a normal and contact points of its
 //! own. The parts of one shape do not touch each other.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
@@ -31,7 +31,7 @@ pub(crate) enum Geometry {
         /// Half the segment's length.
         half: f64,
         /// What stands for it in the 2009 engine's contacts.
-        hull: Arc<Hull>,
+        hull: StandIn,
     },
     /// About y.
     Cylinder {
@@ -39,14 +39,14 @@ pub(crate) enum Geometry {
         /// Half the height.
         half: f64,
         /// The prism of the 2009 engine's contacts.
-        hull: Arc<Hull>,
+        hull: StandIn,
     },
     /// Apex up +y, the base a quarter of the height below the centre of mass.
     Cone {
         radius: f64,
         height: f64,
         /// The polygonal cone of the 2009 engine's contacts.
-        hull: Arc<Hull>,
+        hull: StandIn,
     },
     /// A convex polyhedron.
     Hull(Arc<Hull>),
@@ -72,6 +72,15 @@ impl Geometry {
         }
     }
 
+    /// A polyhedron, or what stands for a curved shape.
+    pub fn polyhedron(&self) -> Option<&Hull> {
+        match self {
+            Self::Hull(hull) => Some(hull),
+            Self::Capsule { hull, .. } | Self::Cylinder { hull, .. } | Self::Cone { hull, .. } => Some(hull.get()),
+            Self::HalfSpace | Self::Sphere { .. } | Self::Cuboid { .. } | Self::Parts(_) => None,
+        }
+    }
+
     /// Whether it is a surface of triangles.
     pub fn is_mesh(&self) -> bool {
         self.parts().is_some_and(Parts::is_mesh)
@@ -85,9 +94,30 @@ impl Geometry {
             Self::Sphere { radius } | Self::Capsule { radius, .. } => *radius,
             Self::Cuboid { half } => half.min(),
             Self::Cylinder { radius, half, .. } => radius.min(*half),
-            Self::Cone { hull, .. } | Self::Hull(hull) => hull.inner_radius,
+            Self::Cone { hull, .. } => hull.get().inner_radius,
+            Self::Hull(hull) => hull.inner_radius,
             Self::Parts(parts) => parts.inner_radius,
         }
+    }
+}
+
+/// The polyhedron that stands for a curved shape, made when somebody first asks: most never do.
+#[derive(Clone, Debug)]
+pub(crate) struct StandIn {
+    make: fn(f64, f64) -> Hull,
+    sizes: [f64; 2],
+    made: Arc<OnceLock<Hull>>,
+}
+
+impl StandIn {
+    /// Of a function of two sizes.
+    pub fn new(make: fn(f64, f64) -> Hull, sizes: [f64; 2]) -> Self {
+        Self { make, sizes, made: Arc::default() }
+    }
+
+    /// The polyhedron.
+    pub fn get(&self) -> &Hull {
+        self.made.get_or_init(|| (self.make)(self.sizes[0], self.sizes[1]))
     }
 }
 

@@ -13,6 +13,7 @@ mod cuboid;
 mod cylinder;
 mod displacement;
 mod edge_lanes;
+mod farthest;
 mod geometry;
 mod hull;
 mod measures;

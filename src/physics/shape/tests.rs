@@ -76,7 +76,7 @@ fn bounding_sphere_holds_every_vertex_and_touches_one() {
     for (radius, height) in [(1.0, 0.2), (0.3, 2.0), (1.0, 2f64.sqrt())] {
         let collider = Collider::cone(radius, height);
         let Geometry::Cone { hull, .. } = collider.geometry() else { panic!("a cone") };
-        let farthest = hull.vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max);
+        let farthest = hull.get().vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max);
         assert!((farthest / collider.bounding_radius() - 1.0).abs() < 1e-12);
     }
     assert_eq!(Collider::cuboid(2.0, 3.0, 6.0).bounding_radius(), 3.5);

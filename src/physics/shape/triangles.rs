@@ -211,6 +211,14 @@ impl Triangles {
         });
     }
 
+    /// The triangle that a facet is, if it is but one.
+    pub fn only_triangle(&self, facet: u32) -> Option<u32> {
+        match self.facets[facet as usize].triangles[..] {
+            [only] => Some(only),
+            _ => None,
+        }
+    }
+
     /// How many.
     pub fn count(&self) -> u32 {
         self.corners.len() as u32

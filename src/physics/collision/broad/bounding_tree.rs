@@ -72,7 +72,9 @@ impl BoundingBox {
 
     /// How far a point is outside, m; 0 inside.
     pub fn distance(&self, point: &Vector3<f64>) -> f64 {
-        (point - point.sup(&self.low).inf(&self.high)).norm()
+        let beyond = |low: f64, high: f64| if low > high { low } else { high };
+        let outside = (self.low - point).zip_map(&(point - self.high), beyond);
+        outside.map(|by| if by > 0.0 { by } else { 0.0 }).norm()
     }
 
     /// Half the surface area, m².

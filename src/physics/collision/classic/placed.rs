@@ -5,9 +5,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::physics::Geometry;
 use crate::physics::collision::narrow::polyhedron::nearest_on_hull;
 use crate::physics::collision::parts;
+use crate::physics::{Geometry, Hull};
 
 /// A body's shape, its centre relative to body A of the pair, in world axes.
 pub(crate) struct Placed<'a> {
@@ -59,19 +59,20 @@ impl<'a> Placed<'a> {
                 let reach = self.to_body(axis).abs().dot(half);
                 [middle - reach, middle + reach]
             }
-            Geometry::Hull(hull)
-            | Geometry::Cylinder { hull, .. }
-            | Geometry::Cone { hull, .. }
-            | Geometry::Capsule { hull, .. } => {
+            Geometry::Hull(_) | Geometry::Cylinder { .. } | Geometry::Cone { .. } | Geometry::Capsule { .. } => {
                 let direction = self.to_body(axis);
                 let [low, high] =
-                    hull.vertices.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], vertex| {
+                    self.hull().vertices.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], vertex| {
                         let along = vertex.dot(&direction);
                         [low.min(along), high.max(along)]
                     });
                 [middle + low, middle + high]
             }
         }
+    }
+
+    fn hull(&self) -> &Hull {
+        self.geometry.polyhedron().expect("it is one, or something stands for it")
     }
 
     /// Whether faces come in opposite pairs at the same distance from the centre.
@@ -87,19 +88,13 @@ impl<'a> Placed<'a> {
             Geometry::HalfSpace | Geometry::Sphere { .. } => {}
             Geometry::Parts(_) => unreachable!("parts come one by one"),
             Geometry::Cuboid { .. } => axes.extend((0..3).map(|axis| self.axis(axis))),
-            Geometry::Hull(hull)
-            | Geometry::Cylinder { hull, .. }
-            | Geometry::Cone { hull, .. }
-            | Geometry::Capsule { hull, .. }
+            Geometry::Hull(_) | Geometry::Cylinder { .. } | Geometry::Cone { .. } | Geometry::Capsule { .. }
                 if of_edges =>
             {
-                axes.extend(hull.edge_directions.iter().map(|direction| self.rotation * direction));
+                axes.extend(self.hull().edge_directions.iter().map(|direction| self.rotation * direction));
             }
-            Geometry::Hull(hull)
-            | Geometry::Cylinder { hull, .. }
-            | Geometry::Cone { hull, .. }
-            | Geometry::Capsule { hull, .. } => {
-                axes.extend(hull.faces.iter().map(|face| self.rotation * face.normal));
+            Geometry::Hull(_) | Geometry::Cylinder { .. } | Geometry::Cone { .. } | Geometry::Capsule { .. } => {
+                axes.extend(self.hull().faces.iter().map(|face| self.rotation * face.normal));
             }
         }
     }
@@ -112,10 +107,9 @@ impl<'a> Placed<'a> {
             Geometry::HalfSpace | Geometry::Sphere { .. } => self.center,
             Geometry::Parts(_) => unreachable!("parts come one by one"),
             Geometry::Cuboid { half } => self.to_world(&local.zip_map(half, |along, half| along.clamp(-half, half))),
-            Geometry::Hull(hull)
-            | Geometry::Cylinder { hull, .. }
-            | Geometry::Cone { hull, .. }
-            | Geometry::Capsule { hull, .. } => self.to_world(&nearest_on_hull(hull, &local)),
+            Geometry::Hull(_) | Geometry::Cylinder { .. } | Geometry::Cone { .. } | Geometry::Capsule { .. } => {
+                self.to_world(&nearest_on_hull(self.hull(), &local))
+            }
         }
     }
 
@@ -154,11 +148,8 @@ impl<'a> Placed<'a> {
                     look_at(index, self.center + arms[0] * sign(1) + arms[1] * sign(2) + arms[2] * sign(4));
                 }
             }
-            Geometry::Hull(hull)
-            | Geometry::Cylinder { hull, .. }
-            | Geometry::Cone { hull, .. }
-            | Geometry::Capsule { hull, .. } => {
-                (0..).zip(&hull.vertices).for_each(|(index, vertex)| look_at(index, self.to_world(vertex)));
+            Geometry::Hull(_) | Geometry::Cylinder { .. } | Geometry::Cone { .. } | Geometry::Capsule { .. } => {
+                (0..).zip(&self.hull().vertices).for_each(|(index, vertex)| look_at(index, self.to_world(vertex)));
             }
         }
     }

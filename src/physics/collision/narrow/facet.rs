@@ -28,7 +28,7 @@ pub(super) fn touch(
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
     let first = points.len();
-    if let &[index] = mesh.triangles_of(facet) {
+    if let Some(index) = mesh.only_triangle(facet) {
         let triangle = mesh.get(index);
         let placed = Frame { center: shape_in_mesh.center - triangle.middle, ..*shape_in_mesh };
         let overlap = triangle::touch(triangle, shape, radius, &placed, gap, search, points);

@@ -29,7 +29,10 @@ fn place_at_parts(parts: &Parts, point: &Vector3<f64>) -> (Vector3<f64>, f64) {
         PartList::Triangles(mesh) => {
             let mut most = most;
             mesh.search(part, most, distance, |triangle, _| {
-                most = take(triangle::place(&mesh.get(triangle), point));
+                let corners = mesh.corners_of(triangle).map(|corner| corner - point);
+                if triangle::nearest_on_triangle(&corners, &Vector3::zeros()).norm_squared() <= most * most {
+                    most = take(triangle::place(&mesh.get(triangle), point));
+                }
                 most
             });
             most

@@ -327,12 +327,14 @@ pub(crate) fn first_max(values: impl Iterator<Item = f64>) -> usize {
 }
 
 /// The point of a hull nearest to a point in body axes (Ericson 2005, 5.1): it lies on one of the
-/// faces that the point is in front of.
+/// faces that the point is in front of, and on none that is farther below it than a point found.
 pub(crate) fn nearest_on_hull(hull: &Hull, point: &Vector3<f64>) -> Vector3<f64> {
     let mut nearest = (f64::INFINITY, *point);
-    for face in &hull.faces {
+    let heights = hull.faces.iter().map(|face| face.normal.dot(point) - face.offset);
+    let highest = first_max(heights);
+    for face in std::iter::once(&hull.faces[highest]).chain(&hull.faces) {
         let height = face.normal.dot(point) - face.offset;
-        if height <= 0.0 {
+        if height <= 0.0 || height * height >= nearest.0 {
             continue;
         }
         let foot = point - face.normal * height;

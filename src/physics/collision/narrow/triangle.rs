@@ -21,6 +21,9 @@ use crate::physics::{ContactPoint, FeatureId, Geometry};
 /// How far behind the triangle the pyramid reaches, as a share of its radius.
 const PYRAMID: f64 = 1.0;
 
+/// Likewise of one that is next to flat. Axes across its edges are told apart in `f32`.
+const SHEET: f64 = 1e-4;
+
 /// Distance from a side or a corner up to which a point is on it, as a share of the radius.
 const SHARED: f64 = 1e-9;
 
@@ -36,15 +39,16 @@ pub(crate) struct Pyramid<'t> {
 }
 
 impl<'t> Pyramid<'t> {
-    pub fn new(triangle: Triangle<'t>, is_strict: bool) -> Self {
-        let apex = -triangle.normal * (PYRAMID * triangle.radius);
+    pub fn new(triangle: Triangle<'t>, search: &PairSearch) -> Self {
+        let depth = if search.is_sheet { SHEET } else { PYRAMID };
+        let apex = -triangle.normal * (depth * triangle.radius);
         let front = Plane { normal: triangle.normal, offset: 0.0 };
         let side = |from: usize| {
             let [from, to] = [from, (from + 1) % 3].map(|corner| triangle.corners[corner]);
             let normal = (apex - from).cross(&(to - from)).normalize();
             Plane { normal, offset: normal.dot(&from) }
         };
-        Self { triangle, faces: [front, side(0), side(1), side(2)], apex, is_strict }
+        Self { triangle, faces: [front, side(0), side(1), side(2)], apex, is_strict: !search.any_normal }
     }
 
     /// The unit normal out of it along the shortest way between its surface and a point, and how far the point is out, m.
@@ -138,7 +142,7 @@ pub(crate) fn touch(
         search.apart = height - reach;
         return None;
     }
-    let pyramid = &Pyramid::new(triangle, !search.any_normal);
+    let pyramid = &Pyramid::new(triangle, search);
     macro_rules! tested {
         ($touch:path, $a:expr, $b:expr, $b_in_a:expr) => {
             $touch(&ShapePair { a: $a, b: $b, b_in_a: $b_in_a, scale }, search)?

@@ -34,10 +34,7 @@ impl Extent {
                 };
                 (0.0, (0..8).map(corner).collect())
             }
-            Geometry::Hull(hull)
-            | Geometry::Cylinder { hull, .. }
-            | Geometry::Cone { hull, .. }
-            | Geometry::Capsule { hull, .. } => (0.0, hull.vertices.clone()),
+            curved_or_hull => (0.0, curved_or_hull.polyhedron().expect("it has vertices").vertices.clone()),
         };
         let vertices = local.iter().map(|vertex| body.rotation * vertex).collect();
         Self { position: body.position, radius, vertices }
