@@ -214,7 +214,7 @@ impl Advanced {
 }
 
 /// A body's shape, or that part of it, from a place; none of a half-space and of a facet of many triangles.
-fn solid_of<'b>(body: &'b Body, part: u32, from: &Vector3<f64>) -> Option<Solid<'b>> {
+pub(super) fn solid_of<'b>(body: &'b Body, part: u32, from: &Vector3<f64>) -> Option<Solid<'b>> {
     let (position, axes) = (body.position - from, body.rotation.to_rotation_matrix().into_inner());
     let geometry = body.geometry.as_ref()?;
     match geometry.parts().map(|parts| &parts.list) {

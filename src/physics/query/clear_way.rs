@@ -67,6 +67,12 @@ pub(super) struct Clear {
     pub within: f64,
 }
 
+/// Whether two shapes are apart for certain; what is near may be, too.
+pub(super) fn are_apart(one: &Solid, other: &Solid) -> bool {
+    // Of what goes nowhere the way is clear for ever along any direction along which they are apart.
+    clear_way(one, other, &Vector3::zeros(), f64::INFINITY).is_none()
+}
+
 /// How far a mover on its way along a unit direction certainly touches nothing of the other; none: not within `most`.
 pub(super) fn clear_way(mover: &Solid, other: &Solid, direction: &Vector3<f64>, most: f64) -> Option<Clear> {
     let mut clear = Clear { distance: 0.0, within: f64::INFINITY };

@@ -9,7 +9,8 @@ use bevy::prelude::*;
 use nalgebra::Vector3;
 
 use super::answers::{CastHit, Hit, PointHit, Ray, RayHit};
-use super::cast::Caster;
+use super::cast::{Caster, solid_of};
+use super::clear_way::are_apart;
 use super::filter::QueryFilter;
 use super::index::{Index, QueryIndex, box_of};
 use super::ray::enter;
@@ -140,6 +141,12 @@ impl PhysicsQuery<'_> {
         let (index, bounds) = (self.index(), box_of(body));
         let (mut search, mut points, mut parts) = (PairSearch::default(), Vec::new(), Vec::new());
         let mut touch_in = |other: &Body, parts: PartPair| {
+            let solids = [solid_of(body, parts.a, &other.position), solid_of(other, parts.b, &other.position)];
+            if let [Some(one), Some(other)] = &solids
+                && are_apart(one, other)
+            {
+                return false;
+            }
             points.clear();
             search.last = None;
             let found = touch([body, other], parts, 0.0, &mut search, &mut points);

@@ -33,7 +33,7 @@ pub use collider::{Collider, Compound, CompoundChild, CompoundError, MassPropert
 pub use convex_hull::{ConvexHull, HullError};
 pub(crate) use edge_lanes::{EdgeLanes, EdgeParts};
 pub(crate) use geometry::{Geometry, PartList, Parts, Solid, placed_box};
-pub(crate) use hull::Hull;
+pub(crate) use hull::{Face, Hull};
 use measures::Measures;
 pub use triangle_mesh::{MeshError, TriangleMesh};
 pub(crate) use triangles::{SAME, Triangle, Triangles};
