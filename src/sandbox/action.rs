@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use bevy::prelude::*;
 
-use super::build::{JointChange, Placement};
+use super::build::{JointChange, MeshForm, Placement};
 use super::tool::Tool;
 use crate::scene::BodySpec;
 
@@ -74,6 +74,8 @@ pub enum SandboxAction {
         file: String,
         /// Factor on its coordinates.
         scale: f64,
+        /// What the body is of it.
+        form: MeshForm,
     },
     /// Joins the two picked bodies by the chosen [`super::JoinKind`].
     JoinPicked,

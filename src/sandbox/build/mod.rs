@@ -15,6 +15,7 @@ mod joining;
 mod joint_change;
 mod joints;
 mod kept;
+mod mesh_form;
 mod names;
 mod place;
 mod placement;
@@ -37,6 +38,7 @@ pub(super) use joining::{cut, cut_picked, ends_of, join_picked, joint_at_pointer
 pub use joint_change::JointChange;
 pub(super) use joints::Pin;
 pub(super) use kept::KeptScene;
+pub use mesh_form::MeshForm;
 pub(super) use names::name_of;
 pub use placement::Placement;
 pub(super) use placing::place_bodies;

@@ -4,7 +4,7 @@ use bevy::math::{DQuat, DVec3};
 use bevy::picking::mesh_picking::ray_cast::{MeshRayCast, MeshRayCastSettings, RayCastVisibility};
 use bevy::prelude::*;
 
-use super::blueprint::Blueprint;
+use super::blueprint::{Blueprint, noun_of};
 use super::names::unique_name;
 use super::room::reach;
 use super::undo::{Deed, remember};
@@ -49,7 +49,7 @@ fn try_spawn(world: &mut World) -> Result<String, String> {
 /// It makes no sense, or there is no room for it.
 pub fn next_body(world: &mut World) -> Result<BodySpec, String> {
     let blueprint = world.resource::<Blueprint>().clone();
-    let body = blueprint.body(blueprint.noun().to_owned());
+    let body = blueprint.body(noun_of(&blueprint.shape).to_owned());
     let alone = SceneSpec { bodies: vec![body.clone()], ..SceneSpec::new("new body", DVec3::ZERO) };
     alone.validate().map_err(|error| error.to_string())?;
     let aim = world.run_system_cached(camera::aim).ok().flatten().ok_or("there is no picture to put a body into")?;
@@ -151,8 +151,12 @@ fn find_room(
     };
 
     let up = (-gravity.0).normalize_or(DVec3::Y);
-    // What lies on the way up, of thousands of bodies.
+    let is_ground = collider.shape().is_ground();
+    // What lies on the way up, of thousands of bodies. Grounds do not touch each other.
     let may_touch = |collider: &Collider, center: &Position| {
+        if is_ground && collider.shape().is_ground() {
+            return false;
+        }
         let beside = (center.0 - position).reject_from(up).length();
         let reach = size + collider.bounding_radius();
         // The ground reaches everywhere.
