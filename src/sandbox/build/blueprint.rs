@@ -3,6 +3,7 @@
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
+use super::hills::Hills;
 use super::mesh_form::MeshForm;
 use crate::sandbox::state::report;
 use crate::scene::{BodySpec, ShapeSpec, SurfaceForm};
@@ -14,6 +15,8 @@ pub struct Blueprint {
     pub shape: ShapeSpec,
     /// How heavy it is.
     pub weight: Weight,
+    /// What the shape is of where it is a hilly ground, or was when it last was one.
+    pub hills: Hills,
 }
 
 /// How a body's mass is given.
@@ -27,7 +30,11 @@ pub enum Weight {
 
 impl Default for Blueprint {
     fn default() -> Self {
-        Self { shape: ShapeSpec::Cuboid { size: DVec3::splat(0.5) }, weight: Weight::Density(1000.0) }
+        Self {
+            shape: ShapeSpec::Cuboid { size: DVec3::splat(0.5) },
+            weight: Weight::Density(1000.0),
+            hills: Hills::default(),
+        }
     }
 }
 

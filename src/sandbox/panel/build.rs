@@ -4,9 +4,10 @@ use bevy::prelude::*;
 use bevy_egui::egui;
 
 use super::super::build::{UndoStack, stem};
-use super::super::{Blueprint, JoinKind, MeshForm, SandboxAction, Selection, Snap, Weight};
+use super::super::{Blueprint, Hills, JoinKind, MeshForm, SandboxAction, Selection, Snap, Weight};
 use super::buttons::{ActionButton, button_row, toggle, tooltip, wide_button};
 use super::entry::{Entered, Left};
+use super::hills::HillRows;
 use super::mesh::MeshRows;
 use super::theme::Quantity;
 use super::toolbar::{SHAPES, is_alike};
@@ -18,6 +19,12 @@ const SIZES: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 const DENSITIES: std::ops::RangeInclusive<f64> = 0.1..=1e6;
 pub(super) const MASSES: std::ops::RangeInclusive<f64> = 1e-3..=1e9;
 
+/// What is told of the two.
+pub(super) const MAKE_ONE: &str = "it has their mass and momentum, of one density: their mean; surface, layers and color of the \
+first; joints between them go, those to others stay";
+pub(super) const TAKE_APART: &str = "each part of a compound or of a mesh in pieces moves on as a body of its own; joints hold the \
+part that is nearest; parts that overlap push each other apart";
+
 /// What the section's widgets hold.
 #[derive(Default)]
 pub(super) struct BuildForm {
@@ -25,6 +32,7 @@ pub(super) struct BuildForm {
     path: String,
     entered: Entered,
     mesh: MeshRows,
+    hills: HillRows,
 }
 
 pub(super) fn show(
@@ -46,6 +54,10 @@ pub(super) fn show(
             if ui.selectable_label(chosen, name).clicked() && !chosen {
                 edited.shape = start;
             }
+        }
+        let are_hills = Hills::are(&edited.shape);
+        if ui.selectable_label(are_hills, "hills").on_hover_text("a hilly ground, fixed").clicked() && !are_hills {
+            actions.write(SandboxAction::ChooseHills(edited.hills));
         }
         for file in builtin_meshes() {
             let chosen = file_of_mesh.as_ref() == Some(&file);
@@ -71,6 +83,9 @@ pub(super) fn show(
     });
     match &mut edited.shape {
         shape if has_sizes(shape) => _ = ui.horizontal(|ui| sizes(ui, shape)),
+        shape if Hills::are(shape) => {
+            form.hills.show(ui, edited.hills).into_iter().for_each(|asked| _ = actions.write(asked));
+        }
         shape => form.mesh.show(ui, shape).into_iter().for_each(|asked| _ = actions.write(asked)),
     }
     ui.horizontal(|ui| weight(ui, &mut edited));
@@ -88,6 +103,20 @@ pub(super) fn show(
             ActionButton::new("✂ Cut", SandboxAction::CutPicked).enabled_if(selection.body.is_some()),
         ],
     );
+    ui.columns(2, |columns| {
+        let picked = selection.bodies().count();
+        let both = [
+            ("Make one body", MAKE_ONE, picked > 1, SandboxAction::MakeOneBody),
+            ("Take apart", TAKE_APART, picked > 0, SandboxAction::TakeApart),
+        ];
+        for (column, (label, about, enabled, action)) in columns.iter_mut().zip(both) {
+            let about = format!("{}\n{about}", tooltip(&action));
+            let shown = wide_button(column, 24.0, enabled, egui::Button::new(label));
+            if shown.on_hover_text(&about).on_disabled_hover_text(about).clicked() {
+                actions.write(action);
+            }
+        }
+    });
     ui.columns(2, |columns| {
         let both = [("⮪ Undo", undo.next(), SandboxAction::Undo), ("⮫ Redo", undo.next_again(), SandboxAction::Redo)];
         for (column, (label, what, action)) in columns.iter_mut().zip(both) {

@@ -13,6 +13,7 @@ mod entry;
 mod files;
 mod gallery;
 mod graphs;
+mod hills;
 mod icons;
 mod inspector;
 mod joint;
