@@ -36,7 +36,8 @@ fn number<N: Numeric>(
     (prefix, suffix): (&str, &str),
     range: std::ops::RangeInclusive<N>,
 ) -> bool {
-    let speed = if N::INTEGRAL { 0.2 } else { 0.01 };
-    let drag = egui::DragValue::new(value).prefix(prefix).suffix(suffix).range(range).speed(speed).max_decimals(2);
+    let (speed, decimals) = if N::INTEGRAL { (0.2, 0) } else { (0.01, 2) };
+    let drag = egui::DragValue::new(value).prefix(prefix).suffix(suffix).range(range);
+    let drag = drag.speed(speed).max_decimals(decimals);
     ui.add(drag.update_while_editing(false)).dragged()
 }

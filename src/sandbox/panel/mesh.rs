@@ -5,6 +5,7 @@ use bevy_egui::egui;
 use super::buttons::toggle;
 use super::let_go::once_let_go;
 use super::theme::Quantity;
+use crate::physics::Compound;
 use crate::sandbox::{MeshForm, SandboxAction};
 use crate::scene::{MOST_PIECES, ShapeSpec};
 
@@ -28,10 +29,14 @@ impl MeshRows {
             let scaled = once_let_go(ui, scale, &mut self.scale, |edited| {
                 egui::DragValue::new(edited).range(SCALES).speed(speed).max_decimals(4)
             });
-            ui.weak(format!("{} across", Quantity::text(2.0 * shape.bounding_radius(), "m")));
+            ui.weak(match shape {
+                ShapeSpec::Mesh(mesh) => format!("{} across", Quantity::text(2.0 * mesh.hull().bounding_radius(), "m")),
+                ShapeSpec::Surface(surface) => format!("{} triangles", surface.mesh().triangles().len()),
+                _ => String::new(),
+            });
             scaled
         });
-        let formed = ui.horizontal(|ui| self.form(ui, form));
+        let formed = ui.horizontal(|ui| self.form(ui, form, shape.compound()));
         let (scaled, formed) = (scaled.inner, formed.inner);
         let is_asked = scaled.is_some() || formed.is_some();
         is_asked.then(|| SandboxAction::ChooseMesh {
@@ -41,7 +46,7 @@ impl MeshRows {
         })
     }
 
-    fn form(&mut self, ui: &mut egui::Ui, form: MeshForm) -> Option<MeshForm> {
+    fn form(&mut self, ui: &mut egui::Ui, form: MeshForm, pieces: Option<&Compound>) -> Option<MeshForm> {
         ui.spacing_mut().item_spacing.x = 2.0;
         ui.label("as");
         let mut asked = None;
@@ -72,6 +77,8 @@ impl MeshRows {
                     egui::DragValue::new(edited).prefix("at most ").range(2..=MOST_PIECES).speed(0.1)
                 });
                 asked = asked.or(most.map(MeshForm::Pieces));
+                let made = pieces.map_or(0, |pieces| pieces.children().len());
+                ui.weak(format!(" makes {made}")).on_hover_text("so many pieces come near enough to it");
             }
             MeshForm::Surface { two_sided } => {
                 let about = "whether the backs of its triangles are solid, too";

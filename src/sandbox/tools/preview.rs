@@ -27,7 +27,7 @@ const AXIS: f32 = 0.05;
 const FLIGHT: f64 = 1.0;
 const PIECES: usize = 24;
 /// Lines over hills along each side.
-const NET: usize = 10;
+const NET: usize = 20;
 
 /// In front of all bodies.
 #[derive(Default, Reflect, GizmoConfigGroup)]
