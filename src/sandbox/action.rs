@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use bevy::prelude::*;
 
-use super::build::{JointChange, Placement};
+use super::build::{Hills, JointChange, MeshForm, Placement};
 use super::tool::Tool;
 use crate::scene::BodySpec;
 
@@ -74,7 +74,17 @@ pub enum SandboxAction {
         file: String,
         /// Factor on its coordinates.
         scale: f64,
+        /// What the body is of it.
+        form: MeshForm,
     },
+    /// Makes the [`super::Blueprint`] such a ground.
+    ChooseHills(Hills),
+    /// Makes the picked bodies one: a compound of their shapes, with their mass and momentum. Joints between them go, those to
+    /// others hold it at the same places.
+    MakeOneBody,
+    /// Makes a body of each part of the picked compounds and meshes in pieces, which moves on as it did. Joints hold the part
+    /// that is nearest to them.
+    TakeApart,
     /// Joins the two picked bodies by the chosen [`super::JoinKind`].
     JoinPicked,
     /// Holds the picked body to the world where it was clicked.

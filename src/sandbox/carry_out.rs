@@ -16,8 +16,8 @@ use super::state::{SceneProblem, ShowsPlots, report};
 use super::timeline::{self, Timeline};
 use super::watch::Watch;
 use super::{
-    CurrentScene, Notice, Playback, SandboxAction, Selection, Tool, box_select, build, files, panel, probe, recordings,
-    scale, screenshot, tools,
+    CurrentScene, MeshForm, Notice, Playback, SandboxAction, Selection, Tool, box_select, build, files, panel, probe,
+    recordings, scale, screenshot, tools,
 };
 use crate::lab::recording::is_recording;
 use crate::physics::{ContactForces, write_now};
@@ -87,7 +87,10 @@ fn carry_out(world: &mut World, action: SandboxAction) {
         SandboxAction::Paste => build::paste(world),
         SandboxAction::PlaceBodies { placements, continues } => build::place_bodies(world, &placements, continues),
         SandboxAction::SpawnBody => build::spawn_body(world),
-        SandboxAction::ChooseMesh { file, scale } => _ = build::choose_mesh(world, &file, scale),
+        SandboxAction::ChooseMesh { file, scale, form } => _ = build::choose_mesh(world, &file, scale, form),
+        SandboxAction::ChooseHills(hills) => build::choose_hills(world, hills),
+        SandboxAction::MakeOneBody => build::make_one_body(world),
+        SandboxAction::TakeApart => build::take_apart(world),
         SandboxAction::JoinPicked => build::join_picked(world),
         SandboxAction::PinPicked => build::pin_picked(world),
         SandboxAction::CutPicked => build::cut_picked(world),
@@ -164,7 +167,7 @@ fn open_file(world: &mut World, path: &Path) {
     match FileKind::of(path) {
         Ok(FileKind::Scene | FileKind::Recording) => load_scene(world, file, Vec::new()),
         Ok(FileKind::Mesh) => {
-            if build::choose_mesh(world, &file, 1.0) {
+            if build::choose_mesh(world, &file, 1.0, MeshForm::Hull) {
                 tools::put_down(world);
                 world.insert_resource(Tool::Add);
                 *world.resource_mut::<Notice>() =

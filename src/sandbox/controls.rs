@@ -81,6 +81,8 @@ pub const BINDINGS: &[Binding] = &[
     binding(&[KeyCode::KeyC], "Ctrl+C", "copy it, as text of a scene file", SandboxAction::Copy).with_control(),
     binding(&[KeyCode::KeyX], "Ctrl+X", "copy it and delete it", SandboxAction::CutOut).with_control(),
     binding(&[KeyCode::KeyV], "Ctrl+V", "paste at the pointer", SandboxAction::Paste).with_control(),
+    binding(&[KeyCode::KeyG], "Ctrl+G", "make one body of what is picked", SandboxAction::MakeOneBody).with_control(),
+    binding(&[KeyCode::KeyG], "Ctrl+Shift+G", "take it apart", SandboxAction::TakeApart).with_control().with_shift(),
     binding(&[KeyCode::KeyA], "Ctrl+A", "pick all bodies", SandboxAction::SelectAll).with_control(),
     binding(&[KeyCode::KeyZ], "Ctrl+Z", "undo what was built, changed or cut", SandboxAction::Undo).with_control(),
     binding(&[KeyCode::KeyY], "Ctrl+Y", "redo what was undone", SandboxAction::Redo).with_control(),

@@ -68,7 +68,7 @@ mod window_memory;
 mod without_ground;
 
 pub use action::{SandboxAction, ScaleChange};
-pub use build::{Blueprint, JoinKind, JointChange, Placement, Weight};
+pub use build::{Blueprint, Hills, JoinKind, JointChange, MeshForm, Placement, Weight};
 pub use clipboard::Clipboard;
 pub use commands::{SandboxCommandError, film, monkey};
 pub use film::{FilmError, Filmed, shoot};

@@ -159,7 +159,7 @@ fn shape_of(collider: &Collider, mesh: Option<&PictureMesh>, given: Option<&Give
 }
 
 /// The children of a compound where its axes are those that they were given in.
-fn compound_of(compound: &Compound) -> CompoundSpec {
+pub(super) fn compound_of(compound: &Compound) -> CompoundSpec {
     let children = compound.children().iter().map(|CompoundChild { collider, position, rotation }| {
         let shape = shape_of(collider, None, None);
         ChildSpec {

@@ -284,6 +284,31 @@ impl JointParts {
         self.joint.anchors()
     }
 
+    /// With its end 0 (A) or 1 (B) on another body, at that point of it, in whose principal axes `turn` is those of the old body.
+    #[cfg(feature = "sandbox")]
+    pub fn with_end(mut self, end: usize, (body, anchor): (Entity, DVec3), turn: DQuat) -> Self {
+        let (is_a, mut turns) = (end == 0, [DQuat::IDENTITY; 2]);
+        turns[end] = turn;
+        for_kind!(&mut self.joint, |joint| if is_a {
+            (joint.body_a, joint.anchor_a) = (body, anchor);
+        } else {
+            (joint.body_b, joint.anchor_b) = (body, anchor);
+        });
+        let of_joint = match &mut self.joint {
+            JointComponent::Hinge(joint) => Some(&mut joint.axes),
+            JointComponent::Slider(joint) => Some(&mut joint.axes),
+            JointComponent::Fixed(joint) => Some(&mut joint.axes),
+            JointComponent::Generic(joint) => Some(&mut joint.axes),
+            JointComponent::Ball(_) | JointComponent::Distance(_) => None,
+        };
+        let of_limits = match &mut self.limits {
+            Some(JointLimits { range: LimitRange::SwingTwist { axes, .. }, .. }) => Some(axes),
+            _ => None,
+        };
+        of_joint.into_iter().chain(of_limits).for_each(|axes| *axes = turned(axes, turns));
+        self
+    }
+
     /// As components, of a joint between two bodies.
     pub(super) fn of_spec(spec: &JointSpec, [a, b]: [(Entity, &BodySpec); 2]) -> Self {
         let (body_a, body_b) = (a.0, b.0);
@@ -395,7 +420,7 @@ impl JointParts {
 
 /// From the axes that a simulated body has to those that its shape is given in.
 pub(super) fn in_principal_axes(body: &BodySpec) -> DQuat {
-    body.shape.as_ref().and_then(ShapeSpec::convex_hull).map_or(DQuat::IDENTITY, |hull| hull.axes())
+    body.shape.as_ref().map_or(DQuat::IDENTITY, ShapeSpec::axes)
 }
 
 /// Axes of bodies in other axes of theirs.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use bevy::math::{DQuat, DVec3};
 
+use super::capture::compound_of;
 use super::{HullSpec, MeshSpec, SurfaceForm, SurfaceSpec};
 use crate::physics::{Collider, Compound, CompoundChild, CompoundError, ConvexHull};
 
@@ -147,6 +148,15 @@ impl ShapeSpec {
         match self {
             Self::Compound(compound) => Some(compound.compound()),
             Self::Mesh(mesh) => mesh.pieces(),
+            _ => None,
+        }
+    }
+
+    /// The solids that it is of, if it is of several, in the axes that the shape is given in.
+    pub fn children(&self) -> Option<Vec<ChildSpec>> {
+        match self {
+            Self::Compound(compound) => Some(compound.children().to_vec()),
+            Self::Mesh(mesh) => mesh.pieces().map(|pieces| compound_of(pieces).children().to_vec()),
             _ => None,
         }
     }

@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use bevy::math::DVec3;
 
+use super::ObjError;
+use super::mesh::Meshes;
 use crate::physics::{MeshError, TriangleMesh};
 
 /// A surface, and what it was made from. Cheap to clone.
@@ -98,6 +100,14 @@ impl SurfaceSpec {
     pub fn triangles(vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>, two_sided: bool) -> Result<Self, MeshError> {
         let mesh = TriangleMesh::new(&vertices, &triangles)?;
         Self::of(SurfaceForm::Triangles { vertices, triangles }, mesh, two_sided)
+    }
+
+    /// The triangles of a Wavefront OBJ file: `file` and `scale` as [`MeshSpec::load`](super::MeshSpec::load) has them.
+    ///
+    /// # Errors
+    /// The file is missing, too large or not an OBJ mesh, or its triangles are no surface.
+    pub fn load(file: &str, folder: &Path, scale: f64, two_sided: bool) -> Result<Self, ObjError> {
+        Meshes::new(folder).load_surface(file, scale, two_sided)
     }
 
     /// A mesh that was made from something.

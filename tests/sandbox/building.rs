@@ -3,7 +3,7 @@
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use plumb::physics::{BallJoint, Collider, Diagnostics, Mass, Position, Quarantined, RigidBody, Rotation, Velocity};
-use plumb::sandbox::{Blueprint, Notice, Picked, SandboxAction, Selection, Weight};
+use plumb::sandbox::{Blueprint, MeshForm, Notice, Picked, SandboxAction, Selection, Weight};
 use plumb::scene::ShapeSpec;
 
 use crate::stage::{SIZE, Stage};
@@ -546,7 +546,7 @@ fn a_mesh_is_added_as_it_stands_in_its_file() {
     std::fs::write(&path, SLAB).unwrap();
     let mut stage = paused(ROOM);
     let file = path.to_str().unwrap().to_owned();
-    stage.act(SandboxAction::ChooseMesh { file, scale: 0.5 });
+    stage.act(SandboxAction::ChooseMesh { file, scale: 0.5, form: MeshForm::Hull });
     let point = DVec3::new(0.0, 1.0, 0.0);
     let seen = stage.seen_at(point);
     stage.move_to(seen);
@@ -575,7 +575,7 @@ fn every_mesh_that_comes_with_plumb_can_be_added() {
     let mut stage = paused(ROOM);
     for file in plumb::scene::builtin_meshes() {
         let before = counts(&mut stage).0;
-        stage.act(SandboxAction::ChooseMesh { file: file.clone(), scale: 1.0 });
+        stage.act(SandboxAction::ChooseMesh { file: file.clone(), scale: 1.0, form: MeshForm::Hull });
         stage.act(SandboxAction::SpawnBody);
         assert_eq!(counts(&mut stage).0, before + 1, "{file}: {:?}", notice(&mut stage));
     }
@@ -588,7 +588,7 @@ fn a_mesh_that_cannot_be_had_is_named_and_the_last_shape_stays() {
     for (file, scale, words) in
         [("no/such.obj", 1.0, "such.obj"), ("plumb:no.obj", 1.0, "plumb:"), ("plumb:gem.obj", -1.0, "greater than 0")]
     {
-        assert_refused(&mut stage, SandboxAction::ChooseMesh { file: file.into(), scale }, words);
+        assert_refused(&mut stage, SandboxAction::ChooseMesh { file: file.into(), scale, form: MeshForm::Hull }, words);
         assert_eq!(stage.world().resource::<Blueprint>().shape, shape);
     }
 }

@@ -7,7 +7,7 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use plumb::lab::{read_settings, settings_text};
 use plumb::physics::{BallJoint, Position, RigidBody, SolverSettings, Velocity};
-use plumb::sandbox::{CurrentScene, Notice, Picked, SandboxAction, Selection};
+use plumb::sandbox::{CurrentScene, MeshForm, Notice, Picked, SandboxAction, Selection};
 use plumb::scene::BodyColor;
 
 use crate::stage::Stage;
@@ -256,7 +256,7 @@ fn a_scene_is_saved_as_it_stands_and_goes_on_from_there() {
         Selection { body: hand(ball, DVec3::ZERO), partner: hand(red, DVec3::new(0.5, 0.5, 0.0)), ..default() };
     stage.act(SandboxAction::JoinPicked);
     stage.act(SandboxAction::PinPicked);
-    stage.act(SandboxAction::ChooseMesh { file: "plumb:gem.obj".into(), scale: 0.5 });
+    stage.act(SandboxAction::ChooseMesh { file: "plumb:gem.obj".into(), scale: 0.5, form: MeshForm::Hull });
     stage.act(SandboxAction::SpawnBody);
     stage.act(SandboxAction::ThrowBall);
     stage.frames(20);

@@ -1,12 +1,12 @@
 //! What the next body is to be.
 
-use std::path::Path;
-
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
+use super::hills::Hills;
+use super::mesh_form::MeshForm;
 use crate::sandbox::state::report;
-use crate::scene::{BodySpec, MeshSpec, ShapeSpec, builtin_meshes};
+use crate::scene::{BodySpec, ShapeSpec, SurfaceForm};
 
 /// What [`SandboxAction::SpawnBody`](crate::sandbox::SandboxAction::SpawnBody) makes.
 #[derive(Resource, Clone, Debug, PartialEq)]
@@ -15,6 +15,8 @@ pub struct Blueprint {
     pub shape: ShapeSpec,
     /// How heavy it is.
     pub weight: Weight,
+    /// What the shape is of where it is a hilly ground, or was when it last was one.
+    pub hills: Hills,
 }
 
 /// How a body's mass is given.
@@ -28,7 +30,11 @@ pub enum Weight {
 
 impl Default for Blueprint {
     fn default() -> Self {
-        Self { shape: ShapeSpec::Cuboid { size: DVec3::splat(0.5) }, weight: Weight::Density(1000.0) }
+        Self {
+            shape: ShapeSpec::Cuboid { size: DVec3::splat(0.5) },
+            weight: Weight::Density(1000.0),
+            hills: Hills::default(),
+        }
     }
 }
 
@@ -41,29 +47,34 @@ impl Blueprint {
         }
     }
 
-    /// What bodies of it are called, before a number is added.
-    pub(super) fn noun(&self) -> &str {
-        match &self.shape {
-            ShapeSpec::Sphere { .. } => "ball",
-            ShapeSpec::Cuboid { .. } => "box",
-            ShapeSpec::Capsule { .. } => "capsule",
-            ShapeSpec::Cylinder { .. } => "cylinder",
-            ShapeSpec::Cone { .. } => "cone",
-            ShapeSpec::HalfSpace => "ground",
-            ShapeSpec::Hull(_) => "block",
-            ShapeSpec::Compound(_) => "compound",
-            ShapeSpec::Surface(_) => "surface",
-            ShapeSpec::Mesh(mesh) => stem(mesh.file()),
-        }
-    }
-
-    /// A body of it at the origin.
+    /// A body of it at the origin: one that cannot move is fixed.
     pub(super) fn body(&self, name: String) -> BodySpec {
         let body = BodySpec::new(name, self.shape.clone(), DVec3::ZERO);
         match self.weight {
+            _ if matches!(self.shape, ShapeSpec::Surface(_)) => body.fixed(),
             Weight::Density(density) => BodySpec { density, ..body },
             Weight::Mass(mass) => body.with_mass(mass),
         }
+    }
+}
+
+/// What bodies of a shape are called, before a number is added.
+pub(super) fn noun_of(shape: &ShapeSpec) -> &str {
+    match shape {
+        ShapeSpec::Sphere { .. } => "ball",
+        ShapeSpec::Cuboid { .. } => "box",
+        ShapeSpec::Capsule { .. } => "capsule",
+        ShapeSpec::Cylinder { .. } => "cylinder",
+        ShapeSpec::Cone { .. } => "cone",
+        ShapeSpec::HalfSpace => "ground",
+        ShapeSpec::Hull(_) => "block",
+        ShapeSpec::Compound(_) => "compound",
+        ShapeSpec::Mesh(mesh) => stem(mesh.file()),
+        ShapeSpec::Surface(surface) => match surface.form() {
+            SurfaceForm::Heights { .. } => "hills",
+            SurfaceForm::File { file, .. } => stem(file),
+            SurfaceForm::Triangles { .. } => "surface",
+        },
     }
 }
 
@@ -73,26 +84,16 @@ pub fn stem(file: &str) -> &str {
     name.strip_suffix(".obj").unwrap_or(name)
 }
 
-/// Makes the next body a mesh: one that comes with Plumb, or an OBJ file. Whether it is one now.
-pub fn choose_mesh(world: &mut World, file: &str, scale: f64) -> bool {
-    let outcome = load_mesh(file, scale).map(|mesh| {
-        world.resource_mut::<Blueprint>().shape = ShapeSpec::Mesh(mesh);
+/// Makes the next body of a mesh: one that comes with Plumb, or an OBJ file. Whether it is one now.
+pub fn choose_mesh(world: &mut World, file: &str, scale: f64, form: MeshForm) -> bool {
+    let outcome = form.load(file, scale).map(|shape| {
+        world.resource_mut::<Blueprint>().shape = shape;
     });
     let is_chosen = outcome.is_ok();
     if let Err(reason) = outcome {
         report(world, Err(reason));
     }
     is_chosen
-}
-
-fn load_mesh(file: &str, scale: f64) -> Result<MeshSpec, String> {
-    if !(scale.is_finite() && scale > 0.0) {
-        return Err(format!("{file}: a scale must be greater than 0, is {scale}"));
-    }
-    let is_builtin = builtin_meshes().any(|name| name == file);
-    // A scene that is saved elsewhere still finds it.
-    let path = if is_builtin { file.into() } else { std::path::absolute(file).map_err(|error| error.to_string())? };
-    MeshSpec::load(&path.to_string_lossy(), Path::new(""), scale).map_err(|error| error.to_string())
 }
 
 #[cfg(test)]

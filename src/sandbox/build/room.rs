@@ -3,7 +3,7 @@
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 
-use crate::physics::{Collider, CollisionLayers, PlacedCollider, Position, RigidBody, Rotation};
+use crate::physics::{Collider, CollisionLayers, PlacedCollider, Position, RigidBody, Rotation, Shape};
 use crate::scene::{BodySpec, SceneSpec};
 
 /// Gap to what is there, in mean bounding radii.
@@ -86,6 +86,10 @@ impl Crowd {
 
 /// How far a shape of that orientation reaches from its centre of mass along a unit direction, m.
 pub fn reach(collider: &Collider, rotation: DQuat, along: DVec3) -> f64 {
+    if let Shape::Mesh(mesh) = collider.shape() {
+        let along = rotation.inverse() * along;
+        return mesh.vertices().map(|vertex| vertex.dot(along)).fold(f64::NEG_INFINITY, f64::max);
+    }
     let own = PlacedCollider { collider, position: Position(DVec3::ZERO), rotation: Rotation(rotation) };
     // A plane through the centre whose inside is where it reaches to.
     let plane = PlacedCollider {

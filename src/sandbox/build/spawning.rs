@@ -4,8 +4,8 @@ use bevy::math::{DQuat, DVec3};
 use bevy::picking::mesh_picking::ray_cast::{MeshRayCast, MeshRayCastSettings, RayCastVisibility};
 use bevy::prelude::*;
 
-use super::blueprint::Blueprint;
-use super::names::unique_name;
+use super::blueprint::{Blueprint, noun_of};
+use super::names::{name_of, unique_name};
 use super::room::reach;
 use super::undo::{Deed, remember};
 use crate::physics::{
@@ -49,7 +49,7 @@ fn try_spawn(world: &mut World) -> Result<String, String> {
 /// It makes no sense, or there is no room for it.
 pub fn next_body(world: &mut World) -> Result<BodySpec, String> {
     let blueprint = world.resource::<Blueprint>().clone();
-    let body = blueprint.body(blueprint.noun().to_owned());
+    let body = blueprint.body(noun_of(&blueprint.shape).to_owned());
     let alone = SceneSpec { bodies: vec![body.clone()], ..SceneSpec::new("new body", DVec3::ZERO) };
     alone.validate().map_err(|error| error.to_string())?;
     let aim = world.run_system_cached(camera::aim).ok().flatten().ok_or("there is no picture to put a body into")?;
@@ -57,10 +57,16 @@ pub fn next_body(world: &mut World) -> Result<BodySpec, String> {
     let surface = world.run_system_cached_with(surface, aim).ok().flatten();
     let surface = surface.map(|(point, normal)| (on_grid(world, point, normal), normal));
     let position = world
-        .run_system_cached_with(find_room, (aim, surface, collider, body.principal_rotation()))
+        .run_system_cached_with(find_room, (aim, surface, collider.clone(), body.principal_rotation()))
         .map_err(|error| error.to_string())?
         .ok_or("there is no room for a body")?;
-    Ok(BodySpec { position, ..body })
+    let body = BodySpec { position, ..body };
+    if collider.shape().is_ground()
+        && let Some(other) = in_the_way(world, &collider, &body)
+    {
+        return Err(format!("{other} is where {} would be: move it away, or point elsewhere", body.name));
+    }
+    Ok(body)
 }
 
 /// Throws a ball at what is aimed at.
@@ -151,6 +157,9 @@ fn find_room(
     };
 
     let up = (-gravity.0).normalize_or(DVec3::Y);
+    if collider.shape().is_ground() {
+        return Some(position); // nobody wants it over what stands there
+    }
     // What lies on the way up, of thousands of bodies.
     let may_touch = |collider: &Collider, center: &Position| {
         let beside = (center.0 - position).reject_from(up).length();
@@ -170,4 +179,27 @@ fn find_room(
         position += up * (depth + GAP * size).max(LIFT * size);
     }
     None
+}
+
+/// The name of a body that stands where a ground would be: in the box that it fills. Other grounds do not touch it.
+fn in_the_way(world: &mut World, collider: &Collider, ground: &BodySpec) -> Option<String> {
+    let extent = |collider: &Collider, position: DVec3, rotation: DQuat| {
+        let ends = |sign: f64| {
+            position + DVec3::from_array(DVec3::AXES.map(|axis| sign * reach(collider, rotation, sign * axis)))
+        };
+        [ends(-1.0), ends(1.0)]
+    };
+    let [low, high] = extent(collider, ground.position, ground.rotation);
+    let mut bodies = world.query::<(Entity, &Collider, &Position, &Rotation)>();
+    let is_in = |other: &Collider, position: DVec3, rotation: DQuat| {
+        let distance = position.distance(ground.position);
+        if other.shape().is_ground() || distance > collider.bounding_radius() + other.bounding_radius() {
+            return false;
+        }
+        let [other_low, other_high] = extent(other, position, rotation);
+        low.cmplt(other_high).all() && other_low.cmplt(high).all()
+    };
+    let found = bodies.iter(world).find(|(_, other, position, rotation)| is_in(other, position.0, rotation.0));
+    let body = found.map(|(body, ..)| body)?;
+    Some(name_of(world, body))
 }

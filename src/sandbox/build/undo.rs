@@ -95,6 +95,8 @@ pub enum Deed {
     },
     /// These bodies are elsewhere.
     Placed(Vec<Place>),
+    /// These, one after the other.
+    Several(Vec<Deed>),
     /// Something was done in the past: what was to come will not, by the count of such cuts, nor these deeds.
     Cut(u64, Ahead),
     /// A scene in which something was built is on view no longer.
@@ -344,6 +346,10 @@ fn take_back(world: &mut World, deed: Deed) -> Option<Deed> {
         Deed::Placed(places) => {
             let were: Vec<Place> = places.iter().filter_map(|place| place.write(world)).collect();
             (!were.is_empty()).then_some(Deed::Placed(were))
+        }
+        Deed::Several(deeds) => {
+            let again: Option<Vec<Deed>> = deeds.into_iter().rev().map(|deed| take_back(world, deed)).collect();
+            again.map(Deed::Several)
         }
         Deed::Left(_) | Deed::Cut(..) => None, // not one thing of the running scene
     }

@@ -28,7 +28,7 @@ const MOST_COPIED: usize = 4;
 const BRITTLE: f64 = 200.0;
 
 /// Kinds of deeds, and how often each comes.
-const KINDS: [(Kind, u32); 22] = [
+const KINDS: [(Kind, u32); 24] = [
     (Kind::Drag, 4),
     (Kind::Throw, 2),
     (Kind::Add, 2),
@@ -50,6 +50,8 @@ const KINDS: [(Kind, u32); 22] = [
     (Kind::Duplicate, 2),
     (Kind::Paste, 2),
     (Kind::Place, 3),
+    (Kind::MakeOne, 2),
+    (Kind::TakeApart, 2),
     (Kind::Wait, 1),
 ];
 
@@ -76,6 +78,8 @@ enum Kind {
     Duplicate,
     Paste,
     Place,
+    MakeOne,
+    TakeApart,
     Wait,
 }
 
@@ -187,6 +191,19 @@ pub(super) fn do_something(
             at(hands, place, SandboxAction::Paste, "pasted two bodies")
         }
         Kind::Place => put(hands, random),
+        Kind::MakeOne => {
+            pick(hands, random, true);
+            hands.act(SandboxAction::MakeOneBody);
+            "made one body of two".into()
+        }
+        Kind::TakeApart => {
+            // One that can be, of a few.
+            for _ in 0..3 {
+                pick(hands, random, false);
+                hands.act(SandboxAction::TakeApart);
+            }
+            "took apart what could be".into()
+        }
         Kind::Wait => {
             hands.act(SandboxAction::Escape);
             hands.frames(random.random_range(1..30));

@@ -4,13 +4,14 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_egui::egui;
 
-use super::build::{MASSES, has_sizes, sizes};
-use super::buttons::toggle;
+use super::build::{MASSES, TAKE_APART, has_sizes, sizes};
+use super::buttons::{toggle, tooltip};
 use super::theme::Quantity;
 use super::vector::VectorFields;
 use crate::physics::{Collider, Density, Mass, RigidBody};
+use crate::sandbox::build::stem;
 use crate::sandbox::{SandboxAction, Selection};
-use crate::scene::BodySpec;
+use crate::scene::{BodySpec, ShapeSpec, SurfaceForm};
 
 /// Layers that have a box; the others stay as they are.
 const LAYERS: u32 = 8;
@@ -87,6 +88,17 @@ pub(super) fn show(
             ui.horizontal(|ui| sizes(ui, shape));
             ui.end_row();
         }
+        if let Some(shape) = was.shape.as_ref().filter(|_| !has_sizes) {
+            ui.label("shape");
+            ui.horizontal(|ui| {
+                ui.add(egui::Label::new(about_shape(shape)).truncate());
+                let about = || format!("{}\n{TAKE_APART}", tooltip(&SandboxAction::TakeApart));
+                if shape.compound().is_some() && ui.small_button("take apart").on_hover_text(about()).clicked() {
+                    actions.write(SandboxAction::TakeApart);
+                }
+            });
+            ui.end_row();
+        }
         if now.kind == RigidBody::Dynamic {
             ui.label("mass").on_hover_text("a body whose mass is set keeps it when its size is changed");
             ui.horizontal(|ui| {
@@ -136,6 +148,36 @@ pub(super) fn show(
     if now != *was {
         body.ask(now, *changing, &mut actions);
         *changing = ui.input(|input| input.pointer.any_down());
+    }
+}
+
+/// What a shape is that has no sizes to be set.
+fn about_shape(shape: &ShapeSpec) -> String {
+    let of_file = |file: &str| format!(" of {}", stem(file));
+    match shape {
+        ShapeSpec::Mesh(mesh) => match mesh.pieces() {
+            Some(pieces) => format!("{} pieces{}", pieces.children().len(), of_file(mesh.file())),
+            None => format!("hull{}", of_file(mesh.file())),
+        },
+        ShapeSpec::Compound(compound) => match compound.children().len() {
+            1 => "1 solid".into(),
+            count => format!("{count} solids"),
+        },
+        ShapeSpec::Surface(surface) => {
+            let sides = if surface.is_two_sided() { ", two-sided" } else { "" };
+            let of = match surface.form() {
+                SurfaceForm::File { file, .. } => of_file(file),
+                SurfaceForm::Heights { .. } | SurfaceForm::Triangles { .. } => String::new(),
+            };
+            format!("{} triangles{of}{sides}", surface.mesh().triangles().len())
+        }
+        ShapeSpec::Hull(hull) => format!("hull of {} corners", hull.points().len()),
+        ShapeSpec::HalfSpace => "half-space".into(),
+        ShapeSpec::Sphere { .. }
+        | ShapeSpec::Cuboid { .. }
+        | ShapeSpec::Capsule { .. }
+        | ShapeSpec::Cylinder { .. }
+        | ShapeSpec::Cone { .. } => String::new(),
     }
 }
 

@@ -4,20 +4,26 @@ use bevy::prelude::*;
 use bevy_egui::egui;
 
 use super::super::build::{UndoStack, stem};
-use super::super::{Blueprint, JoinKind, SandboxAction, Selection, Snap, Weight};
+use super::super::{Blueprint, Hills, JoinKind, MeshForm, SandboxAction, Selection, Snap, Weight};
 use super::buttons::{ActionButton, button_row, toggle, tooltip, wide_button};
 use super::entry::{Entered, Left};
+use super::hills::HillRows;
+use super::mesh::MeshRows;
 use super::theme::Quantity;
 use super::toolbar::{SHAPES, is_alike};
-use crate::scene::{MeshSpec, ShapeSpec, builtin_meshes};
+use crate::scene::{ShapeSpec, builtin_meshes};
 
 /// Sizes that can be set, m.
 const SIZES: std::ops::RangeInclusive<f64> = 0.01..=100.0;
-/// Factors on a mesh.
-const SCALES: std::ops::RangeInclusive<f64> = 1e-4..=1e4;
 /// Densities, kg/m³, and masses, kg.
 const DENSITIES: std::ops::RangeInclusive<f64> = 0.1..=1e6;
 pub(super) const MASSES: std::ops::RangeInclusive<f64> = 1e-3..=1e9;
+
+/// What is told of the two.
+pub(super) const MAKE_ONE: &str = "it has their mass and momentum, of one density: their mean; surface, layers and color of the \
+first; joints between them go, those to others stay";
+pub(super) const TAKE_APART: &str = "each part of a compound or of a mesh in pieces moves on as a body of its own; joints hold the \
+part that is nearest; parts that overlap push each other apart";
 
 /// What the section's widgets hold.
 #[derive(Default)]
@@ -25,8 +31,8 @@ pub(super) struct BuildForm {
     /// Of an OBJ file.
     path: String,
     entered: Entered,
-    /// Of a mesh, while it is being changed.
-    scale: Option<f64>,
+    mesh: MeshRows,
+    hills: HillRows,
 }
 
 pub(super) fn show(
@@ -39,10 +45,8 @@ pub(super) fn show(
     mut actions: MessageWriter<SandboxAction>,
 ) {
     let mut edited = blueprint.clone();
-    let chosen_mesh = match &edited.shape {
-        ShapeSpec::Mesh(mesh) => Some(mesh.clone()),
-        _ => None,
-    };
+    let file_of_mesh = MeshForm::of(&edited.shape).map(|(file, ..)| file.to_owned());
+    let choose = |file: String| SandboxAction::ChooseMesh { file, scale: 1.0, form: MeshForm::Hull };
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = egui::vec2(2.0, 2.0);
         for (name, _, start) in SHAPES {
@@ -51,15 +55,19 @@ pub(super) fn show(
                 edited.shape = start;
             }
         }
+        let are_hills = Hills::are(&edited.shape);
+        if ui.selectable_label(are_hills, "hills").on_hover_text("a hilly ground, fixed").clicked() && !are_hills {
+            actions.write(SandboxAction::ChooseHills(edited.hills));
+        }
         for file in builtin_meshes() {
-            let chosen = chosen_mesh.as_ref().is_some_and(|mesh| mesh.file() == file);
+            let chosen = file_of_mesh.as_ref() == Some(&file);
             if ui.selectable_label(chosen, stem(&file)).on_hover_text("a mesh that comes with Plumb").clicked() {
-                actions.write(SandboxAction::ChooseMesh { file, scale: 1.0 });
+                actions.write(choose(file));
             }
         }
     });
     ui.horizontal(|ui| {
-        ui.label("mesh").on_hover_text("path of a Wavefront OBJ file; the body is its convex hull and looks like it");
+        ui.label("mesh").on_hover_text("path of a Wavefront OBJ file: the body looks like it");
         let BuildForm { path, entered, .. } = &mut *form;
         let id = egui::Id::new("mesh file");
         if blueprint.is_changed() {
@@ -70,17 +78,16 @@ pub(super) fn show(
         let entered = entered.show(ui, id, field) == Some(Left::ByEnter);
         let given = !form.path.trim().is_empty();
         if (ui.add_enabled(given, egui::Button::new("Use")).clicked() || entered) && given {
-            actions.write(SandboxAction::ChooseMesh { file: form.path.trim().into(), scale: 1.0 });
+            actions.write(choose(form.path.trim().into()));
         }
     });
-    ui.horizontal(|ui| match chosen_mesh {
-        Some(mesh) => {
-            if let Some(scale) = scale(ui, &mesh, &mut form.scale) {
-                actions.write(SandboxAction::ChooseMesh { file: mesh.file().into(), scale });
-            }
+    match &mut edited.shape {
+        shape if has_sizes(shape) => _ = ui.horizontal(|ui| sizes(ui, shape)),
+        shape if Hills::are(shape) => {
+            form.hills.show(ui, edited.hills).into_iter().for_each(|asked| _ = actions.write(asked));
         }
-        None => sizes(ui, &mut edited.shape),
-    });
+        shape => form.mesh.show(ui, shape).into_iter().for_each(|asked| _ = actions.write(asked)),
+    }
     ui.horizontal(|ui| weight(ui, &mut edited));
     blueprint.set_if_neq(edited);
     join_kind(ui, &mut join);
@@ -96,6 +103,20 @@ pub(super) fn show(
             ActionButton::new("✂ Cut", SandboxAction::CutPicked).enabled_if(selection.body.is_some()),
         ],
     );
+    ui.columns(2, |columns| {
+        let picked = selection.bodies().count();
+        let both = [
+            ("Make one body", MAKE_ONE, picked > 1, SandboxAction::MakeOneBody),
+            ("Take apart", TAKE_APART, picked > 0, SandboxAction::TakeApart),
+        ];
+        for (column, (label, about, enabled, action)) in columns.iter_mut().zip(both) {
+            let about = format!("{}\n{about}", tooltip(&action));
+            let shown = wide_button(column, 24.0, enabled, egui::Button::new(label));
+            if shown.on_hover_text(&about).on_disabled_hover_text(about).clicked() {
+                actions.write(action);
+            }
+        }
+    });
     ui.columns(2, |columns| {
         let both = [("⮪ Undo", undo.next(), SandboxAction::Undo), ("⮫ Redo", undo.next_again(), SandboxAction::Redo)];
         for (column, (label, what, action)) in columns.iter_mut().zip(both) {
@@ -178,21 +199,13 @@ pub(super) fn sizes(ui: &mut egui::Ui, shape: &mut ShapeSpec) {
     ui.label("m");
 }
 
-/// How large a mesh is made: its hull is built anew once the value is let go, which tells it.
-fn scale(ui: &mut egui::Ui, mesh: &MeshSpec, scale: &mut Option<f64>) -> Option<f64> {
-    let mut edited = scale.unwrap_or(mesh.scale());
-    let speed = 0.01 * edited;
-    ui.label("scale");
-    let drag = egui::DragValue::new(&mut edited).range(SCALES).speed(speed).max_decimals(4);
-    let response = ui.add(drag.update_while_editing(false));
-    ui.weak(format!("{} across", Quantity::text(2.0 * mesh.hull().bounding_radius(), "m")));
-    *scale = response.dragged().then_some(edited);
-    (!response.dragged() && edited != mesh.scale()).then_some(edited)
-}
-
 /// Density or mass, and the other one of the two.
 fn weight(ui: &mut egui::Ui, blueprint: &mut Blueprint) {
     let volume = blueprint.shape.volume();
+    if volume.is_infinite() {
+        ui.weak("fixed: a surface has no mass");
+        return;
+    }
     let (density, mass) = (blueprint.mass() / volume, blueprint.mass());
     let by_density = matches!(blueprint.weight, Weight::Density(_));
     if ui.selectable_label(by_density, "density").clicked() {

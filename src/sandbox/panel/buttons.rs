@@ -89,6 +89,8 @@ mod tests {
             SandboxAction::Copy,
             SandboxAction::CutOut,
             SandboxAction::Paste,
+            SandboxAction::MakeOneBody,
+            SandboxAction::TakeApart,
             SandboxAction::Screenshot,
             SandboxAction::ToggleHelp,
         ] {

@@ -4,7 +4,8 @@ use bevy::prelude::*;
 use bevy_egui::egui;
 
 use super::body::{MassParts, mass_of};
-use super::buttons::{ActionButton, button_row, tooltip};
+use super::build::MAKE_ONE;
+use super::buttons::{ActionButton, button_row, tooltip, wide_button};
 use super::theme::Quantity;
 use crate::physics::RigidBody;
 use crate::sandbox::{SandboxAction, Selection};
@@ -39,6 +40,10 @@ pub(super) fn show(
         .on_disabled_hover_text("click one body, then another with Shift held: where they are clicked they are joined");
     if join.on_hover_text(tooltip(&SandboxAction::JoinPicked)).clicked() {
         actions.write(SandboxAction::JoinPicked);
+    }
+    let one = wide_button(ui, 24.0, true, egui::Button::new("Make one body"));
+    if one.on_hover_text(format!("{}\n{MAKE_ONE}", tooltip(&SandboxAction::MakeOneBody))).clicked() {
+        actions.write(SandboxAction::MakeOneBody);
     }
     ui.weak("T, E and S: handles that move, turn and scale all of them");
 }

@@ -10,7 +10,7 @@ use super::buttons::tooltip;
 use super::icons::{self, Icon};
 use super::strip::STRIP_HEIGHT;
 use crate::sandbox::state::Covered;
-use crate::sandbox::{Blueprint, CurrentScene, JoinKind, SandboxAction, Tool};
+use crate::sandbox::{Blueprint, CurrentScene, JoinKind, MeshForm, SandboxAction, Tool};
 use crate::scene::ShapeSpec;
 
 /// Side of a button, and of one where there is no room for all in so many columns, points.
@@ -170,7 +170,7 @@ fn take(
         }
         Choice::Gem => {
             if !is_gem(&blueprint.shape) {
-                actions.write(SandboxAction::ChooseMesh { file: GEM.into(), scale: 0.5 });
+                actions.write(SandboxAction::ChooseMesh { file: GEM.into(), scale: 0.5, form: MeshForm::Hull });
             }
             Tool::Add
         }

@@ -15,7 +15,7 @@ use crate::sandbox::gizmos::ShownGizmos;
 use crate::sandbox::held::Drag;
 use crate::sandbox::timeline::ShownStep;
 use crate::sandbox::{Selection, Tool, joint_click};
-use crate::scene::{BodySpec, ShapeSpec};
+use crate::scene::{BodySpec, ShapeSpec, SurfaceForm, SurfaceSpec};
 
 const WILL_BE: Color = Color::srgb(1.0, 0.85, 0.1);
 const WILL_GO: Color = Color::srgb(1.0, 0.35, 0.25);
@@ -26,6 +26,8 @@ const AXIS: f32 = 0.05;
 /// How long a thrown ball's way is drawn, s, and in how many pieces.
 const FLIGHT: f64 = 1.0;
 const PIECES: usize = 24;
+/// Lines over hills along each side.
+const NET: usize = 20;
 
 /// In front of all bodies.
 #[derive(Default, Reflect, GizmoConfigGroup)]
@@ -190,10 +192,34 @@ fn draw_body(gizmos: &mut Gizmos<PreviewLines>, body: &BodySpec, at: Vec3) {
                 gizmos.line(base + turned * out, base + turned * Vec3::Y * height, WILL_BE);
             }
         }
-        Some(ShapeSpec::Hull(_) | ShapeSpec::Mesh(_) | ShapeSpec::Compound(_) | ShapeSpec::Surface(_)) => {
+        Some(ShapeSpec::Surface(surface)) => draw_surface(gizmos, surface, pose),
+        Some(ShapeSpec::Hull(_) | ShapeSpec::Mesh(_) | ShapeSpec::Compound(_)) => {
             let radius = body.shape.as_ref().map_or(0.0, ShapeSpec::bounding_radius);
             gizmos.sphere(pose, radius as f32, WILL_BE).resolution(32);
         }
         Some(ShapeSpec::HalfSpace) | None => {}
     }
+}
+
+/// Lines over hills; the box that other triangles fill.
+fn draw_surface(gizmos: &mut Gizmos<PreviewLines>, surface: &SurfaceSpec, pose: Isometry3d) {
+    let vertices: Vec<Vec3> = surface.mesh().vertices().map(|vertex| vertex.as_vec3()).collect();
+    if let SurfaceForm::Heights { rows, .. } = surface.form() {
+        let columns = rows.first().map_or(0, Vec::len);
+        let line = |places: &mut dyn Iterator<Item = usize>| {
+            gizmos.linestrip(places.map(|place| pose * vertices[place]), WILL_BE);
+        };
+        return draw_net([columns, rows.len()], line);
+    }
+    let [low, high] = [Vec3::min, Vec3::max].map(|of| vertices.iter().copied().reduce(of).unwrap_or_default());
+    let middle = pose * low.midpoint(high);
+    let rotation = pose.rotation;
+    gizmos.cube(Transform { translation: middle.into(), rotation, scale: high - low }, WILL_BE);
+}
+
+/// Calls `line` with the numbers of the vertices along some rows and columns of a grid, the outer ones among them.
+fn draw_net([columns, rows]: [usize; 2], mut line: impl FnMut(&mut dyn Iterator<Item = usize>)) {
+    let some = |count: usize| (0..=NET).map(move |place| place * (count - 1) / NET);
+    some(rows).for_each(|row| line(&mut (0..columns).map(|column| row * columns + column)));
+    some(columns).for_each(|column| line(&mut (0..rows).map(|row| row * columns + column)));
 }
