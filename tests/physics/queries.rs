@@ -65,8 +65,16 @@ impl Dice {
             1 => Collider::cuboid(self.within(0.2, 2.0), self.within(0.2, 2.0), self.within(0.2, 2.0)),
             2 => Collider::cone(self.within(0.2, 1.0), self.within(0.3, 2.0)),
             3 => {
-                // Of flat faces: facets that are nearly in one plane are merged, and are not where they were.
-                let sides = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * self.within(0.3, 1.0) + self.vector(0.2));
+                // Of flat faces: facets that are nearly in one plane are merged, and are not where they were. So are those of
+                // what is nearly flat itself.
+                let sides = loop {
+                    let sides =
+                        [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * self.within(0.3, 1.0) + self.vector(0.2));
+                    let [x, y, z] = sides;
+                    if x.dot(y.cross(z)) > 0.3 * x.length() * y.length() * z.length() {
+                        break sides;
+                    }
+                };
                 let points: Vec<DVec3> = match self.0.random_range(0..2) {
                     0 => sides.into_iter().flat_map(|side| [side, -side]).collect(),
                     _ => (0..8)

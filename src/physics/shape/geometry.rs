@@ -103,21 +103,25 @@ impl Geometry {
 
 /// The polyhedron that stands for a curved shape, made when somebody first asks: most never do.
 #[derive(Clone, Debug)]
-pub(crate) struct StandIn {
+pub(crate) struct StandIn(Arc<Made>);
+
+#[derive(Debug)]
+struct Made {
     make: fn(f64, f64) -> Hull,
     sizes: [f64; 2],
-    made: Arc<OnceLock<Hull>>,
+    hull: OnceLock<Hull>,
 }
 
 impl StandIn {
     /// Of a function of two sizes.
     pub fn new(make: fn(f64, f64) -> Hull, sizes: [f64; 2]) -> Self {
-        Self { make, sizes, made: Arc::default() }
+        Self(Arc::new(Made { make, sizes, hull: OnceLock::new() }))
     }
 
     /// The polyhedron.
     pub fn get(&self) -> &Hull {
-        self.made.get_or_init(|| (self.make)(self.sizes[0], self.sizes[1]))
+        let Made { make, sizes: [radius, length], hull } = &*self.0;
+        hull.get_or_init(|| make(*radius, *length))
     }
 }
 
