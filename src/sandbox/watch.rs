@@ -8,7 +8,7 @@ use bevy::prelude::*;
 
 use crate::scene::{self, SceneSpec, ShapeSpec};
 
-/// The files of the scene on view: its own, and those of its meshes.
+/// The files of the scene on view: its own, and those of its meshes and pictures.
 #[derive(Resource, Clone, Debug, Default)]
 pub(super) struct Watch {
     /// The scene's own first. None: a built-in scene.
@@ -37,7 +37,7 @@ impl Watch {
         watch
     }
 
-    /// Watches the scene's meshes too.
+    /// Watches the files of the scene's shapes too.
     pub fn with_meshes(mut self, spec: &SceneSpec) -> Self {
         if self.files.is_empty() {
             return self;

@@ -7,13 +7,11 @@ use bevy::prelude::*;
 
 use super::body::WORLD_PREFIX;
 use super::spawn::{BodyColor, GivenShape, SceneEntity};
-use super::{
-    BodySpec, ChildSpec, CompoundSpec, JointParts, JointSpec, MaterialSpec, PictureMesh, Probes, SceneSpec, ShapeSpec,
-};
+use super::{BodySpec, JointParts, JointSpec, MaterialSpec, PictureMesh, Probes, SceneSpec, ShapeSpec};
 use crate::physics::joint::JointSlot;
 use crate::physics::{
-    BodySlot, Collider, CollisionLayers, Compound, CompoundChild, Damping, Density, ExternalForce, Gravity,
-    GravityScale, Inertia, LockedAxes, Mass, Position, RigidBody, Rotation, Sensor, Shape, SurfaceMaterial, Velocity,
+    BodySlot, Collider, CollisionLayers, Damping, Density, ExternalForce, Gravity, GravityScale, Inertia, LockedAxes,
+    Mass, Position, RigidBody, Rotation, Sensor, Shape, SurfaceMaterial, Velocity,
 };
 
 /// What a body without a name is called.
@@ -131,44 +129,15 @@ fn joint_between(joint: &JointParts, bodies: &HashMap<Entity, &BodySpec>) -> Opt
 
 /// The shape as a scene gave it, where it is still that one.
 fn shape_of(collider: &Collider, mesh: Option<&PictureMesh>, given: Option<&GivenShape>) -> ShapeSpec {
-    let given = given.map(|given| &given.0);
-    match collider.shape() {
-        Shape::HalfSpace => ShapeSpec::HalfSpace,
-        Shape::Sphere { radius } => ShapeSpec::Sphere { radius: *radius },
-        Shape::Cuboid { size } => ShapeSpec::Cuboid { size: *size },
-        Shape::Capsule { radius, length } => ShapeSpec::Capsule { radius: *radius, length: *length },
-        Shape::Cylinder { radius, height } => ShapeSpec::Cylinder { radius: *radius, height: *height },
-        Shape::Cone { radius, height } => ShapeSpec::Cone { radius: *radius, height: *height },
-        Shape::Hull(hull) => {
-            let mesh = mesh.map(|picture| ShapeSpec::Mesh(picture.0.clone()));
-            let given = mesh.into_iter().chain(given.cloned()).find(|shape| shape.convex_hull() == Some(hull));
-            given.unwrap_or_else(|| ShapeSpec::Hull(hull.clone().into()))
-        }
-        Shape::Compound(compound) => match given {
-            _ if mesh.is_some_and(|picture| picture.0.pieces() == Some(compound)) => {
-                ShapeSpec::Mesh(mesh.expect("is there").0.clone())
-            }
-            Some(ShapeSpec::Compound(given)) if given.compound() == compound => ShapeSpec::Compound(given.clone()),
-            _ => ShapeSpec::Compound(compound_of(compound)),
-        },
-        Shape::Mesh(mesh) => match given {
-            Some(ShapeSpec::Surface(given)) if given.mesh() == mesh => ShapeSpec::Surface(given.clone()),
-            _ => ShapeSpec::Surface(mesh.into()),
-        },
-    }
-}
-
-/// The children of a compound where its axes are those that they were given in.
-pub(super) fn compound_of(compound: &Compound) -> CompoundSpec {
-    let children = compound.children().iter().map(|CompoundChild { collider, position, rotation }| {
-        let shape = shape_of(collider, None, None);
-        ChildSpec {
-            position: compound.center() + compound.axes() * *position,
-            rotation: compound.axes() * *rotation * shape.axes().inverse(),
-            shape,
-        }
-    });
-    CompoundSpec::new(children.collect()).expect("it is a compound")
+    let is_still = |shape: &ShapeSpec| match (collider.shape(), shape) {
+        (Shape::Hull(hull), shape) => shape.convex_hull() == Some(hull),
+        (Shape::Compound(compound), shape) => shape.compound() == Some(compound),
+        (Shape::Mesh(mesh), ShapeSpec::Surface(given)) => given.mesh() == mesh,
+        _ => false,
+    };
+    let mesh = mesh.map(|picture| ShapeSpec::Mesh(picture.0.clone()));
+    let given = given.map(|given| given.0.clone());
+    mesh.into_iter().chain(given).find(is_still).unwrap_or_else(|| ShapeSpec::of_collider(collider))
 }
 
 /// Mass and principal moments, each only if they are not what shape and density give.

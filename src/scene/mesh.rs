@@ -18,8 +18,8 @@ use crate::physics::{Collider, Compound, ConvexHull, HullError, MeshError, Trian
 /// Largest mesh file that is read, bytes: some millions of triangles.
 pub const MAX_MESH_BYTES: u64 = 256 << 20;
 
-/// What the names of the meshes that come with Plumb start with, in a scene's `file`.
-const BUILTIN_PREFIX: &str = "plumb:";
+/// What the names of the files that come with Plumb start with, in a scene's `file`.
+pub(super) const BUILTIN_PREFIX: &str = "plumb:";
 
 /// The meshes that come with Plumb, by name.
 const BUILTIN: [(&str, &str); 6] = [
@@ -221,10 +221,25 @@ pub(super) struct Meshes {
     made: HashMap<(String, u64, Option<u32>), MeshSpec>,
 }
 
+impl SurfaceSpec {
+    /// The triangles of a Wavefront OBJ file: `file` and `scale` as [`MeshSpec::load`](super::MeshSpec::load) has them.
+    ///
+    /// # Errors
+    /// The file is missing, too large or not an OBJ mesh, or its triangles are no surface.
+    pub fn load(file: &str, folder: &Path, scale: f64, two_sided: bool) -> Result<Self, ObjError> {
+        Meshes::new(folder).load_surface(file, scale, two_sided)
+    }
+}
+
 impl Meshes {
     /// Files are relative to `folder`.
     pub fn new(folder: impl Into<PathBuf>) -> Self {
         Self { folder: folder.into(), read: HashMap::new(), made: HashMap::new() }
+    }
+
+    /// What files are relative to.
+    pub fn folder(&self) -> &Path {
+        &self.folder
     }
 
     /// As [`MeshSpec::load`], and [`MeshSpec::with_pieces`] where there are to be some.

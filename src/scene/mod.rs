@@ -11,6 +11,7 @@ mod capture;
 mod catalog;
 mod error;
 mod format;
+mod height_picture;
 mod hull;
 mod info;
 mod joint;
@@ -28,6 +29,7 @@ pub use body::{BodySpec, MaterialSpec};
 pub use catalog::{catalog, find, is_path, load};
 pub use error::SceneError;
 pub use format::MAX_FILE_BYTES;
+pub use height_picture::{HeightPictureError, builtin_height_pictures};
 pub use hull::HullSpec;
 pub use info::{Parameter, SceneInfo, Subject};
 #[cfg(feature = "sandbox")]

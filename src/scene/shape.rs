@@ -6,9 +6,8 @@ use std::sync::Arc;
 
 use bevy::math::{DQuat, DVec3};
 
-use super::capture::compound_of;
 use super::{HullSpec, MeshSpec, SurfaceForm, SurfaceSpec};
-use crate::physics::{Collider, Compound, CompoundChild, CompoundError, ConvexHull};
+use crate::physics::{Collider, Compound, CompoundChild, CompoundError, ConvexHull, Shape};
 
 /// A body's shape; full sizes, m. Cheap to clone.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,6 +77,19 @@ pub struct ChildSpec {
 }
 
 impl CompoundSpec {
+    /// The children of a compound where its axes are those that they were given in.
+    fn of_compound(compound: &Compound) -> Self {
+        let children = compound.children().iter().map(|CompoundChild { collider, position, rotation }| {
+            let shape = ShapeSpec::of_collider(collider);
+            ChildSpec {
+                position: compound.center() + compound.axes() * *position,
+                rotation: compound.axes() * *rotation * shape.axes().inverse(),
+                shape,
+            }
+        });
+        Self::new(children.collect()).expect("it is a compound")
+    }
+
     /// Of valid shapes.
     ///
     /// # Errors
@@ -136,7 +148,7 @@ impl ShapeSpec {
         match self {
             Self::Mesh(mesh) => mesh.path(),
             Self::Surface(surface) => match surface.form() {
-                SurfaceForm::File { path, .. } => path.as_deref(),
+                SurfaceForm::File { path, .. } | SurfaceForm::Picture { path, .. } => path.as_deref(),
                 _ => None,
             },
             _ => None,
@@ -152,11 +164,26 @@ impl ShapeSpec {
         }
     }
 
+    /// What a collider is without whatever it was made from.
+    pub(super) fn of_collider(collider: &Collider) -> Self {
+        match collider.shape() {
+            Shape::HalfSpace => Self::HalfSpace,
+            Shape::Sphere { radius } => Self::Sphere { radius: *radius },
+            Shape::Cuboid { size } => Self::Cuboid { size: *size },
+            Shape::Capsule { radius, length } => Self::Capsule { radius: *radius, length: *length },
+            Shape::Cylinder { radius, height } => Self::Cylinder { radius: *radius, height: *height },
+            Shape::Cone { radius, height } => Self::Cone { radius: *radius, height: *height },
+            Shape::Hull(hull) => Self::Hull(hull.clone().into()),
+            Shape::Compound(compound) => Self::Compound(CompoundSpec::of_compound(compound)),
+            Shape::Mesh(mesh) => Self::Surface(mesh.into()),
+        }
+    }
+
     /// The solids that it is of, if it is of several, in the axes that the shape is given in.
     pub fn children(&self) -> Option<Vec<ChildSpec>> {
         match self {
             Self::Compound(compound) => Some(compound.children().to_vec()),
-            Self::Mesh(mesh) => mesh.pieces().map(|pieces| compound_of(pieces).children().to_vec()),
+            Self::Mesh(mesh) => mesh.pieces().map(|pieces| CompoundSpec::of_compound(pieces).children().to_vec()),
             _ => None,
         }
     }

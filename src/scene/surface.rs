@@ -5,8 +5,6 @@ use std::sync::Arc;
 
 use bevy::math::DVec3;
 
-use super::ObjError;
-use super::mesh::Meshes;
 use crate::physics::{MeshError, TriangleMesh};
 
 /// A surface, and what it was made from. Cheap to clone.
@@ -29,6 +27,17 @@ pub enum SurfaceForm {
         size: [f64; 2],
         /// m, row by row along z, each along x.
         rows: Vec<Vec<f64>>,
+    },
+    /// Heights over a rectangle about the body's position, from a picture.
+    Picture {
+        /// As the scene has it.
+        file: Arc<str>,
+        /// Where it is; none for one that comes with Plumb.
+        path: Option<Arc<Path>>,
+        /// Along x and z, m.
+        size: [f64; 2],
+        /// Of black and of white, m.
+        height: [f64; 2],
     },
     /// The triangles of a mesh file.
     File {
@@ -100,14 +109,6 @@ impl SurfaceSpec {
     pub fn triangles(vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>, two_sided: bool) -> Result<Self, MeshError> {
         let mesh = TriangleMesh::new(&vertices, &triangles)?;
         Self::of(SurfaceForm::Triangles { vertices, triangles }, mesh, two_sided)
-    }
-
-    /// The triangles of a Wavefront OBJ file: `file` and `scale` as [`MeshSpec::load`](super::MeshSpec::load) has them.
-    ///
-    /// # Errors
-    /// The file is missing, too large or not an OBJ mesh, or its triangles are no surface.
-    pub fn load(file: &str, folder: &Path, scale: f64, two_sided: bool) -> Result<Self, ObjError> {
-        Meshes::new(folder).load_surface(file, scale, two_sided)
     }
 
     /// A mesh that was made from something.

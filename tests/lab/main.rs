@@ -16,6 +16,7 @@ mod run;
 mod scene_builtin;
 mod scene_errors;
 mod scene_format;
+mod scene_height_pictures;
 mod scene_meshes;
 mod scene_overlap;
 mod scene_parts;

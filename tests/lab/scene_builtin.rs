@@ -132,6 +132,31 @@ fn body_counts_are_as_designed() {
 }
 
 #[test]
+fn heaps_and_terrain_are_of_the_things_that_they_say() {
+    let nouns = |name, parameters: &[(&str, f64)]| {
+        let scene = built(name, parameters);
+        let things = scene.bodies.iter().skip(1).map(|body| body.name.split(' ').next().expect("a noun").to_owned());
+        things.collect::<Vec<_>>()
+    };
+    let kinds = [
+        "box",
+        "ball",
+        "hull",
+        "cone",
+        "box ball hull cone",
+        "cylinder",
+        "capsule",
+        "box ball hull cone cylinder capsule",
+    ];
+    for (kind, turns) in kinds.into_iter().enumerate() {
+        let expected: Vec<_> = turns.split(' ').cycle().take(13).collect();
+        assert_eq!(nouns("heap", &[("kind", kind as f64), ("n", 13.0)]), expected, "kind {kind}");
+    }
+    let on_hills = nouns("terrain", &[("n", 8.0)]);
+    assert_eq!(on_hills, ["box", "ball", "hull", "cone", "capsule", "cylinder", "dumb-bell", "stool"]);
+}
+
+#[test]
 fn spawning_makes_each_body_and_joint_as_described() {
     let scene = built("chain", &[("r", 1000.0)]);
     let mut world = World::new();

@@ -101,7 +101,7 @@ impl Dice {
                 let vertices: Vec<DVec3> = ends.into_iter().flatten().collect();
                 let triangle = |octant: u32| {
                     let [x, y, z] = [0, 1, 2].map(|axis| 2 * axis + (octant >> axis & 1));
-                    if octant.count_ones() % 2 == 0 { [x, y, z] } else { [x, z, y] }
+                    if octant.count_ones().is_multiple_of(2) { [x, y, z] } else { [x, z, y] }
                 };
                 let triangles: Vec<[u32; 3]> = (0..8).map(triangle).collect();
                 Collider::mesh(TriangleMesh::new(&vertices, &triangles).expect("eight triangles"))

@@ -13,8 +13,8 @@ use crate::physics::collision::{PartPair, place, touch};
 use crate::physics::shape::{PartList, Parts};
 use crate::physics::{Body, ContactPoint, Geometry, PairSearch};
 
-/// Looks at most; what grazes takes many.
-const LOOKS: usize = 64;
+/// Looks at most: what grazes takes many, each of which leaves a share of the way that is near one.
+const LOOKS: usize = 1000;
 
 /// Times that a contact point is moved into both shapes: fewer, but where edges cross at a small angle.
 const PROJECTIONS: usize = 64;

@@ -72,16 +72,16 @@ pub(super) fn noun_of(shape: &ShapeSpec) -> &str {
         ShapeSpec::Mesh(mesh) => stem(mesh.file()),
         ShapeSpec::Surface(surface) => match surface.form() {
             SurfaceForm::Heights { .. } => "hills",
-            SurfaceForm::File { file, .. } => stem(file),
+            SurfaceForm::File { file, .. } | SurfaceForm::Picture { file, .. } => stem(file),
             SurfaceForm::Triangles { .. } => "surface",
         },
     }
 }
 
-/// The name of a mesh without folder, ending and `plumb:`.
+/// The name of a mesh or picture without folder, ending and `plumb:`.
 pub fn stem(file: &str) -> &str {
     let name = file.rsplit(['/', '\\', ':']).next().unwrap_or(file);
-    name.strip_suffix(".obj").unwrap_or(name)
+    name.strip_suffix(".obj").or(name.strip_suffix(".png")).unwrap_or(name)
 }
 
 /// Makes the next body of a mesh: one that comes with Plumb, or an OBJ file. Whether it is one now.
@@ -94,6 +94,18 @@ pub fn choose_mesh(world: &mut World, file: &str, scale: f64, form: MeshForm) ->
         report(world, Err(reason));
     }
     is_chosen
+}
+
+/// Makes the next body a hilly ground.
+pub fn choose_hills(world: &mut World, hills: Hills) {
+    match hills.surface() {
+        Ok(surface) => {
+            let mut blueprint = world.resource_mut::<Blueprint>();
+            blueprint.shape = ShapeSpec::Surface(surface);
+            blueprint.hills = hills;
+        }
+        Err(reason) => report(world, Err(reason)),
+    }
 }
 
 #[cfg(test)]

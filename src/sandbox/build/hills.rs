@@ -2,10 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use bevy::prelude::*;
-
-use super::blueprint::Blueprint;
-use crate::sandbox::state::report;
 use crate::scene::{ShapeSpec, SurfaceForm, SurfaceSpec};
 
 /// A ground of waves along x and z, which ends level with its valleys: what rolls off it rolls on.
@@ -51,7 +47,8 @@ impl Hills {
         0.5 * self.height * (1.0 + wave(x) * wave(z)) * rim(x, self.size[0]) * rim(z, self.size[1])
     }
 
-    fn surface(&self) -> Result<SurfaceSpec, String> {
+    /// The surface. The error is one line that names what is out of range.
+    pub(super) fn surface(&self) -> Result<SurfaceSpec, String> {
         let lengths = [("x", self.size[0]), ("z", self.size[1]), ("wavelength", self.wavelength)];
         let lengths = lengths.map(|(name, value)| (name, value, Self::SIZES));
         for (name, value, range) in lengths.into_iter().chain([("height", self.height, Self::HEIGHTS)]) {
@@ -69,18 +66,6 @@ impl Hills {
         };
         SurfaceSpec::heights(self.size, (0..=self.squares).map(row).collect())
             .map_err(|error| format!("hills: {error}"))
-    }
-}
-
-/// Makes the next body such a ground.
-pub fn choose_hills(world: &mut World, hills: Hills) {
-    match hills.surface() {
-        Ok(surface) => {
-            let mut blueprint = world.resource_mut::<Blueprint>();
-            blueprint.shape = ShapeSpec::Surface(surface);
-            blueprint.hills = hills;
-        }
-        Err(reason) => report(world, Err(reason)),
     }
 }
 

@@ -33,7 +33,7 @@ impl MeshForm {
                 SurfaceForm::File { file, scale, .. } => {
                     Some((file, *scale, Self::Surface { two_sided: surface.is_two_sided() }))
                 }
-                SurfaceForm::Heights { .. } | SurfaceForm::Triangles { .. } => None,
+                SurfaceForm::Heights { .. } | SurfaceForm::Picture { .. } | SurfaceForm::Triangles { .. } => None,
             },
             _ => None,
         }

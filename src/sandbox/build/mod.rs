@@ -31,13 +31,12 @@ mod undo;
 
 pub(super) use bar::{BarEnd, add_bar, bar_between};
 pub use blueprint::{Blueprint, Weight};
-pub(super) use blueprint::{choose_mesh, stem};
+pub(super) use blueprint::{choose_hills, choose_mesh, stem};
 pub(super) use body_change::change_body;
 pub(super) use changing::change_joint;
 pub(super) use copying::{copy, cut_out, duplicate, paste};
 pub(super) use deleting::delete_picked;
 pub use hills::Hills;
-pub(super) use hills::choose_hills;
 pub use join_kind::JoinKind;
 pub(super) use join_kind::place_of;
 pub(super) use joining::{cut, cut_picked, ends_of, join_picked, joint_at_pointer, pin_picked};

@@ -166,7 +166,7 @@ fn about_shape(shape: &ShapeSpec) -> String {
         ShapeSpec::Surface(surface) => {
             let sides = if surface.is_two_sided() { ", two-sided" } else { "" };
             let of = match surface.form() {
-                SurfaceForm::File { file, .. } => of_file(file),
+                SurfaceForm::File { file, .. } | SurfaceForm::Picture { file, .. } => of_file(file),
                 SurfaceForm::Heights { .. } | SurfaceForm::Triangles { .. } => String::new(),
             };
             format!("{} triangles{of}{sides}", surface.mesh().triangles().len())

@@ -214,7 +214,7 @@ fn draw_surface(gizmos: &mut Gizmos<PreviewLines>, surface: &SurfaceSpec, pose: 
     let [low, high] = [Vec3::min, Vec3::max].map(|of| vertices.iter().copied().reduce(of).unwrap_or_default());
     let middle = pose * low.midpoint(high);
     let rotation = pose.rotation;
-    gizmos.cube(Transform { translation: middle.into(), rotation, scale: high - low }, WILL_BE);
+    gizmos.cube(Transform { translation: middle, rotation, scale: high - low }, WILL_BE);
 }
 
 /// Calls `line` with the numbers of the vertices along some rows and columns of a grid, the outer ones among them.

@@ -26,6 +26,9 @@ pub(super) const CAR: SceneInfo = SceneInfo {
 };
 
 const CHASSIS_MASS: f64 = 800.0;
+
+/// Of the balls that the wheels are. A rigid cylinder touches the ground along a line, whose friction keeps it from turning:
+/// one 0.25 m wide, steered by 0.1 rad, goes straight on, and by 0.3 rad takes a curve of 12 to 15 m radius for 8 m.
 const WHEEL_RADIUS: f64 = 0.35;
 
 /// rad/s of the wheels while a key is held, ahead and back.

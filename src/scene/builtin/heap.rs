@@ -19,8 +19,7 @@ const SLENDERNESS: usize = 3;
 /// Points of a hull.
 const CORNERS: usize = 12;
 
-/// What `kind` counts; after the last, things of all of them in turns.
-const KINDS: [(&str, fn(&mut Pcg64Mcg) -> ShapeSpec); 4] = [
+const THINGS: [(&str, fn(&mut Pcg64Mcg) -> ShapeSpec); 6] = [
     ("box", |random| ShapeSpec::Cuboid {
         size: DVec3::from_array(std::array::from_fn(|_| random.random_range(0.3..0.8))),
     }),
@@ -30,24 +29,39 @@ const KINDS: [(&str, fn(&mut Pcg64Mcg) -> ShapeSpec); 4] = [
         any_hull(random, radius, CORNERS)
     }),
     ("cone", |_| ShapeSpec::Cone { radius: 0.25, height: 0.6 }),
+    ("cylinder", |random| ShapeSpec::Cylinder {
+        radius: random.random_range(0.15..0.3),
+        height: random.random_range(0.3..0.7),
+    }),
+    ("capsule", |random| ShapeSpec::Capsule { radius: 0.15, length: random.random_range(0.3..0.6) }),
 ];
+
+/// What `kind` counts: which things, in turns. Measurements name the mixtures by their numbers.
+const KINDS: [&[usize]; 8] = [&[0], &[1], &[2], &[3], &[0, 1, 2, 3], &[4], &[5], &[0, 1, 2, 3, 4, 5]];
 
 pub(super) const HEAP: SceneInfo = SceneInfo {
     name: "heap",
     title: "Heap of all shapes",
     subject: Subject::Large,
-    about: "n things dropped in a block three times as high as wide: boxes, balls, hulls, cones or a mixture",
+    about: "n things dropped in a block three times as high as wide: boxes, balls, hulls, cones, cylinders, capsules or \
+            a mixture",
     truth: "comes to rest without an overlap",
     parameters: &[
-        Parameter::whole("kind", "0 boxes, 1 balls, 2 hulls, 3 cones, 4 of each kind", 4.0, 0.0, KINDS.len() as f64),
+        Parameter::whole(
+            "kind",
+            "0 boxes, 1 balls, 2 hulls, 3 cones, 4 of each of these, 5 cylinders, 6 capsules, 7 of each of all",
+            4.0,
+            0.0,
+            (KINDS.len() - 1) as f64,
+        ),
         Parameter::whole("n", "things dropped", 200.0, 1.0, 20_000.0),
     ],
     seconds: 5.0,
     bodies: |values| values[1] + 1.0,
-    build: |values| build_heap(values[0] as usize, values[1] as usize),
+    build: |values| build_heap(KINDS[values[0] as usize], values[1] as usize),
 };
 
-fn build_heap(kind: usize, n: usize) -> SceneSpec {
+fn build_heap(kind: &[usize], n: usize) -> SceneSpec {
     let mut side = 1;
     while SLENDERNESS * side * side * side < n {
         side += 1;
@@ -68,8 +82,8 @@ fn build_heap(kind: usize, n: usize) -> SceneSpec {
 }
 
 /// Number `i` at its place in the grid.
-fn thing(kind: usize, i: usize, place: DVec3, random: &mut Pcg64Mcg) -> BodySpec {
-    let (noun, shape) = KINDS[if kind < KINDS.len() { kind } else { i % KINDS.len() }];
+fn thing(kind: &[usize], i: usize, place: DVec3, random: &mut Pcg64Mcg) -> BodySpec {
+    let (noun, shape) = THINGS[kind[i % kind.len()]];
     let shape = shape(random);
     let mut rotation = any_rotation(random);
     // The largest box is wider across its corners than the grid: turned another way it is clear of its neighbours.
@@ -80,8 +94,8 @@ fn thing(kind: usize, i: usize, place: DVec3, random: &mut Pcg64Mcg) -> BodySpec
     }
     let center = shape.convex_hull().map_or(DVec3::ZERO, |hull| hull.center());
     let body = BodySpec::new(format!("{noun} {i}"), shape, place + rotation * center);
-    let body = body.with_rotation(rotation).with_color(palette::bright(i + i / KINDS.len()));
-    if noun == "ball" {
+    let body = body.with_rotation(rotation).with_color(palette::bright(i + i / kind.len()));
+    if ["ball", "cylinder", "capsule"].contains(&noun) {
         // It would roll for ever.
         return BodySpec { damping: (0.05, 0.5), ..body };
     }

@@ -24,7 +24,7 @@ const ROW: usize = 8;
 /// Points of a hull.
 const CORNERS: usize = 12;
 
-const KINDS: [(&str, fn(&mut Pcg64Mcg) -> ShapeSpec); 7] = [
+const KINDS: [(&str, fn(&mut Pcg64Mcg) -> ShapeSpec); 8] = [
     ("box", |random| ShapeSpec::Cuboid {
         size: DVec3::from_array(std::array::from_fn(|_| random.random_range(0.3..0.7))),
     }),
@@ -35,6 +35,10 @@ const KINDS: [(&str, fn(&mut Pcg64Mcg) -> ShapeSpec); 7] = [
     }),
     ("cone", |_| ShapeSpec::Cone { radius: 0.25, height: 0.6 }),
     ("capsule", |random| ShapeSpec::Capsule { radius: 0.15, length: random.random_range(0.3..0.6) }),
+    ("cylinder", |random| ShapeSpec::Cylinder {
+        radius: random.random_range(0.15..0.3),
+        height: random.random_range(0.3..0.6),
+    }),
     ("dumb-bell", |_| {
         let ball = |side: f64| child(ShapeSpec::Sphere { radius: 0.2 }, DVec3::X * (0.35 * side));
         let bar = child(ShapeSpec::Cuboid { size: DVec3::new(0.5, 0.08, 0.08) }, DVec3::ZERO);

@@ -117,7 +117,12 @@ pub(super) enum ShapeEntry {
     },
     Heights {
         size: (Positive, Positive),
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
         rows: Vec<Vec<Finite>>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        file: Option<String>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        height: Option<(Finite, Finite)>,
     },
     Surface {
         #[serde(skip_serializing_if = "Option::is_none")]

@@ -13,7 +13,7 @@ use crate::physics::RigidBody;
 use crate::scene::body::{WORLD, WORLD_PREFIX};
 use crate::scene::error::Flaw;
 use crate::scene::mesh::Meshes;
-use crate::scene::number::{Quaternion, Vector};
+use crate::scene::number::{Finite, Quaternion, Vector};
 use crate::scene::{
     BodySpec, ChildSpec, CompoundSpec, JointSpec, MAX_BODIES, MaterialSpec, ObjError, SceneError, SceneSpec, ShapeSpec,
     SurfaceSpec, ViewSpec, validate,
@@ -24,7 +24,7 @@ pub const MAX_FILE_BYTES: u64 = 64 << 20;
 
 impl SceneSpec {
     /// A scene from the text of a RON file. `source` is what errors call it, a path or just a name;
-    /// the scene is named after its stem, and the meshes it names are looked for beside it.
+    /// the scene is named after its stem, and the files it names are looked for beside it.
     ///
     /// # Errors
     /// Whatever is wrong with the text or with the scene in it.
@@ -186,10 +186,8 @@ impl ShapeEntry {
                 let made = CompoundSpec::new(children?);
                 ShapeSpec::Compound(made.map_err(|error| ("children".to_owned(), error.to_string()))?)
             }
-            Self::Heights { size: (x, z), rows } => {
-                let rows = rows.into_iter().map(|row| row.into_iter().map(f64::from).collect()).collect();
-                let made = SurfaceSpec::heights([x.into(), z.into()], rows);
-                ShapeSpec::Surface(made.map_err(|error| ("rows".to_owned(), error.to_string()))?)
+            Self::Heights { size: (x, z), rows, file, height } => {
+                ShapeSpec::Surface(heights([x.into(), z.into()], rows, file, height, meshes.folder())?)
             }
             Self::Surface { file, scale, vertices, triangles, two_sided } => {
                 let two_sided = two_sided.unwrap_or_default();
@@ -216,6 +214,34 @@ impl ShapeEntry {
                 ShapeSpec::Surface(made?)
             }
         })
+    }
+}
+
+/// A ground of rows or of a picture; fails with the field that is wrong, and how.
+fn heights(
+    size: [f64; 2],
+    rows: Vec<Vec<Finite>>,
+    file: Option<String>,
+    height: Option<(Finite, Finite)>,
+    folder: &Path,
+) -> Result<SurfaceSpec, (String, String)> {
+    let flaw = |field: &str, problem: String| (field.to_owned(), problem);
+    match (file, height) {
+        (Some(_), _) if !rows.is_empty() => Err(flaw("file", "give either 'file' or 'rows', not both".to_owned())),
+        (Some(_), None) => {
+            Err(flaw("height", "a picture has no unit; give the heights of black and of white in m".to_owned()))
+        }
+        (Some(file), Some((low, high))) => {
+            let made = SurfaceSpec::height_picture(&file, folder, size, [low.into(), high.into()]);
+            made.map_err(|error| flaw("file", error.to_string()))
+        }
+        (None, Some(_)) => {
+            Err(flaw("height", "a height is for a 'file'; give rows of heights as high as they are".to_owned()))
+        }
+        (None, None) => {
+            let rows = rows.into_iter().map(|row| row.into_iter().map(f64::from).collect()).collect();
+            SurfaceSpec::heights(size, rows).map_err(|error| flaw("rows", error.to_string()))
+        }
     }
 }
 

@@ -23,11 +23,11 @@ impl SceneSpec {
     /// name: that is the file's.
     ///
     /// Bodies that stand for the world in a joint (as `from_ron` makes them) are written as such.
-    /// Mesh files are named relative to `folder`, where the text is to be kept; without one, by
+    /// Files of meshes and pictures are named relative to `folder`, where the text is to be kept; without one, by
     /// their absolute paths.
     ///
     /// # Errors
-    /// What [`validate`](Self::validate) finds, or the path of a mesh that is not Unicode.
+    /// What [`validate`](Self::validate) finds, or the path of a file that is not Unicode.
     pub fn to_ron(&self, folder: Option<&Path>) -> Result<String, SceneError> {
         self.validate()?;
         let entry = SceneEntry::of(self, folder).map_err(|flaw| flaw.of(&self.name))?;
@@ -124,6 +124,14 @@ impl ShapeEntry {
             SurfaceForm::Heights { size: [x, z], rows } => Self::Heights {
                 size: (Positive::of_valid(*x), Positive::of_valid(*z)),
                 rows: rows.iter().map(|row| row.iter().map(|&height| Finite::of_valid(height)).collect()).collect(),
+                file: None,
+                height: None,
+            },
+            SurfaceForm::Picture { file, path, size: [x, z], height: [low, high] } => Self::Heights {
+                size: (Positive::of_valid(*x), Positive::of_valid(*z)),
+                rows: Vec::new(),
+                file: Some(file_of(file, path.as_deref(), folder)?),
+                height: Some((Finite::of_valid(*low), Finite::of_valid(*high))),
             },
             SurfaceForm::File { file, path, scale } => Self::Surface {
                 file: Some(file_of(file, path.as_deref(), folder)?),
@@ -176,7 +184,7 @@ fn probe_entry(probe: &ProbeSpec, bodies: &HashMap<&str, &BodySpec>) -> ProbeEnt
     ProbeEntry::of(&probe.map(point, |joint| Some(*joint)).unwrap_or_else(|| probe.clone()))
 }
 
-/// What a scene in `folder` calls the file of a mesh.
+/// What a scene in `folder` calls the file of a mesh or a picture.
 fn file_of(name: &str, path: Option<&Path>, folder: Option<&Path>) -> Result<String, String> {
     let Some(file) = path else { return Ok(name.to_owned()) };
     let named = folder.and_then(|folder| relative(file, folder));
