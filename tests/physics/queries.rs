@@ -24,6 +24,10 @@ const MANY: usize = 1_000_000;
 /// shapes, as a share of the sum of their sizes, the distance up to which they count as touching.
 const GRAZING: f64 = 1e-9;
 
+/// Likewise what planes cannot prove of shapes that touch: the directions that are tried for them are as good as a search in
+/// `f64` makes them.
+const PROVABLE: f64 = 1e-7;
+
 /// Questions about each body of a world, which is costly to make.
 const QUESTIONS: usize = 20;
 
@@ -287,7 +291,7 @@ fn compare_casts(cases: usize) {
         let slope = -hit.normal.dot(way);
         check(slope > 0.0 && hit.normal.is_normalized(), || format!("{hit:?} for {}", told()))?;
         let early = apart(&movers, way * hit.distance, solids, Some(-hit.normal));
-        check(early >= -GRAZING, || format!("{early} of touching before {hit:?} for {}", told()))?;
+        check(early >= -PROVABLE, || format!("{early} of touching before {hit:?} for {}", told()))?;
         Ok(true)
     });
 }
