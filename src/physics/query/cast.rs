@@ -13,8 +13,8 @@ use crate::physics::collision::{PartPair, place, touch};
 use crate::physics::shape::{PartList, Parts};
 use crate::physics::{Body, ContactPoint, Geometry, PairSearch};
 
-/// Looks at most: what grazes takes many, each of which leaves a share of the way that is near one.
-const LOOKS: usize = 1000;
+/// Looks at most; what grazes takes many.
+const LOOKS: usize = 64;
 
 /// Times that a contact point is moved into both shapes: fewer, but where edges cross at a small angle.
 const PROJECTIONS: usize = 64;
@@ -189,12 +189,11 @@ impl Advanced {
             let (separation, approach) = (-overlap.depth, overlap.normal.dot(direction));
             let is_last = look == LOOKS;
             if separation <= 0.0 || is_last {
-                let deepest = points.iter().max_by(|one, other| one.depth.total_cmp(&other.depth))?;
-                let point = common_point([at, other], deepest.point);
-                let impact = Impact { distance, point, normal: -overlap.normal };
+                let deepest = points.iter().max_by(|one, other| one.depth.total_cmp(&other.depth))?.point;
                 // A face was preferred to edges that are apart by little more than it.
                 let Some(left) = left_apart([at, other], parts, search, points).filter(|_| !is_last) else {
-                    return Some(impact);
+                    let point = common_point([at, other], deepest);
+                    return Some(Impact { distance, point, normal: -overlap.normal });
                 };
                 distance += left;
                 within += left;

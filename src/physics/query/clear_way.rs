@@ -41,17 +41,8 @@ impl Solid<'_> {
         let (local, around) = match &self.shape {
             Outline::Solid(geometry) => geometry.farthest(&along)?,
             Outline::Corners(corners) => {
-                let [a, b, c] = corners.map(|corner| corner.dot(&along));
-                (
-                    corners[if a >= b && a >= c {
-                        0
-                    } else if b >= c {
-                        1
-                    } else {
-                        2
-                    }],
-                    0.0,
-                )
+                let heights = Vector3::from(corners.map(|corner| corner.dot(&along)));
+                (corners[heights.imax()], 0.0)
             }
         };
         Some((self.position + self.axes * local, around))

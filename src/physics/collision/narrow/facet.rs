@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use super::clipping::{MAX_POINTS, keep_touching_spread};
 use super::{Frame, Overlap, PairSearch, Scale, triangle};
 use crate::physics::contact::tangents;
-use crate::physics::shape::{SAME, Triangles};
+use crate::physics::shape::{SAME, Triangle, Triangles};
 use crate::physics::{BoundingBox, ContactPoint, Geometry};
 
 /// How far a point is beside the line of its neighbors at least to be a corner, as a share of the size.
@@ -27,14 +27,10 @@ pub(super) fn touch(
     search: &mut PairSearch,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
-    let first = points.len();
     if let Some(index) = mesh.only_triangle(facet) {
-        let triangle = mesh.get(index);
-        let placed = Frame { center: shape_in_mesh.center - triangle.middle, ..*shape_in_mesh };
-        let overlap = triangle::touch(triangle, shape, radius, &placed, gap, search, points);
-        points[first..].iter_mut().for_each(|found| found.point += triangle.middle);
-        return overlap;
+        return touch_triangle(mesh.get(index), shape, radius, shape_in_mesh, gap, search, points);
     }
+    let first = points.len();
     let [low, high] = shape.reach(&shape_in_mesh.rotation)?;
     let scale = Scale::new(radius, radius, gap);
     let center = &shape_in_mesh.center;
@@ -46,10 +42,7 @@ pub(super) fn touch(
     let mut apart = f64::INFINITY;
     mesh.in_facet(facet, &bounds, |index| {
         let triangle = mesh.get(index);
-        let placed = Frame { center: shape_in_mesh.center - triangle.middle, ..*shape_in_mesh };
-        let found = triangle::touch(triangle, shape, radius, &placed, gap, search, points);
-        points[first..].iter_mut().for_each(|found| found.point += triangle.middle);
-        match found {
+        match touch_triangle(triangle, shape, radius, shape_in_mesh, gap, search, points) {
             None => apart = apart.min(search.apart),
             Some(overlap) if overlap.normal.dot(&triangle.normal) >= SAME => {
                 of_flat.extend_from_slice(&points[first..]);
@@ -78,6 +71,23 @@ pub(super) fn touch(
         keep_touching_spread(found, &overlap.normal, scale.size, points);
     }
     search.of_facet = [of_flat, of_border, outline];
+    overlap
+}
+
+/// Likewise a triangle of the mesh.
+fn touch_triangle(
+    triangle: Triangle,
+    shape: &Geometry,
+    radius: f64,
+    shape_in_mesh: &Frame,
+    gap: f64,
+    search: &mut PairSearch,
+    points: &mut Vec<ContactPoint>,
+) -> Option<Overlap> {
+    let first = points.len();
+    let placed = Frame { center: shape_in_mesh.center - triangle.middle, ..*shape_in_mesh };
+    let overlap = triangle::touch(triangle, shape, radius, &placed, gap, search, points);
+    points[first..].iter_mut().for_each(|found| found.point += triangle.middle);
     overlap
 }
 
