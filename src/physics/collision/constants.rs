@@ -67,6 +67,11 @@ pub(super) const RIVAL_SHARE: f64 = 0.95;
 /// Likewise below it by this share of the smaller bounding radius, for depths near zero. As above.
 pub(super) const RIVAL_MARGIN: f64 = 1e-4;
 
+/// The same where overlaps are to be told exactly: a choice of another axis than before must not make an overlap of what
+/// touched. More than rounding, by which edges that lie in faces would win over these.
+/// `exact_contacts::another_axis_makes_no_overlap`.
+pub(super) const EXACT_RIVAL_MARGIN: f64 = 1e-8;
+
 /// What bounds leave out is worse by this share of the bounding radii: far more than rounding.
 /// `feature_sat::depth_and_normal_are_the_least_over_all_faces_and_edges`.
 pub(super) const BOUND_SLACK: f64 = 1e-9;

@@ -166,7 +166,7 @@ fn touch_ranked(
             ball::touch(shape_a, a.radius, *radius, b_in_a, gap, &mut search.apart, points)?
         }
         _ => {
-            let scale = &Scale::new(a.radius, b.radius, gap);
+            let scale = &Scale::new(a.radius, b.radius, gap).exact(search.is_exact);
             macro_rules! tested {
                 ($touch:path, $a:expr, $b:expr) => {
                     $touch(&ShapePair { a: $a, b: $b, b_in_a, scale }, search)?

@@ -139,6 +139,8 @@ pub(crate) struct PairSearch {
     pub apart: f64,
     /// Of triangles, any normal will do that tells how far away a shape is, whether or not the mesh has it.
     pub any_normal: bool,
+    /// Whether the least overlap is asked for, and not one of the faces that are nearly as good.
+    pub is_exact: bool,
     /// Of triangles, what is behind them does not count: the pyramid there is next to flat.
     pub is_sheet: bool,
     /// Points of a facet's triangles, along its own normal and along another, and a buffer.

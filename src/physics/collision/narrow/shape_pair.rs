@@ -3,7 +3,9 @@
 use nalgebra::Vector3;
 
 use super::{Convex, Frame};
-use crate::physics::collision::constants::{BOUND_SLACK, CONTACT_TOLERANCE, RIVAL_MARGIN, RIVAL_SHARE};
+use crate::physics::collision::constants::{
+    BOUND_SLACK, CONTACT_TOLERANCE, EXACT_RIVAL_MARGIN, RIVAL_MARGIN, RIVAL_SHARE,
+};
 
 /// Two shapes, about the origins of their own axes.
 pub(crate) struct ShapePair<'t, A, B> {
@@ -43,6 +45,8 @@ pub(crate) struct Scale {
     /// How far from the centre of one a point of the other may be that matters.
     pub reach: f64,
     slack: f64,
+    /// By how much less deep a rival has to be at least.
+    rival_margin: f64,
 }
 
 impl Scale {
@@ -56,7 +60,13 @@ impl Scale {
             size: radius_a.min(radius_b),
             reach: 2.0 * sum + gap,
             slack: BOUND_SLACK * sum,
+            rival_margin: RIVAL_MARGIN * radius_a.min(radius_b),
         }
+    }
+
+    /// The same; if `is_exact`, no axis is preferred to one of less depth by more than rounding.
+    pub fn exact(self, is_exact: bool) -> Self {
+        Self { rival_margin: if is_exact { EXACT_RIVAL_MARGIN * self.size } else { self.rival_margin }, ..self }
     }
 
     /// Whether points that only may touch are asked for.
@@ -78,7 +88,7 @@ impl Scale {
     pub fn limit(&self, depth: f64) -> f64 {
         let depth = self.rounded(depth);
         let share = if depth < 0.0 { depth / RIVAL_SHARE } else { RIVAL_SHARE * depth };
-        share - RIVAL_MARGIN * self.size
+        share - self.rival_margin
     }
 
     /// What is certain to be deeper than this can be left out: it neither is below `limit` nor

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::constants::ROUNDINGS;
+use super::constants::{LEAST_JAM, ROUNDINGS};
 use super::linear::LinearSystem;
 use super::{BodyVector, ConeOutcome, ConePoint, Elimination, Law};
 use crate::physics::{Refill, Residuals};
@@ -22,7 +22,7 @@ pub(super) struct Iterate {
     pub impulses: Vec<Vector3<f64>>,
     /// u.
     pub velocities: Vec<Vector3<f64>>,
-    /// λ to go back to.
+    /// λ_k, to go back to.
     pub kept: Vec<Vector3<f64>>,
     /// λ of the least residual so far.
     pub best: Vec<Vector3<f64>>,
@@ -98,7 +98,7 @@ impl Iterate {
     /// Whether λ says that no motion obeys the points: with λ ∈ K, λ·û ≥ 0 for all û ∈ K*, so that −λ·c ≤ z·Ĵᵀλ + Σ
     /// μ|u_t| λ_n for the z sought; impulses that press (λ·c < 0) and yet move nothing (Ĵᵀλ ≈ 0) leave none (Farkas).
     pub fn is_jammed(&self) -> bool {
-        let mut pressing = 0.0;
+        let (mut pressing, mut load) = (0.0, 0.0);
         for (((point, impulse), free), velocity) in
             self.points.iter().zip(&self.impulses).zip(&self.free).zip(&self.velocities)
         {
@@ -107,7 +107,9 @@ impl Iterate {
                 continue;
             }
             pressing -= impulse.dot(free) + point.law.shift(velocity) * impulse.x;
+            load += impulse.norm();
         }
-        pressing > 1e4 * self.scaled.iter().map(BodyVector::norm_squared).sum::<f64>()
+        // At rest nothing moves and rounding presses.
+        pressing > LEAST_JAM * load && pressing > 1e4 * self.scaled.iter().map(BodyVector::norm_squared).sum::<f64>()
     }
 }

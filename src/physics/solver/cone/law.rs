@@ -15,7 +15,7 @@
 //!
 //! is zero; with ρ the effective mass of the point, |r| is a velocity.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 /// What an impulse may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,17 +28,6 @@ pub(super) enum Law {
     Friction(f64),
     /// Along the first axis, within these, N·s.
     Within(f64, f64),
-}
-
-/// Where the projection on K lands, and so what its derivative is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Mode {
-    /// At zero, or at an end of an interval: the points part.
-    Open,
-    /// Inside: the points stick.
-    Stick,
-    /// On the cone's side, so high, along (1, μ t); `across` is the derivative along the cone's girth.
-    Slip { height: f64, slant: Vector3<f64>, across: f64 },
 }
 
 impl Law {
@@ -73,46 +62,32 @@ impl Law {
         Vector3::new(velocity.x + self.shift(velocity), velocity.y, velocity.z)
     }
 
-    /// Q (1 + μ n tᵀ), t = u_t/|u_t|: a derivative by û as one by u.
-    pub fn with_shift(self, stiffness: Matrix3<f64>, velocity: &Vector3<f64>) -> Matrix3<f64> {
-        let speed = width(velocity);
-        if speed == 0.0 {
-            return stiffness;
-        }
-        let along = Vector3::new(0.0, velocity.y, velocity.z) * (self.friction() / speed);
-        stiffness + stiffness.column(0) * along.transpose()
-    }
-
     /// P_K.
     pub fn project(self, vector: &Vector3<f64>) -> Vector3<f64> {
-        match (self, self.mode(vector)) {
-            (Self::Within(lower, upper), _) => Vector3::new(vector.x.max(lower).min(upper), 0.0, 0.0),
-            (_, Mode::Open) => Vector3::zeros(),
-            (Self::Frictionless, _) => Vector3::new(vector.x, 0.0, 0.0),
-            (_, Mode::Stick) => *vector,
-            (_, Mode::Slip { height, across, .. }) => Vector3::new(height, across * vector.y, across * vector.z),
+        let Self::Friction(friction) = self else { return self.clamp(vector) };
+        let width = width(vector);
+        if width <= friction * vector.x {
+            *vector
+        } else if friction * width <= -vector.x {
+            Vector3::zeros()
+        } else {
+            let height = (vector.x + friction * width) / (1.0 + friction * friction);
+            let across = friction * height / width;
+            Vector3::new(height, across * vector.y, across * vector.z)
         }
     }
 
-    /// Where P_K lands.
-    pub fn mode(self, vector: &Vector3<f64>) -> Mode {
+    /// C: what is not along the normal is clamped to the friction that a load of as much as is along it allows.
+    pub fn clamp(self, vector: &Vector3<f64>) -> Vector3<f64> {
         match self {
-            Self::Joint => Mode::Stick,
-            Self::Within(lower, upper) if lower < vector.x && vector.x < upper => Mode::Stick,
-            Self::Within(..) => Mode::Open,
-            Self::Frictionless if vector.x > 0.0 => Mode::Stick,
-            Self::Frictionless => Mode::Open,
+            Self::Joint => *vector,
+            Self::Frictionless => Vector3::new(vector.x.max(0.0), 0.0, 0.0),
+            Self::Within(lower, upper) => Vector3::new(vector.x.max(lower).min(upper), 0.0, 0.0),
+            Self::Friction(_) if vector.x <= 0.0 => Vector3::zeros(),
             Self::Friction(friction) => {
-                let width = width(vector);
-                if width <= friction * vector.x {
-                    Mode::Stick
-                } else if friction * width <= -vector.x {
-                    Mode::Open
-                } else {
-                    let height = (vector.x + friction * width) / (1.0 + friction * friction);
-                    let slant = Vector3::new(1.0, friction * vector.y / width, friction * vector.z / width);
-                    Mode::Slip { height, slant: slant / friction.hypot(1.0), across: friction * height / width }
-                }
+                let (width, most) = (width(vector), friction * vector.x);
+                let share = if width <= most { 1.0 } else { most / width };
+                Vector3::new(vector.x, share * vector.y, share * vector.z)
             }
         }
     }
@@ -137,25 +112,4 @@ impl Law {
 /// The length of a vector's last two parts. Not by `hypot`, whose care was a sixth of all time.
 pub(super) fn width(vector: &Vector3<f64>) -> f64 {
     (vector.y * vector.y + vector.z * vector.z).sqrt()
-}
-
-impl Mode {
-    /// Σ f(eigenvalue) e eᵀ over the eigenvectors e of the derivative A of P_K: a function of A.
-    /// On the cone's side A is 1 along the slant, `across` along the girth and 0 along the side's normal.
-    pub fn function(self, law: Law, of: impl Fn(f64) -> f64) -> Matrix3<f64> {
-        let zero = of(0.0);
-        match (self, law) {
-            (Self::Open, _) => Matrix3::from_diagonal_element(zero),
-            (Self::Stick, Law::Frictionless | Law::Within(..)) => {
-                Matrix3::from_diagonal(&Vector3::new(of(1.0), zero, zero))
-            }
-            (Self::Stick, _) => Matrix3::from_diagonal_element(of(1.0)),
-            (Self::Slip { slant, across, .. }, _) => {
-                let girth = Vector3::new(0.0, -slant.z, slant.y) / width(&slant);
-                Matrix3::from_diagonal_element(zero)
-                    + (of(1.0) - zero) * slant * slant.transpose()
-                    + (of(across) - zero) * girth * girth.transpose()
-            }
-        }
-    }
 }

@@ -74,6 +74,8 @@ pub(crate) enum ConeEnd {
     Converged,
     /// The residual is what rounding of impulses as large as these makes of it: |λ|/ρ is some 10⁵ m/s or more.
     Rounding,
+    /// The residual fell no more, but is no more than 10⁻⁸ m/s: points contradict each other by that much.
+    Enough,
     /// The bounds are met; the residual is what was reached.
     #[default]
     Bounded,
@@ -87,10 +89,8 @@ pub(crate) struct ConeOutcome {
     pub end: ConeEnd,
     /// Largest |r| of a point, the natural map's at contacts and |u| at joints, m/s.
     pub residual: f64,
-    /// Factorisations: Newton steps of all kinds.
+    /// Newton iterations, with a factorisation each.
     pub steps: u32,
-    /// Of these, those of the interior point.
-    pub interior: u32,
     /// Proximal points.
     pub stages: u32,
 }

@@ -2,9 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::constants::PROXIMAL_POINTS;
-use super::interior::InteriorBuffers;
-use super::proximal::ProximalBuffers;
+use super::constants::{ENOUGH_RESIDUAL, FIRST_SOFTNESS};
+use super::newton::NewtonBuffers;
 use super::{
     ConeBody, ConeContact, ConeEnd, ConeJoint, ConeOutcome, ConePoint, Elimination, Iterate, PerPoint, Velocity, root,
 };
@@ -14,11 +13,8 @@ use crate::physics::{Refill, Residuals};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ConeSolver {
     iterate: Iterate,
-    /// Whether some point pushes only.
-    has_cones: bool,
     edges: Vec<[u32; 2]>,
-    proximal: ProximalBuffers,
-    interior: InteriorBuffers,
+    buffers: NewtonBuffers,
 }
 
 impl ConeSolver {
@@ -31,7 +27,6 @@ impl ConeSolver {
                 .iter()
                 .map(|body| [Matrix3::from_diagonal(&body.inverse_mass.map(f64::sqrt)), root(&body.inverse_inertia)]),
         );
-        self.has_cones = !contacts.is_empty() || joints.iter().any(|joint| joint.bounds == (0.0, f64::INFINITY));
         points.refill(contacts.iter().map(|contact| ConePoint::of_contact(contact, roots)));
         points.extend(joints.iter().map(|joint| ConePoint::of_joint(joint, roots)));
         if elimination.count() != bodies.len() || !points.iter().filter_map(ConePoint::edge).eq(edges.iter().copied()) {
@@ -44,8 +39,8 @@ impl ConeSolver {
         }
     }
 
-    /// Solves for impulses that bring every point within `tolerance` m/s of its law, relative to the fastest point
-    /// where that is faster than 1 m/s.
+    /// Solves for impulses that bring every point within `tolerance` m/s of its law, relative to the fastest point of
+    /// v_free where that is faster than 1 m/s.
     ///
     /// `velocities` are v_free, one a body, and v on return. `bias` is b, m/s: the motion of an immovable side (its
     /// point's velocity times +1 at B, −1 at A), and along n what the contact is to gain (a contact that may close a
@@ -63,13 +58,15 @@ impl ConeSolver {
         iterate.impulses.clear();
         let biases = bias.contacts.iter().chain(&bias.joints);
         let guesses = impulses.contacts.iter().chain(&impulses.joints);
+        let mut fastest: f64 = 1.0;
         for ((point, bias), guess) in iterate.points.iter().zip(biases).zip(guesses) {
-            iterate.free.push(point.law.relevant(&point.frame.tr_mul(&(bias + point.velocity(velocities)))));
+            let velocity = point.velocity(velocities);
+            fastest = fastest.max(velocity.norm_squared());
+            iterate.free.push(point.law.relevant(&point.frame.tr_mul(&(bias + velocity))));
             let guess = point.law.project(&point.frame.tr_mul(guess));
             iterate.impulses.push(if point.is_movable() { guess } else { Vector3::zeros() });
         }
-        let fastest = iterate.free.iter().map(Vector3::norm_squared).fold(1.0, f64::max).sqrt();
-        iterate.tolerance = tolerance * fastest;
+        iterate.tolerance = tolerance * fastest.sqrt();
         self.run();
         let iterate = &self.iterate;
         let results = impulses.contacts.iter_mut().chain(&mut impulses.joints);
@@ -96,19 +93,20 @@ impl ConeSolver {
 
     /// The methods of the module's docs, in their order, until one does it.
     fn run(&mut self) {
-        let Self { iterate, has_cones, proximal, interior, .. } = self;
+        let Self { iterate, buffers, .. } = self;
         iterate.outcome = ConeOutcome::default();
         if let Some(trace) = &mut iterate.trace {
             trace.begin_solve();
         }
-        let is_guessed = iterate.impulses.iter().any(|impulse| *impulse != Vector3::zeros());
         iterate.refresh();
         iterate.best.clone_from(&iterate.impulses);
-        iterate.outcome.residual = iterate.residual().largest;
-        let done = iterate.newton()
-            || (is_guessed && iterate.proximal_points(proximal, PROXIMAL_POINTS[0]))
-            || (*has_cones && iterate.interior_point(interior))
-            || iterate.proximal_points(proximal, PROXIMAL_POINTS[1]);
+        iterate.outcome.residual = f64::INFINITY;
+        let is_guessed = iterate.impulses.iter().any(|impulse| *impulse != Vector3::zeros());
+        let mut done = iterate.note().largest <= iterate.tolerance || iterate.proximal_points(buffers, is_guessed);
+        if !done && iterate.outcome.residual > ENOUGH_RESIDUAL && iterate.outcome.end != ConeEnd::NoRigidSolution {
+            iterate.wedge(FIRST_SOFTNESS);
+            done = iterate.note().largest <= iterate.tolerance || iterate.proximal_points(buffers, false);
+        }
         if !done {
             // A guess may be worse than none.
             iterate.impulses.fill(Vector3::zeros());
@@ -122,6 +120,8 @@ impl ConeSolver {
             iterate.outcome.end = ConeEnd::Converged;
         } else if iterate.outcome.residual <= iterate.rounding() {
             iterate.outcome.end = ConeEnd::Rounding;
+        } else if iterate.outcome.residual <= ENOUGH_RESIDUAL {
+            iterate.outcome.end = ConeEnd::Enough;
         }
     }
 }

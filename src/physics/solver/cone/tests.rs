@@ -150,8 +150,9 @@ fn walls_and_arches_stand() {
                 f64::from(u8::from(contact.bodies[0].is_none())) - f64::from(u8::from(contact.bodies[1].is_none()));
             sum + sign * impulse.y
         });
-        let weight: f64 = problem.bodies.iter().map(|body| GRAVITY * STEP / body.inverse_mass.y).sum();
-        assert!((ground - weight).abs() < 1e-9 * weight, "{index}: {ground}, not {weight}");
+        let mass: f64 = problem.bodies.iter().map(|body| 1.0 / body.inverse_mass.y).sum();
+        let off = (ground / mass - GRAVITY * STEP).abs();
+        assert!(off < 10.0 * TOLERANCE, "{index}: {off:e} m/s");
     }
 }
 
@@ -202,7 +203,7 @@ fn sliding_columns_and_shaken_structures_converge_in_a_bounded_number_of_steps()
     for (index, problem) in moving.iter().enumerate() {
         let (_, _, outcome) = solved(problem);
         assert_eq!(outcome.end, ConeEnd::Converged, "{index}: {outcome:?}");
-        assert!(outcome.steps < 200, "{index}: {outcome:?}");
+        assert!(outcome.steps < 300, "{index}: {outcome:?}");
     }
 }
 
@@ -418,10 +419,10 @@ fn a_rod_that_digs_in_is_solved_and_stays_finite() {
 }
 
 #[test]
-fn newton_steps_converge_quadratically_on_a_slipping_point() {
-    // Without refinement of the linear solution it takes twice as many.
+fn each_proximal_point_of_a_slipping_point_takes_one_iteration() {
     let (_, _, outcome) = solved(&painleve(0.5));
-    assert!(outcome.end == ConeEnd::Converged && outcome.steps <= 3, "{outcome:?}");
+    assert!(outcome.end == ConeEnd::Converged && outcome.steps <= 4, "{outcome:?}");
+    assert_eq!(outcome.steps, outcome.stages);
 }
 
 #[test]

@@ -138,7 +138,7 @@ pub(super) const MOST_FORECASTS: usize = 12;
 /// Error of a forecast, m, that is none.
 pub(super) const FORECAST_ERROR: f64 = 1e-13;
 /// Error of a forecast, m, that is accepted where it falls no more.
-pub(super) const STALLED_ERROR: f64 = 1e-10;
+pub(super) const STALLED_ERROR: f64 = 1e-9;
 /// Overlap at the end of a forecast, m, from which on contact points that it did not hold are held.
 pub(super) const UNFORESEEN: f64 = 1e-7;
 /// A limit is taken into a forecast where it would close at that many times its present speed, or at that speed, m/s or
@@ -171,8 +171,16 @@ pub(super) const LEAST_GROWTH: f64 = 1.25;
 pub(super) const MOST_LANDINGS: u32 = 1_000;
 /// Smooth steps tried to find the time of one landing.
 pub(super) const MOST_TRIALS: usize = 80;
-/// Residual of a contact point that is asked for, m/s, and the one where the work of a step is spent.
-pub(super) const TOLERANCES: [f64; 2] = [1e-10, 1e-5];
+/// Residual of a contact point that is asked for, m/s,
+pub(super) const TOLERANCE: f64 = 1e-10;
+/// and the one where the work of a step is spent.
+pub(super) const ROUGH_TOLERANCE: f64 = 1e-5;
+/// Residual, m/s, that is enough where points contradict each other.
+pub(super) const SETTLED: f64 = 1e-8;
+/// Residual that is asked for in a first forecast, m/s,
+pub(super) const FORECAST_TOLERANCE: f64 = 1e-6;
+/// and share of a forecast's error, over the step, that is asked for in the next.
+pub(super) const FORECAST_SHARE: f64 = 0.1;
 /// Factorisations that a step may take here, whatever the number of points.
 pub(super) const MOST_FACTORISATIONS: u32 = 1_000;
 /// Factorisations times points that a step may take: the hardest of `limbs` took a quarter of a million; few points may

@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 use super::super::bodies::{links_of, member, place_in, put, state_of};
 use super::super::constants::{
     ENERGY_GAINED, FIRST_GROWTH, GROWTH_AFTER_CUT, LANDED, LEAST_BOUNCE, LEAST_GROWTH, MISSED, MOST_LANDINGS,
-    MOST_TRIALS, NO_ENERGY, ROUGH_STEP, SHORTEST_STEP, TOUCHING,
+    MOST_TRIALS, NO_ENERGY, ROUGH_STEP, ROUGH_TOLERANCE, SHORTEST_STEP, TOLERANCE, TOUCHING,
 };
 use super::super::mechanism::{MechanismLink, Member, MemberState, number_rows};
 use super::super::stepper::StepEffort;
@@ -346,7 +346,6 @@ impl ContactGroup {
         let StepStart { terms, graph, loads } = start;
         let is_spent = self.is_spent();
         let Self { smooth, members, moving, links, pairs, free, free_rows, states, points, shapes, search, .. } = self;
-        (smooth.positions.is_rough, smooth.velocities.is_rough) = (is_spent, is_spent);
         let view = GroupView { members, moving: *moving, links };
         let given = SmoothTerms {
             view,
@@ -360,6 +359,7 @@ impl ContactGroup {
             correction_speed: terms.correction_speed,
             closing: terms.h,
             is_rough,
+            tolerance: if is_spent { ROUGH_TOLERANCE } else { TOLERANCE },
         };
         let start_force = |point: &GapPoint| {
             let pair = &pairs[point.pair as usize];

@@ -85,7 +85,7 @@ impl GapPoints {
         for (index, pair) in (0..).zip(pairs) {
             self.starts.push(self.list.len() as u32);
             let [a, b] = pair.ends.map(|end| &bodies[end as usize]);
-            search.search.last = None;
+            (search.search.last, search.search.is_exact) = (None, true);
             search.points.clear();
             let Some(overlap) = touch([a, b], pair.key.parts, gap(pair), &mut search.search, &mut search.points) else {
                 continue;

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::super::constants::{MOST_FACTORISATIONS, MOST_POINT_FACTORISATIONS, SLIDING, TOLERANCES, TOUCHING};
+use super::super::constants::{MOST_FACTORISATIONS, MOST_POINT_FACTORISATIONS, SLIDING, TOUCHING};
 use super::super::mechanism::{InverseMass, MechanismLink, Member, MemberState, place_rows};
 use super::super::row_mode::RowLaw;
 use super::gap_points::{GapPoint, point_velocity};
@@ -48,8 +48,6 @@ pub(super) struct GroupSolver {
     pub steps: u32,
     /// Points times factorisations.
     pub work: u64,
-    /// Whether to solve to fewer digits.
-    pub is_rough: bool,
 }
 
 impl GroupSolver {
@@ -193,8 +191,9 @@ impl GroupSolver {
     }
 
     /// Solves for the velocities to be gained along normals and by rows of links, m/s, from [`Self::impulses`] and
-    /// [`Self::row_impulses`]; velocities of `states` are those without impulses, and with them on return.
-    pub fn solve(&mut self, states: &mut [MemberState], gains: &[f64], row_gains: &[f64]) {
+    /// [`Self::row_impulses`], to a residual of `tolerance`, m/s; velocities of `states` are those without impulses, and with
+    /// them on return.
+    pub fn solve(&mut self, states: &mut [MemberState], gains: &[f64], row_gains: &[f64], tolerance: f64) {
         self.residual = 0.0;
         if self.is_empty() {
             self.row_impulses.fill(0.0);
@@ -212,7 +211,6 @@ impl GroupSolver {
         self.row_impulses.fill(0.0);
         self.velocities.clear();
         self.velocities.extend(states.iter().take(self.bodies.len()).map(|state| [state.linear, state.angular]));
-        let tolerance = TOLERANCES[usize::from(self.is_rough)];
         let outcome = self.solver.solve(&mut self.velocities, &self.bias, &mut self.impulses, tolerance);
         for ((rows, sign), impulses) in self.axes.iter().zip(&self.impulses.joints) {
             for (row, impulse) in rows.iter().zip(impulses) {

@@ -8,7 +8,7 @@
 
 use nalgebra::Vector3;
 
-use super::super::constants::{IMPACTS_OF_A_PAIR, TOUCHING};
+use super::super::constants::{IMPACTS_OF_A_PAIR, TOLERANCE, TOUCHING};
 use super::super::mechanism::MemberState;
 use super::super::row_mode::RowLaw;
 use super::gap_points::{GapPoint, GapPoints, ReachablePair};
@@ -98,7 +98,7 @@ impl Impacts {
             for limit in self.limits.list.iter().filter(bounces) {
                 self.row_gains[limit.row] = -limit.side * rebound(limit.restitution, limit.approach(), 0.0);
             }
-            self.solver.solve(states, &self.gains, &self.row_gains);
+            self.solver.solve(states, &self.gains, &self.row_gains, TOLERANCE);
             note(&self.held, &self.solver);
             count += 1;
             if ends {

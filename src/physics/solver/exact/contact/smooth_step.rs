@@ -16,7 +16,8 @@
 use nalgebra::Vector3;
 
 use super::super::constants::{
-    FORECAST_ERROR, FORESEEN_SPEED, FORESEEN_SPEEDS, MOST_FORECASTS, STALLED_ERROR, TOUCHING, UNFORESEEN, UNSOLVED,
+    FORECAST_ERROR, FORECAST_SHARE, FORECAST_TOLERANCE, FORESEEN_SPEED, FORESEEN_SPEEDS, MOST_FORECASTS, SETTLED,
+    STALLED_ERROR, TOUCHING, UNFORESEEN, UNSOLVED,
 };
 use super::super::mechanism::{InverseMass, MemberState, RowSpring, place_rows};
 use super::super::row_mode::RowLaw;
@@ -26,6 +27,7 @@ use super::joint_gaps::{is_apart, overlap};
 use crate::physics::body::Body;
 use crate::physics::constraint::row::{RowPair, Wrench};
 use crate::physics::joint::JointRow;
+use crate::physics::solver::cone::PerPoint;
 
 /// What stays the same in a step.
 #[derive(Clone, Copy)]
@@ -49,6 +51,8 @@ pub(super) struct SmoothTerms<'a> {
     pub closing: f64,
     /// Whether one forecast has to do: the last resort where none comes true.
     pub is_rough: bool,
+    /// Residual that solves are to come to, m/s.
+    pub tolerance: f64,
 }
 
 /// The step and its buffers.
@@ -73,12 +77,41 @@ pub(super) struct SmoothStep {
     foreseen: Vec<bool>,
     /// Whether the forecast came true.
     pub is_true: bool,
+    kept: KeptForecast,
     /// Sliding points at the start that no rigid motion satisfies.
     pub jammed: u32,
     /// Rows of links with springs, at the pose of a kick.
     rows: Vec<JointRow<f64>>,
     /// Mean load of each link by its springs.
     pub spring_loads: Vec<Wrench<f64>>,
+}
+
+/// A forecast that came true, while a better one is tried.
+#[derive(Clone, Default)]
+struct KeptForecast {
+    impulses: PerPoint,
+    row_impulses: Vec<f64>,
+    residual: f64,
+    end: Vec<MemberState>,
+    points: GapPoints,
+}
+
+impl KeptForecast {
+    fn keep(&mut self, positions: &GroupSolver, end: &[MemberState], points: &GapPoints) {
+        self.impulses.clone_from(&positions.impulses);
+        self.row_impulses.clone_from(&positions.row_impulses);
+        self.residual = positions.residual;
+        end.clone_into(&mut self.end);
+        self.points.clone_from(points);
+    }
+
+    fn give_back(&mut self, positions: &mut GroupSolver, end: &mut Vec<MemberState>, points: &mut GapPoints) {
+        std::mem::swap(&mut self.impulses, &mut positions.impulses);
+        std::mem::swap(&mut self.row_impulses, &mut positions.row_impulses);
+        positions.residual = self.residual;
+        std::mem::swap(&mut self.end, end);
+        std::mem::swap(&mut self.points, points);
+    }
 }
 
 impl SmoothTerms<'_> {
@@ -209,6 +242,7 @@ impl SmoothStep {
             rates,
             rows,
             foreseen,
+            kept,
             ..
         } = self;
         let first_gain = |point: &GapPoint| {
@@ -223,10 +257,13 @@ impl SmoothStep {
         row_gains.clear();
         row_gains
             .extend(positions.laws.iter().zip(&positions.rows).map(|(&law, row)| given.row_gain(law, row, closed)));
-        let mut before = f64::INFINITY;
+        // No solve need be better than its forecast: of points that are redundant, a forecast that is wrong makes points that
+        // contradict each other, which only hundreds of iterations bring to the last digits.
+        let (mut before, mut tolerance) = (f64::INFINITY, given.tolerance.max(FORECAST_TOLERANCE));
+        let mut is_kept = false;
         for _ in 0..MOST_FORECASTS {
             end.clone_from(kicked);
-            positions.solve(end, gains, row_gains);
+            positions.solve(end, gains, row_gains, tolerance);
             if positions.residual * h > UNSOLVED && !given.is_rough {
                 return false;
             }
@@ -258,7 +295,9 @@ impl SmoothStep {
             let count = held.len();
             for point in &points.list {
                 if point.gap < -UNFORESEEN && !given.free[point.pair as usize] && find(held, *known, point).is_none() {
-                    held.push(GapPoint { gap: point.gap - point.opening(end) * h, ..point.clone() });
+                    // No deeper than the pair was, whatever the curvature of the way makes of it.
+                    let gap = (point.gap - point.opening(end) * h).max(least_gap(&held[..*known], point.pair));
+                    held.push(GapPoint { gap, ..point.clone() });
                 }
             }
             place_rows(given.view.links, end, given.time + h, rows);
@@ -292,18 +331,30 @@ impl SmoothStep {
                 worst = worst.max((mended - row_gains[row]).abs() * h);
                 row_gains[row] = mended;
             }
-            if worst <= FORECAST_ERROR || worst >= 0.5 * before && worst < STALLED_ERROR {
+            let has_solved = positions.residual <= SETTLED;
+            if worst <= FORECAST_ERROR && has_solved {
                 return true;
             }
-            if worst.is_finite() && worst > 2.0 * before || worst.is_nan() {
+            if has_solved && worst < if is_kept { 0.5 * before } else { STALLED_ERROR } {
+                // As good as it gets if the next is worse.
+                kept.keep(positions, end, points);
+                is_kept = true;
+            } else if is_kept {
+                break;
+            }
+            if worst.is_finite() && worst > 2.0 * before.max(STALLED_ERROR) || worst.is_nan() {
                 return false;
             }
+            tolerance = (FORECAST_SHARE * worst / h).clamp(given.tolerance, tolerance);
             before = if worst.is_finite() { before.min(worst) } else { f64::INFINITY };
             if given.is_rough || positions.is_spent() {
                 break;
             }
         }
-        before < STALLED_ERROR
+        if is_kept {
+            kept.give_back(positions, end, points);
+        }
+        is_kept
     }
 
     fn hold_velocities(&mut self, given: &SmoothTerms) {
@@ -324,7 +375,7 @@ impl SmoothStep {
         velocities.impulses.contacts.clear();
         velocities.impulses.contacts.extend(held.iter().map(start_force));
         velocities.row_impulses.clone_from(&positions.row_impulses);
-        velocities.solve(end, gains, row_gains);
+        velocities.solve(end, gains, row_gains, given.tolerance);
     }
 }
 
@@ -336,6 +387,13 @@ fn find(held: &[GapPoint], known: usize, point: &GapPoint) -> Option<usize> {
     let is_same = |other: &GapPoint| other.pair == point.pair && other.feature == point.feature;
     let among_known = own.clone().position(is_same).map(|at| first + at);
     among_known.or_else(|| met.iter().position(is_same).map(|at| known + at))
+}
+
+/// The least gap of a pair's points among those in the order of pairs; 0 if none is less.
+fn least_gap(ordered: &[GapPoint], pair: u32) -> f64 {
+    let first = ordered.partition_point(|point| point.pair < pair);
+    let own = ordered[first..].iter().take_while(|point| point.pair == pair);
+    own.map(|point| point.gap).fold(0.0, f64::min)
 }
 
 /// Gap up to which points are searched for at the end of a step, m.
