@@ -45,8 +45,8 @@ pub(crate) struct Scale {
     /// How far from the centre of one a point of the other may be that matters.
     pub reach: f64,
     slack: f64,
-    /// By how much less deep a rival has to be at least.
-    rival_margin: f64,
+    /// Whether no axis is preferred to one of less depth by more than rounding.
+    is_exact: bool,
 }
 
 impl Scale {
@@ -60,13 +60,13 @@ impl Scale {
             size: radius_a.min(radius_b),
             reach: 2.0 * sum + gap,
             slack: BOUND_SLACK * sum,
-            rival_margin: RIVAL_MARGIN * radius_a.min(radius_b),
+            is_exact: false,
         }
     }
 
     /// The same; if `is_exact`, no axis is preferred to one of less depth by more than rounding.
     pub fn exact(self, is_exact: bool) -> Self {
-        Self { rival_margin: if is_exact { EXACT_RIVAL_MARGIN * self.size } else { self.rival_margin }, ..self }
+        Self { is_exact, ..self }
     }
 
     /// Whether points that only may touch are asked for.
@@ -87,8 +87,11 @@ impl Scale {
     /// The depth under which a rival axis is preferred to one of that depth.
     pub fn limit(&self, depth: f64) -> f64 {
         let depth = self.rounded(depth);
+        if self.is_exact {
+            return depth - EXACT_RIVAL_MARGIN * self.size;
+        }
         let share = if depth < 0.0 { depth / RIVAL_SHARE } else { RIVAL_SHARE * depth };
-        share - self.rival_margin
+        share - RIVAL_MARGIN * self.size
     }
 
     /// What is certain to be deeper than this can be left out: it neither is below `limit` nor

@@ -33,7 +33,7 @@ impl Iterate {
                 }
                 let steps = self.outcome.steps - steps;
                 let fall = SOFTNESS_FALLS.iter().find(|(most, _)| steps <= *most).filter(|_| is_reached);
-                softness = (softness * fall.map_or(1.0, |(_, share)| *share)).max(LEAST_SOFTNESS);
+                softness = (softness * fall.map_or(1.0, |(_, share)| *share)).max(softness.min(LEAST_SOFTNESS));
             } else {
                 self.go_back();
                 softness = if is_guessed && self.outcome.stages == first + 1 {

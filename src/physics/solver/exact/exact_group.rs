@@ -112,13 +112,15 @@ impl ExactGroup {
         let members_of = |root: usize| -> Vec<u32> {
             (root..own.len()).filter(|&body| roots[body] as usize == root).map(|body| own[body]).collect()
         };
+        let stalled = self.contact_groups.iter().map(ContactGroup::stalled).fold(0.0, f64::max);
         self.contact_groups.clear();
         for root in (0..own.len()).filter(|&root| roots[root] as usize == root && !left_alone[root]) {
             let is_own = |bodies: [u32; 2]| root_of(bodies) == Some(root as u32);
             let of_joint = |joint: &&u32| is_own([joints.list[**joint as usize].a, joints.list[**joint as usize].b]);
             let links = links.iter().filter(of_joint).copied().collect();
             let pairs: Vec<_> = pairs.iter().filter(|PairKey { pair, .. }| is_own([pair.a, pair.b])).copied().collect();
-            self.contact_groups.push(ContactGroup::new(members_of(root), links, &pairs, bodies, joints, time));
+            let group = ContactGroup::new(members_of(root), links, &pairs, bodies, joints, time);
+            self.contact_groups.push(group.after_stalled(stalled));
         }
         self.free.clear();
         let mut kept = std::mem::take(&mut self.pieces).into_iter();

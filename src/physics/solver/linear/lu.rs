@@ -46,22 +46,20 @@ impl BlockLu {
     pub fn factor(&mut self, elimination: &Elimination) -> bool {
         let mut targets = elimination.targets().iter();
         for column in 0..elimination.count() {
-            let Some(inverse) = inverse(&self.diagonal[column]) else { return false };
+            let Some(inverse) = self.diagonal[column].try_inverse() else { return false };
             self.diagonal[column] = inverse;
             let blocks = elimination.blocks(column);
             for i in blocks.clone() {
-                let mut scaled = Block::zeros();
-                subtract_product(&mut scaled, &-self.below[i], &inverse);
+                let scaled = self.below[i] * inverse;
                 self.below[i] = scaled;
                 let above = self.above[i];
                 for (k, target) in (blocks.start..=i).zip(&mut targets) {
                     match *target {
-                        Target::Diagonal(place) => {
-                            subtract_product(&mut self.diagonal[place as usize], &scaled, &above)
-                        }
+                        Target::Diagonal(place) => self.diagonal[place as usize] -= scaled * above,
                         Target::Below(block) => {
-                            subtract_product(&mut self.below[block as usize], &scaled, &self.above[k]);
-                            subtract_product(&mut self.above[block as usize], &self.below[k], &above);
+                            let (down, up) = (scaled * self.above[k], self.below[k] * above);
+                            self.below[block as usize] -= down;
+                            self.above[block as usize] -= up;
                         }
                     }
                 }
@@ -86,51 +84,4 @@ impl BlockLu {
             x[column] = self.diagonal[column] * left;
         }
     }
-}
-
-/// target −= a b.
-#[inline(always)]
-fn subtract_product(target: &mut Block, a: &Block, b: &Block) {
-    for (target, factors) in target.data.0.iter_mut().zip(&b.data.0) {
-        let mut sums = *target;
-        for (column, factor) in a.data.0.iter().zip(factors) {
-            for (sum, value) in sums.iter_mut().zip(column) {
-                *sum = value.mul_add(-factor, *sum);
-            }
-        }
-        *target = sums;
-    }
-}
-
-/// A⁻¹ by Gauss and Jordan, with the largest pivot of each column; none of what is singular.
-fn inverse(block: &Block) -> Option<Block> {
-    const N: usize = 6;
-    // A's columns become those of the inverse, as if 1 stood beside.
-    let mut columns = block.data.0;
-    let mut swaps = [0; N];
-    for pivot in 0..N {
-        let row = (pivot..N)
-            .fold(pivot, |best, row| if columns[pivot][row].abs() > columns[pivot][best].abs() { row } else { best });
-        swaps[pivot] = row;
-        columns.iter_mut().for_each(|column| column.swap(pivot, row));
-        let inverse = 1.0 / columns[pivot][pivot];
-        if !inverse.is_finite() {
-            return None;
-        }
-        let mut shares = columns[pivot].map(|value| -value * inverse);
-        shares[pivot] = 0.0;
-        columns[pivot] = [0.0; N];
-        columns[pivot][pivot] = 1.0;
-        for column in &mut columns {
-            let factor = column[pivot];
-            for (value, share) in column.iter_mut().zip(&shares) {
-                *value = share.mul_add(factor, *value);
-            }
-            column[pivot] = factor * inverse;
-        }
-    }
-    for (pivot, &row) in swaps.iter().enumerate().rev() {
-        columns.swap(pivot, row);
-    }
-    Some(Block::from_array_storage(nalgebra::ArrayStorage(columns)))
 }

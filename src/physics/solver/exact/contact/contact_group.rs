@@ -162,6 +162,17 @@ impl ContactGroup {
         Self { bodies, moving, joints, links, pairs, ..Self::default() }
     }
 
+    /// Residual, m/s, that its solves for positions lately could not get below.
+    pub fn stalled(&self) -> f64 {
+        self.smooth.positions.stalled
+    }
+
+    /// The same, where solves of the same bodies could not get below that.
+    pub fn after_stalled(mut self, residual: f64) -> Self {
+        self.smooth.positions.stalled = residual;
+        self
+    }
+
     /// Takes the state in; of either model of friction this method has the cone.
     pub fn gather(&mut self, bodies: &Bodies, joints: &Joints, friction: FrictionModel) {
         let list = || self.bodies.iter().map(|&body| &bodies.list[body as usize]);

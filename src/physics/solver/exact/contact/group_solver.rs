@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::super::constants::{MOST_FACTORISATIONS, MOST_POINT_FACTORISATIONS, SLIDING, TOUCHING};
+use super::super::constants::{MOST_FACTORISATIONS, MOST_POINT_FACTORISATIONS, SETTLED, SLIDING, TOUCHING};
 use super::super::mechanism::{InverseMass, MechanismLink, Member, MemberState, place_rows};
 use super::super::row_mode::RowLaw;
 use super::gap_points::{GapPoint, point_velocity};
@@ -43,7 +43,11 @@ pub(super) struct GroupSolver {
     pub row_impulses: Vec<f64>,
     /// Residual of the last solve, m/s.
     pub residual: f64,
-    /// Solves that did not come to an end.
+    /// Residual, m/s, that solves lately could not get below: what stays as it is need not try again.
+    pub stalled: f64,
+    /// Whether it came to an end.
+    pub is_solved: bool,
+    /// Solves that did not.
     pub failures: u32,
     pub steps: u32,
     /// Points times factorisations.
@@ -194,7 +198,7 @@ impl GroupSolver {
     /// [`Self::row_impulses`], to a residual of `tolerance`, m/s; velocities of `states` are those without impulses, and with
     /// them on return.
     pub fn solve(&mut self, states: &mut [MemberState], gains: &[f64], row_gains: &[f64], tolerance: f64) {
-        self.residual = 0.0;
+        (self.residual, self.is_solved) = (0.0, true);
         if self.is_empty() {
             self.row_impulses.fill(0.0);
             return;
@@ -211,7 +215,13 @@ impl GroupSolver {
         self.row_impulses.fill(0.0);
         self.velocities.clear();
         self.velocities.extend(states.iter().take(self.bodies.len()).map(|state| [state.linear, state.angular]));
+        let tolerance = tolerance.max(self.stalled);
         let outcome = self.solver.solve(&mut self.velocities, &self.bias, &mut self.impulses, tolerance);
+        if outcome.end == ConeEnd::Enough {
+            self.stalled = SETTLED;
+        } else if outcome.steps > 0 {
+            self.stalled *= 0.5;
+        }
         for ((rows, sign), impulses) in self.axes.iter().zip(&self.impulses.joints) {
             for (row, impulse) in rows.iter().zip(impulses) {
                 row.iter().for_each(|&row| self.row_impulses[row as usize] = *impulse * sign);
@@ -220,7 +230,8 @@ impl GroupSolver {
         self.residual = outcome.residual;
         self.steps += outcome.steps;
         self.work += u64::from(outcome.steps) * (self.contacts.len() + self.joints.len()) as u64;
-        self.failures += u32::from(matches!(outcome.end, ConeEnd::Bounded | ConeEnd::NoRigidSolution));
+        self.is_solved = !matches!(outcome.end, ConeEnd::Bounded | ConeEnd::NoRigidSolution);
+        self.failures += u32::from(!self.is_solved);
         for (state, [linear, angular]) in states.iter_mut().zip(&self.velocities) {
             (state.linear, state.angular) = (*linear, *angular);
         }

@@ -264,7 +264,7 @@ impl SmoothStep {
         for _ in 0..MOST_FORECASTS {
             end.clone_from(kicked);
             positions.solve(end, gains, row_gains, tolerance);
-            if positions.residual * h > UNSOLVED && !given.is_rough {
+            if !positions.is_solved && positions.residual * h > UNSOLVED && !given.is_rough {
                 return false;
             }
             openings.clear();
