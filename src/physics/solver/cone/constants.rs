@@ -15,6 +15,8 @@ pub(super) const ENOUGH_RESIDUAL: f64 = 1e-8;
 pub(super) const STALLED: u32 = 3;
 /// The same where it is not enough.
 pub(super) const PATIENCE: u32 = 30;
+/// Residual, m/s, above which a solve that did not end well begins once more, from what is wedged.
+pub(super) const WEDGED: f64 = 1e-4;
 
 /// Share of the right-hand side that the defect of a linear system may be,
 pub(super) const SOLVED: f64 = 1e-10;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::constants::{ENOUGH_RESIDUAL, FIRST_SOFTNESS};
+use super::constants::{ENOUGH_RESIDUAL, FIRST_SOFTNESS, WEDGED};
 use super::newton::NewtonBuffers;
 use super::{
     ConeBody, ConeContact, ConeEnd, ConeJoint, ConeOutcome, ConePoint, Elimination, Iterate, PerPoint, Velocity, root,
@@ -103,7 +103,7 @@ impl ConeSolver {
         iterate.outcome.residual = f64::INFINITY;
         let is_guessed = iterate.impulses.iter().any(|impulse| *impulse != Vector3::zeros());
         let mut done = iterate.note().largest <= iterate.tolerance || iterate.proximal_points(buffers, is_guessed);
-        if !done && iterate.outcome.residual > ENOUGH_RESIDUAL && iterate.outcome.end != ConeEnd::NoRigidSolution {
+        if !done && iterate.outcome.residual > WEDGED && iterate.outcome.end != ConeEnd::NoRigidSolution {
             iterate.wedge(FIRST_SOFTNESS);
             done = iterate.note().largest <= iterate.tolerance || iterate.proximal_points(buffers, false);
         }
