@@ -1,10 +1,12 @@
 //! Machines of joints against their answers: linkages, motors, limits, bridges, towers, cars and figures.
 
 use std::convert::Infallible;
+use std::f64::consts::FRAC_PI_2;
 
+use bevy::math::DQuat;
 use plumb::lab::{Metrics, Plan, Simulation, measure};
-use plumb::physics::{BrokenJoint, SolverSettings};
-use plumb::scene::load;
+use plumb::physics::{BrokenJoint, SolverSettings, Velocity};
+use plumb::scene::{ShapeSpec, load};
 
 fn run(name: &str, parameters: &[(&str, f64)], settings: SolverSettings, seconds: Option<f64>) -> Metrics {
     let parameters: Vec<_> = parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
@@ -197,6 +199,28 @@ fn a_car_accelerates_by_its_motors_torques_over_its_inertia() {
         assert!(error < 1e-3, "{speed} rad/s: {error} m/s");
         assert!(metrics.sink_max_m < 1e-3, "{speed} rad/s: it sinks by {} m", metrics.sink_max_m);
     }
+}
+
+/// From 22 rad/s on, the steps of a wheel 0.25 m wide are such that it may reach the chassis 0.275 m beside it: a gap ahead
+/// is no brake.
+#[test]
+fn a_car_on_cylinders_goes_faster_with_each_step() {
+    let mut scene = load("car", &[("speed".to_owned(), 60.0)]).unwrap();
+    for wheel in scene.bodies.iter_mut().filter(|body| body.name.ends_with("wheel")) {
+        wheel.shape = Some(ShapeSpec::Cylinder { radius: 0.35, height: 0.25 });
+        wheel.rotation = DQuat::from_rotation_x(FRAC_PI_2);
+    }
+    let index = scene.bodies.iter().position(|body| body.name == "chassis").unwrap();
+    let mut simulation = Simulation::new(scene, game());
+    let chassis = simulation.entities().bodies[index];
+    let mut speed = 0.0;
+    for step in 0..480 {
+        simulation.step();
+        let now = simulation.world().get::<Velocity>(chassis).unwrap().linear.x;
+        assert!(now > speed - 1e-3, "from {speed} to {now} m/s in step {step}");
+        speed = now;
+    }
+    assert!(speed > 9.0, "{speed} m/s");
 }
 
 #[test]

@@ -106,6 +106,9 @@ impl DirectContact {
         }
         contact.expected = std::array::from_fn(|row| f64::from(impulses.0[POINTS + row]) * scale);
         contact.friction = contact.expected;
+        // What bears nothing holds nothing back: it may be a gap that is ahead.
+        let is_apart = contact.active_points().next().is_none();
+        (contact.is_sliding, contact.is_twisting) = (is_apart, is_apart);
         contact
     }
 
@@ -379,8 +382,9 @@ impl Rows for DirectContact {
         let friction = self.bounded(trial);
         let bound = |most: f64, slips: bool| if slips { most } else { most + tolerance };
         let size = length(trial[0], trial[1]);
-        let is_sliding = size > bound(self.limit, self.is_sliding);
-        let is_twisting = trial[2].abs() > bound(self.limit * self.radius, self.is_twisting);
+        let bears = load > 0.0;
+        let is_sliding = !bears || size > bound(self.limit, self.is_sliding);
+        let is_twisting = !bears || trial[2].abs() > bound(self.limit * self.radius, self.is_twisting);
         let moved = |row: usize| (friction[row] - self.friction[row]).abs();
         holds &= [is_sliding, is_twisting] == [self.is_sliding, self.is_twisting];
         holds &= !is_sliding || moved(0).max(moved(1)) <= tolerance;

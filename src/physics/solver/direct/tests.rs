@@ -25,13 +25,18 @@ struct Sample {
 }
 
 fn sample(random: &mut Random, impulses: [f32; 8]) -> Sample {
+    sample_ahead(random, impulses, 0.0)
+}
+
+/// With a gap, m.
+fn sample_ahead(random: &mut Random, impulses: [f32; 8], gap: f64) -> Sample {
     let turns: [UnitQuaternion<f64>; 2] = [random.rotation(), random.rotation()];
     let axes = turns.map(|turn| turn.to_rotation_matrix().into_inner());
     let apart = random.direction() * 1.5;
     let local_normal = random.direction();
     let local_tangent = tangents(&local_normal)[0];
     let on_a: Vec<Vector3<f64>> = (0..3).map(|_| random.vector()).collect();
-    let points = on_a.iter().map(|&a| (a, axes[1].transpose() * (axes[0] * a - apart)));
+    let points = on_a.iter().map(|&a| (a, axes[1].transpose() * (axes[0] * (a + local_normal * gap) - apart)));
     let geometry = ContactGeometry::new(&local_normal, &local_tangent, 0.7, 3, points);
     let state = ContactState { geometry, impulses: Record(impulses) };
     let mut rows = DirectContact::new(&state, &axes, &apart, [0.0, 1.0]);
@@ -133,6 +138,21 @@ fn the_stiffness_of_a_contact_is_that_of_its_rows() {
         let energy = energy(&blocks_of(&sample.rows), &v);
         let expected: f64 = rows(&sample).iter().map(|row| penalty * row.dot(&v).powi(2)).sum();
         assert!((energy - expected).abs() < 1e-6 * expected, "{energy} instead of {expected}");
+    }
+}
+
+#[test]
+fn a_contact_that_bears_nothing_holds_nothing_back() {
+    let mut random = Random::new(11);
+    for _ in 0..20 {
+        let mut sample = sample_ahead(&mut random, [0.0; 8], 0.2);
+        name(&mut sample.rows.sides);
+        for motion in [Twist::zero(), Twist { linear: random.vector(), angular: random.vector() }] {
+            let v = SVector::<f64, 12>::from_fn(|_, _| random.within(-1.0, 1.0));
+            assert_eq!(energy(&blocks_of(&sample.rows), &v), 0.0);
+            assert_eq!(sample.rows.impulse_at_rest(), Wrench::zero());
+            assert!(sample.rows.take(&motion, 1e-9), "nothing changes for what it bears");
+        }
     }
 }
 
