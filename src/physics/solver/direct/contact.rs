@@ -106,9 +106,7 @@ impl DirectContact {
         }
         contact.expected = std::array::from_fn(|row| f64::from(impulses.0[POINTS + row]) * scale);
         contact.friction = contact.expected;
-        // What bears nothing holds nothing back: it may be a gap that is ahead.
-        let is_apart = contact.active_points().next().is_none();
-        (contact.is_sliding, contact.is_twisting) = (is_apart, is_apart);
+        contact.release_apart();
         contact
     }
 
@@ -121,6 +119,21 @@ impl DirectContact {
             }
         }
         (self.is_sliding, self.is_twisting, self.across) = (before.is_sliding, before.is_twisting, before.across);
+    }
+
+    /// What bears nothing holds nothing back: it may be a gap that is ahead.
+    fn release_apart(&mut self) {
+        let is_apart = self.active_points().next().is_none();
+        (self.is_sliding, self.is_twisting) = (is_apart, is_apart);
+    }
+
+    /// Has those points act that come together within the substep by a relative motion, besides those that do.
+    pub fn foresee(&mut self, motion: &Twist<f64>) {
+        for point in &mut self.points[..self.count] {
+            let approach = -(self.normal.dot(&motion.linear) + point.lever.dot(&motion.angular));
+            point.is_active |= point.separation * self.per_step < approach;
+        }
+        self.release_apart();
     }
 
     /// Goes on from what a substep of length `h`, s, did, with the geometry that it has: points part as they moved.

@@ -239,13 +239,19 @@ impl DirectIsland {
         }
     }
 
+    /// Has contacts foresee the substep that begins by the motion at its start.
+    pub(super) fn foresee(&mut self, world: &impl World) {
+        self.take_velocities(world);
+        let Self { contact_rows, elimination, velocity, .. } = self;
+        for rows in contact_rows {
+            rows.foresee(&relative_motion(elimination, velocity, rows, &rows.prescribed));
+        }
+    }
+
     /// Has contacts bounce that come together faster than `least`, m/s, in the substep that begins; `penalty` is that of
     /// the others, over the mass of the island.
     pub(super) fn bounce(&mut self, world: &impl World, least: f64, penalty: f64) {
-        for (local, &member) in self.members.iter().enumerate() {
-            let Body { linear, angular, .. } = world.body(member);
-            self.velocity[self.elimination.place(local as u32) as usize] = body_vector(linear, angular);
-        }
+        self.take_velocities(world);
         let mass: f64 = self.members.iter().map(|&member| world.body(member).mass).sum();
         let Self { contact_rows, elimination, velocity, .. } = self;
         for rows in contact_rows {

@@ -145,7 +145,7 @@ impl DirectIsland {
     }
 
     /// Takes in the velocities of members.
-    fn take_velocities(&mut self, world: &impl World) {
+    pub(super) fn take_velocities(&mut self, world: &impl World) {
         for (local, &member) in self.members.iter().enumerate() {
             let Body { linear, angular, .. } = world.body(member);
             let place = self.place(local);

@@ -155,6 +155,7 @@ impl DirectIsland {
         }
         if is_first || turns_far {
             self.make_turned_rows(world, [h, replaces, MOTION_CONTACT_PENALTY], is_first);
+            self.foresee(world);
         }
         if self.bounces {
             self.bounce(world, terms.restitution_speed, MOTION_CONTACT_PENALTY);
