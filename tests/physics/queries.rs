@@ -335,6 +335,36 @@ fn what_overlaps_has_no_plane_between_for_many() {
     compare_overlaps(MANY);
 }
 
+/// Along normals, too, that its mesh does not have where it is touched.
+#[test]
+fn what_is_round_overlaps_a_mesh_from_all_sides() {
+    let mut dice = Dice::new(6);
+    let mut touched = 0;
+    for _ in 0..40 {
+        Scattered::new(&mut dice, KINDS, 0.5).ask(|query, bodies, solids| {
+            let mesh = 7;
+            let only = |other: Entity| other == bodies[mesh];
+            let filter = QueryFilter { accepts: Some(&only), ..default() };
+            for turn in 0..400 {
+                let collider = dice.collider([2, 4, 5][turn % 3]);
+                let (position, rotation) = (dice.vector(1.0), dice.rotation());
+                let placed =
+                    PlacedCollider { collider: &collider, position: Position(position), rotation: Rotation(rotation) };
+                let own = solids_of(&collider, position, rotation);
+                let least = apart(&own, DVec3::ZERO, &solids[mesh], None);
+                let touches = query.overlap(&placed, &filter).is_some();
+                assert!(
+                    if touches { least <= GRAZING } else { least >= -GRAZING },
+                    "{} at {position} turned by {rotation} overlaps: {touches}, but is {least} apart",
+                    brief(&collider)
+                );
+                touched += u32::from(touches);
+            }
+        });
+    }
+    assert!((4000..12000).contains(&touched), "{touched} of 16000 touch it");
+}
+
 /// Questions about so many bodies at once, against each of them alone.
 fn compare_among_many(worlds: u64) {
     for (seed, count) in (0..worlds).flat_map(|seed| [1, 3, 30, 300].map(|count| (seed, count))) {

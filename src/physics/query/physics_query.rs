@@ -139,7 +139,9 @@ impl PhysicsQuery<'_> {
     /// Hands the bodies that one overlaps or touches to `take`, itself left out, which tells whether to go on.
     fn touching<'q>(&'q self, body: &Body, filter: &QueryFilter, mut take: impl FnMut(&'q Body) -> bool) {
         let (index, bounds) = (self.index(), box_of(body));
-        let (mut search, mut points, mut parts) = (PairSearch::default(), Vec::new(), Vec::new());
+        // A triangle is touched whatever normal its mesh has there.
+        let mut search = PairSearch { any_normal: true, is_sheet: true, ..PairSearch::default() };
+        let (mut points, mut parts) = (Vec::new(), Vec::new());
         let mut touch_in = |other: &Body, parts: PartPair| {
             let solids = [solid_of(body, parts.a, &other.position), solid_of(other, parts.b, &other.position)];
             if let [Some(one), Some(other)] = &solids

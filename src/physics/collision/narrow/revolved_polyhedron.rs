@@ -176,34 +176,38 @@ impl<R: Revolved, P: Polyhedron> Test<'_, R, P> {
 }
 
 impl<R: Revolved, P: Polyhedron> ShapePair<'_, R, P> {
-    /// Where the polyhedron is part of a surface: along the least normal if the surface has it, else along that of its face,
-    /// if anything is over that.
+    /// Where the polyhedron is part of a surface: along a normal that the surface has, the preferred one if anything is
+    /// between the faces there, or else the least, or else along that of its face, if anything is over that.
     fn touch_surface(&self, found: &Found, search: &mut PairSearch) -> Option<Overlap> {
-        let &Self { b: other, b_in_a, scale, .. } = self;
-        let least = if other.face_instead(&-b_in_a.enter(&found.preferred.normal)).is_none() {
-            found.preferred
-        } else {
-            found.least
-        };
-        let least = match other.face_instead(&-b_in_a.enter(&least.normal)) {
-            None => least,
-            Some(face) => {
-                let normal = self.out_of_a(other.face(face).normal);
-                let depth = scale.rounded(self.depth_along(&normal));
-                if scale.separates(depth) {
-                    return None;
-                }
-                Least { normal, depth, feature: Feature::FaceOfB(face as u32) }
-            }
-        };
-        let is_any = match least.feature.face() {
-            Some((of_b, face)) => self.clip_to_face(of_b, face, least.depth, &mut search.clip),
+        let Found { preferred, least } = found;
+        let has = |normal: &Vector3<f64>| self.b.face_instead(&-self.b_in_a.enter(normal)).is_none();
+        if has(&preferred.normal) && self.finds_points(preferred, &mut search.clip) {
+            return Some(Overlap { normal: preferred.normal, depth: preferred.depth });
+        }
+        let least = if has(&least.normal) { *least } else { self.along_face(least)? };
+        let is_any = self.finds_points(&least, &mut search.clip);
+        is_any.then_some(Overlap { normal: least.normal, depth: least.depth })
+    }
+
+    /// Along the normal of the face of the surface, instead of one that it does not have; none if they are apart by more
+    /// than the gap there.
+    fn along_face(&self, least: &Least) -> Option<Least> {
+        let face = self.b.face_instead(&-self.b_in_a.enter(&least.normal))?;
+        let normal = self.out_of_a(self.b.face(face).normal);
+        let depth = self.scale.rounded(self.depth_along(&normal));
+        let along_face = Least { normal, depth, feature: Feature::FaceOfB(face as u32) };
+        (!self.scale.separates(depth)).then_some(along_face)
+    }
+
+    /// Leaves the points that an axis has in the buffers, and tells whether there are any.
+    fn finds_points(&self, least: &Least, clip: &mut ClipBuffers) -> bool {
+        match least.feature.face() {
+            Some((of_b, face)) => self.clip_to_face(of_b, face, least.depth, clip),
             None => {
-                self.smooth_point(&least, &mut search.clip);
+                self.smooth_point(least, clip);
                 true
             }
-        };
-        is_any.then_some(Overlap { normal: least.normal, depth: least.depth })
+        }
     }
 
     /// The depth along the flank's normal that a vertex lies deepest behind, and that normal. None

@@ -79,3 +79,41 @@ fn no_part_that_touches_a_facet_is_left_out_and_few_others_are_looked_at() {
     }
     assert!(touching > 500 && looked_at < 25_000, "{looked_at} looked at, {touching} touch");
 }
+
+/// A surface has normals of its own where edges meet; what is round, and overlaps it, finds one of them with some facet.
+#[test]
+fn what_is_round_touches_a_surface_along_a_normal_that_the_surface_has() {
+    let mut random = Random::new(63);
+    let (mut near, mut search, mut points) = (Vec::new(), PairSearch::default(), Vec::new());
+    let (mut overlapping, mut lost) = (0, 0);
+    for case in 0..12_000 {
+        let ends =
+            [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| [1.0, -1.0].map(|side| axis * (side * random.within(0.2, 1.5))));
+        let vertices: Vec<DVec3> = ends.into_iter().flatten().collect();
+        let triangle = |octant: u32| {
+            let [x, y, z] = [0, 1, 2].map(|axis| 2 * axis + (octant >> axis & 1));
+            if octant.count_ones().is_multiple_of(2) { [x, y, z] } else { [x, z, y] }
+        };
+        let triangles: Vec<[u32; 3]> = (0..8).map(triangle).collect();
+        let mesh = body(
+            &Collider::mesh(TriangleMesh::new(&vertices, &triangles).expect("eight triangles")),
+            Vector3::zeros(),
+            random.rotation(),
+        );
+        let round = body(&solid(&mut random, 2 + case % 2), random.vector() * 1.2, random.rotation());
+        parts_within(&mesh, &round, 0.0, &mut near);
+        let mut touches = |any_normal: bool, near: &[PartPair]| {
+            (search.any_normal, search.is_sheet) = (any_normal, any_normal);
+            near.iter().any(|&parts| {
+                points.clear();
+                search.last = None;
+                touch([&mesh, &round], parts, 0.0, &mut search, &mut points).is_some_and(|found| found.depth > 1e-3)
+            })
+        };
+        if touches(true, &near) {
+            overlapping += 1;
+            lost += u32::from(!touches(false, &near));
+        }
+    }
+    assert!(overlapping > 2000 && lost * 400 < overlapping, "{lost} of {overlapping} are lost");
+}
