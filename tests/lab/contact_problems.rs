@@ -169,8 +169,8 @@ fn the_measure_knows_joints_and_bounds() {
         bias: DVec3::ZERO,
         guess: DVec3::ZERO,
     };
-    let (all, some) = ((f64::NEG_INFINITY, f64::INFINITY), (-0.3, 0.3));
-    // 0.8 N s stop it; with at most 0.3 it goes on at 0.25 m/s.
+    let (all, some, least) = ((f64::NEG_INFINITY, f64::INFINITY), (-0.3, 0.3), (-2.0, -0.9));
+    // 0.8 N s stop it; with at most 0.3 it goes on at 0.25 m/s; with at least 0.9 it turns back.
     for (bounds, impulse, off) in [
         (all, -0.8, 0.0),
         (all, -0.3, 0.25),
@@ -178,6 +178,7 @@ fn the_measure_knows_joints_and_bounds() {
         (some, -0.2, 0.05),
         (some, 0.3, 0.3),
         (some, -0.8, 0.25),
+        (least, -0.9, 0.0),
     ] {
         problem.joints = vec![hold(bounds)];
         let impulses = Impulses { contacts: vec![], joints: vec![DVec3::X * impulse] };
@@ -188,7 +189,7 @@ fn the_measure_knows_joints_and_bounds() {
 
 #[test]
 fn a_run_writes_its_hardest_problems_and_is_the_same_without() {
-    let plan = Plan::new("limbs", &[], SolverSettings::accurate(), Some(0.5)).unwrap();
+    let plan = Plan::new("card_house", &[], SolverSettings::accurate(), Some(0.1)).unwrap();
     let mut simulations = [true, false].map(|keeps| {
         let mut simulation = Simulation::new(plan.scene.clone(), plan.settings);
         if keeps {
@@ -205,14 +206,14 @@ fn a_run_writes_its_hardest_problems_and_is_the_same_without() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path().join("new").display().to_string();
     let output = std::process::Command::new(env!("CARGO_BIN_EXE_plumb"))
-        .args(["run", "limbs", "--preset", "accurate", "--seconds", "0.5", "--problems", &at])
+        .args(["run", "card_house", "--preset", "accurate", "--seconds", "0.1", "--problems", &at])
         .output()
         .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let files = contact_problem_files(Path::new(&at)).unwrap();
     assert!((3..=10).contains(&files.len()), "{files:?}");
     for HardProblem { step, iterations, problem, .. } in kept.list() {
-        let path = Path::new(&at).join(format!("limbs-{step:05}-{iterations}.txt"));
+        let path = Path::new(&at).join(format!("card_house-{step:05}-{iterations}.txt"));
         assert_eq!(&read_contact_problem(&path).unwrap(), problem, "{}", path.display());
     }
 }
