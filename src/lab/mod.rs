@@ -4,6 +4,7 @@
 mod angle;
 pub mod chart;
 pub mod command;
+mod contact_problem;
 pub mod fit;
 mod joined;
 pub mod map;
@@ -24,6 +25,7 @@ mod whole_file;
 
 pub use crate::physics::BodyState;
 pub use angle::turn_between;
+pub use contact_problem::{ContactProblemError, contact_problem_files, read_contact_problem, write_contact_problem};
 pub use metrics::{
     ContactResidual, EnergyMetrics, ExactCounts, JointGap, JointLoadMax, LimitOvershoot, Metrics, MomentumMetrics,
     Shares, StepCounts, StepMilliseconds, TruthMetrics, widest_gap_of_limb,

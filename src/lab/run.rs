@@ -1,5 +1,7 @@
 //! Running a plan without a window and measuring what it does.
 
+use bevy::prelude::World;
+
 use super::metrics::{Meter, Metrics};
 use super::plan::Plan;
 use super::simulation::{Sample, Simulation};
@@ -11,12 +13,17 @@ use super::truth;
 /// # Errors
 /// Those of `watch`.
 pub fn measure<E>(plan: &Plan, mut watch: impl FnMut(&Sample) -> Result<(), E>) -> Result<Metrics, E> {
-    measure_world(plan, |simulation| watch(&simulation.sample()))
+    measure_world(plan, |_| {}, |simulation| watch(&simulation.sample()))
 }
 
-/// The same; `watch` sees all of the world.
-pub(super) fn measure_world<E>(plan: &Plan, mut watch: impl FnMut(&Simulation) -> Result<(), E>) -> Result<Metrics, E> {
+/// The same; `begin` sees the world before the first step, `watch` all of it.
+pub(super) fn measure_world<E>(
+    plan: &Plan,
+    begin: impl FnOnce(&mut World),
+    mut watch: impl FnMut(&Simulation) -> Result<(), E>,
+) -> Result<Metrics, E> {
     let mut simulation = Simulation::new(plan.scene.clone(), plan.settings);
+    begin(simulation.world_mut());
     let known = plan.built_in.then(|| truth::of(&plan.scene, &plan.settings)).flatten();
     let truth = known
         .map(Ok)

@@ -21,10 +21,12 @@ mod collision;
 mod columns;
 mod constraint;
 mod contact;
+mod contact_problem;
 mod diagnostics;
 mod disjoint_sets;
 mod events;
 mod grouped;
+mod hard_problems;
 mod island;
 pub mod joint;
 mod lanes;
@@ -68,6 +70,8 @@ pub(crate) use collision::{
     BoundingBox, ContactGraph, ContactPoint, Contacts, FeatureId, GONE, LaggedContacts, Manifold, NearPairs, Pair,
     PairSearch, VectorSet,
 };
+pub use contact_problem::{ContactProblem, ProblemBody, ProblemContact, ProblemJoint};
+pub use hard_problems::{HardProblem, HardProblems};
 pub(crate) use island::Islands;
 pub use joint::{
     BallJoint, BodyState, Breakable, BrokenJoint, Constraint, ConstraintRow, ConstraintRows, DistanceJoint,

@@ -39,7 +39,7 @@ pub(super) fn refuses(arguments: &[&str], says: &[&str]) {
 }
 
 /// A folder for one test with one file in it; and the file's path.
-fn file(name: &str, text: &str) -> (tempfile::TempDir, String) {
+pub(super) fn file(name: &str, text: &str) -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     fs::write(&path, text).unwrap();

@@ -3,6 +3,7 @@
 mod accurate;
 mod accurate_contact;
 mod command_line;
+mod contact_problems;
 mod export;
 mod heavy;
 mod joint_errors;

@@ -89,6 +89,9 @@ pub(super) struct RunArguments {
     /// Write a recording to this file, which 'plumb replay' runs again
     #[arg(long, value_name = "FILE.plumb")]
     pub record: Option<PathBuf>,
+    /// Write the ten hardest contact problems that 'accurate' solved, of ten steps, to this folder, a text file each
+    #[arg(long, value_name = "DIR")]
+    pub problems: Option<PathBuf>,
     /// Print one JSON object instead of a summary
     #[arg(long)]
     pub json: bool,

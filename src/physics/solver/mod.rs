@@ -20,10 +20,11 @@ pub(crate) use sweeps::IslandSolvers;
 
 use bevy::prelude::*;
 
+use super::HardProblems;
 use super::rewind::Keep;
 use super::solve_trace::SolveTrace;
 
 pub(super) fn plugin(app: &mut App) {
-    app.keep_resource::<SolveTrace>();
+    app.keep_resource::<SolveTrace>().keep_resource::<HardProblems>();
     app.add_plugins((sweeps::plugin, impulse::plugin, exact::plugin));
 }

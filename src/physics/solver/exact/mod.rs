@@ -40,6 +40,7 @@ pub(crate) use self::contact::PointForce;
 use self::contact::{ContactGroup, ContactTerms};
 use self::exact_group::ExactGroup;
 pub(super) use self::mechanism::{Coupling, Couplings, MemberState, links_at};
+use crate::physics::HardProblems;
 use crate::physics::body::Bodies;
 use crate::physics::collision::{ContactGraph, Contacts};
 use crate::physics::contact::restitution_threshold;
@@ -108,7 +109,8 @@ fn solve_exactly(
     mut graph: ResMut<ContactGraph>,
     mut groups: ResMut<ExactGroups>,
     settings: Res<SolverSettings>,
-    (mut stats, mut trace): (ResMut<StepStats>, Option<ResMut<SolveTrace>>),
+    mut stats: ResMut<StepStats>,
+    (mut trace, mut hard): (Option<ResMut<SolveTrace>>, Option<ResMut<HardProblems>>),
     read: Query<(), Or<(With<JointLoad>, With<Breakable>)>>,
 ) {
     let ExactGroups { list, used } = &mut *groups;
@@ -126,6 +128,7 @@ fn solve_exactly(
         restitution_speed: restitution_threshold(&settings),
         reads_loads: !read.is_empty(),
         traces: trace.is_some(),
+        keeps_hardest: hard.is_some(),
     };
     {
         let (bodies, joints, graph) = (&*bodies, &*joints, &*graph);
@@ -150,6 +153,10 @@ fn solve_exactly(
         trace.begin_step(stats.steps + 1);
         let groups = list.iter().flat_map(ExactGroup::contact_groups);
         groups.for_each(|group| trace.residuals.take_in(&group.residuals));
+    }
+    if let Some(hard) = &mut hard {
+        let groups = list.iter().flat_map(ExactGroup::contact_groups);
+        hard.take_in(stats.steps + 1, groups.flat_map(ContactGroup::hardest));
     }
     graph.keep_forces(list.iter().flat_map(ExactGroup::contact_groups).flat_map(ContactGroup::last_forces));
 }

@@ -25,6 +25,7 @@ use super::impacts::{Impacts, approach};
 use super::joint_gaps::JointGaps;
 use super::limit_rows::LimitRows;
 use super::smooth_step::{SmoothStep, SmoothTerms, place};
+use crate::physics::HardProblem;
 use crate::physics::body::{Bodies, Body, SurfaceMaterial};
 use crate::physics::collision::{ContactGraph, FeatureId, Pair, PairKey, closing_distance};
 use crate::physics::constraint::row::Wrench;
@@ -78,6 +79,8 @@ pub(crate) struct ContactTerms {
     pub reads_loads: bool,
     /// Whether somebody reads the residuals of iterations.
     pub traces: bool,
+    /// Whether somebody wants the hardest solves.
+    pub keeps_hardest: bool,
 }
 
 /// Bodies in reach of each other, and what joints hold to them.
@@ -204,7 +207,10 @@ impl ContactGroup {
     pub fn step(&mut self, terms: &ContactTerms, graph: &ContactGraph) {
         self.effort = StepEffort::default();
         let solvers = [&mut self.smooth.positions, &mut self.smooth.velocities, &mut self.impacts.solver];
-        solvers.into_iter().for_each(|solver| solver.trace(terms.traces));
+        for solver in solvers {
+            solver.trace(terms.traces);
+            solver.keep_hardest(terms.keeps_hardest);
+        }
         self.loads.clear();
         let last_loads = std::mem::take(&mut self.joint_loads);
         self.joint_loads.resize(last_loads.len(), Wrench::zero());
@@ -225,6 +231,12 @@ impl ContactGroup {
             effort.unsettled += std::mem::take(&mut solver.failures);
             solver.work = 0;
         }
+    }
+
+    /// The hardest solves of the step, if they are kept.
+    pub fn hardest(&self) -> impl Iterator<Item = &HardProblem> {
+        let solvers = [&self.smooth.positions, &self.smooth.velocities, &self.impacts.solver];
+        solvers.into_iter().filter_map(GroupSolver::hardest)
     }
 
     /// Its bodies that move.

@@ -6,6 +6,8 @@ use super::super::constants::{MOST_FACTORISATIONS, MOST_POINT_FACTORISATIONS, SE
 use super::super::mechanism::{InverseMass, MechanismLink, Member, MemberState, place_rows};
 use super::super::row_mode::RowLaw;
 use super::gap_points::{GapPoint, point_velocity};
+use super::hardest_solve::HardestSolve;
+use crate::physics::HardProblem;
 use crate::physics::constraint::row::Wrench;
 use crate::physics::joint::JointRow;
 use crate::physics::solve_trace::Residuals;
@@ -52,6 +54,8 @@ pub(super) struct GroupSolver {
     pub steps: u32,
     /// Points times factorisations.
     pub work: u64,
+    /// The step's hardest solve, while somebody wants it.
+    hardest: Option<HardestSolve>,
 }
 
 impl GroupSolver {
@@ -184,6 +188,16 @@ impl GroupSolver {
         self.solver.residuals()
     }
 
+    /// Has the hardest of the solves to come kept, or not.
+    pub fn keep_hardest(&mut self, keeps: bool) {
+        self.hardest = keeps.then(HardestSolve::default);
+    }
+
+    /// The hardest since, if it is kept and any took an iteration.
+    pub fn hardest(&self) -> Option<&HardProblem> {
+        self.hardest.as_ref()?.problem.as_ref()
+    }
+
     /// Whether a step has taken its share of work here.
     pub fn is_spent(&self) -> bool {
         self.steps >= MOST_FACTORISATIONS && self.work >= MOST_POINT_FACTORISATIONS
@@ -216,7 +230,15 @@ impl GroupSolver {
         self.velocities.clear();
         self.velocities.extend(states.iter().take(self.bodies.len()).map(|state| [state.linear, state.angular]));
         let tolerance = tolerance.max(self.stalled);
+        if let Some(hardest) = &mut self.hardest {
+            hardest.begin(&self.velocities, &self.impulses);
+        }
         let outcome = self.solver.solve(&mut self.velocities, &self.bias, &mut self.impulses, tolerance);
+        if let Some(hardest) = &mut self.hardest {
+            let (iterations, residual) = (outcome.steps, outcome.residual);
+            let told = HardProblem { iterations, tolerance, residual, ..HardProblem::default() };
+            hardest.end(&self.bodies, &self.contacts, &self.joints, &self.bias, told);
+        }
         if outcome.end == ConeEnd::Enough {
             self.stalled = SETTLED;
         } else if outcome.steps > 0 {

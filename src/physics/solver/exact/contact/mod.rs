@@ -3,11 +3,13 @@
 //!
 //! [`contact_group`] takes bodies in reach of each other through a step: joints that somebody left apart
 //! ([`joint_gaps`]), contact points ([`gap_points`]), impacts ([`impacts`]) and steps between them ([`smooth_step`]), all
-//! of which solve by the cone solver ([`group_solver`]).
+//! of which solve by the cone solver ([`group_solver`]). The hardest of these solves are kept for whoever wants them
+//! ([`hardest_solve`]).
 
 mod contact_group;
 mod gap_points;
 mod group_solver;
+mod hardest_solve;
 mod impacts;
 mod joint_gaps;
 mod limit_rows;
