@@ -69,7 +69,7 @@ pub(super) const RIVAL_MARGIN: f64 = 1e-4;
 
 /// The same where overlaps are to be told exactly: a choice of another axis than before must not make an overlap of what
 /// touched. More than rounding, by which edges that lie in faces would win over these.
-/// Seen by: cuts of steps of `heap` by `accurate`.
+/// `gaps::another_axis_makes_no_overlap_where_the_least_is_asked_for`.
 pub(super) const EXACT_RIVAL_MARGIN: f64 = 1e-8;
 
 /// What bounds leave out is worse by this share of the bounding radii: far more than rounding.

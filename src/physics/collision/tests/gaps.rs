@@ -417,3 +417,39 @@ fn touching_points_are_kept_before_far_ones() {
         }
     }
 }
+
+/// Moved by so little, an overlap changes by no more where the least is asked for, whatever axis it is along; where faces
+/// are preferred it jumps by some of the margin that they have.
+#[test]
+fn another_axis_makes_no_overlap_where_the_least_is_asked_for() {
+    const STEP: f64 = 1e-5;
+    let mut random = Random::new(11);
+    let mut worst = [0.0_f64; 2];
+    for case in 0..150 {
+        let [a, b] = [0, 1].map(|_| random_body(&mut random, [1, 4][case % 2]));
+        let (a, b) = (at(Vector3::zeros(), &a), at(Vector3::zeros(), &b));
+        let normal = random.direction();
+        let mut touching = normal * (0.5 * (reach(&a, &normal) + reach(&b, &-normal)));
+        for _ in 0..3 {
+            let (overlap, _) = touch_within(0.5, &a, &at(touching, &b)).expect("they are near");
+            touching += overlap.normal * overlap.depth;
+        }
+        let across = normal.cross(&random.direction()).normalize();
+        for (is_exact, worst) in [true, false].into_iter().zip(&mut worst) {
+            let mut search = PairSearch { is_exact, ..PairSearch::default() };
+            let mut before: Option<f64> = None;
+            for step in -400..400 {
+                let moved = at(touching + across * (STEP * f64::from(step)), &b);
+                let found = contact_pair::touch([&a, &moved], PartPair::default(), 0.05, &mut search, &mut Vec::new());
+                let depth = found.map(|overlap| overlap.depth);
+                if let (Some(depth), Some(before)) = (depth, before) {
+                    *worst = worst.max((depth - before).abs());
+                }
+                before = depth;
+            }
+        }
+    }
+    let [exact, preferred] = worst;
+    assert!(exact < 1.1 * STEP, "{exact:e}");
+    assert!(preferred > 4.0 * STEP, "no case was one: {preferred:e}");
+}
