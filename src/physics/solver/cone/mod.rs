@@ -26,7 +26,8 @@
 //! Proximal points of the projection on the cone took a fifth more time than those of Alart & Curnier's map: its derivative
 //! by the shift jumps where points stick. With λ eliminated, λ = C(λ_k − (ρ/ε) u), they took twice the time. With the shift
 //! held in each of them (a convex problem, a symmetric matrix) those of boxes at rest did not converge. A line search that
-//! insists on less |F| took half as many iterations again. Gauss–Seidel sweeps between proximal points gained nothing.
+//! insists on less |F| took half as many iterations again. Gauss–Seidel sweeps between proximal points gained nothing, nor did
+//! hundreds of them after the last: of 264 problems that stop just above 1e-8 m/s they bring two below.
 
 mod constants;
 mod iterate;
