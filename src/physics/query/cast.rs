@@ -9,15 +9,15 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::clear_way::{Clear, Outline, Solid, clear_way};
 use crate::physics::box_tree::Way;
-use crate::physics::collision::{PartPair, place, touch};
+use crate::physics::collision::{PartPair, place_at_part, touch};
 use crate::physics::shape::{PartList, Parts};
 use crate::physics::{Body, ContactPoint, Geometry, PairSearch};
 
 /// Looks at most; what grazes takes many.
 const LOOKS: usize = 64;
 
-/// Times that a contact point is moved into both shapes: fewer, but where edges cross at a small angle.
-const PROJECTIONS: usize = 64;
+/// Times that a contact point is moved into both shapes, twice each: mostly one or two.
+const PROJECTIONS: usize = 32;
 
 /// Part of its radius by which shapes may be farther apart than is known, where something is sought between them.
 const MARGIN: f64 = 1e-6;
@@ -192,7 +192,7 @@ impl Advanced {
                 let deepest = points.iter().max_by(|one, other| one.depth.total_cmp(&other.depth))?.point;
                 // A face was preferred to edges that are apart by little more than it.
                 let Some(left) = left_apart([at, other], parts, search, points).filter(|_| !is_last) else {
-                    let point = common_point([at, other], deepest);
+                    let point = common_point([at, other], parts, deepest);
                     return Some(Impact { distance, point, normal: -overlap.normal });
                 };
                 distance += left;
@@ -237,25 +237,41 @@ pub(super) fn solid_of<'b>(body: &'b Body, part: u32, from: &Vector3<f64>) -> Op
     }
 }
 
-/// A point of both bodies, which touch, near one where a contact point is, which may be beside a side of a face by a little:
-/// the nearest point of each, of one after the other (von Neumann's alternating projections).
-fn common_point([mover, other]: [&Body; 2], mut point: Vector3<f64>) -> Vector3<f64> {
+/// A point of both bodies' parts, which touch, near one where a contact point is, which may be beside a side of a face by a
+/// little: the nearest point of each, of one after the other (von Neumann's alternating projections). Where edges cross at a
+/// small angle that comes nearer by as small a share each time, so that the limit of such a sequence is tried (Aitken's Δ²).
+fn common_point(bodies: [&Body; 2], parts: PartPair, start: Vector3<f64>) -> Vector3<f64> {
+    let enough = SLACK * bodies[0].radius;
+    let (mut point, mut best) = (start, (start, f64::INFINITY));
     for _ in 0..PROJECTIONS {
-        let mut moved = 0.0_f64;
-        for body in [mover, other] {
-            let Some(geometry) = &body.geometry else { return point };
-            let local = body.rotation.inverse_transform_vector(&(point - body.position));
-            let (normal, height) = place(geometry, &local, body.radius);
-            if height > 0.0 {
-                point -= body.rotation * (normal * height);
-                moved = moved.max(height);
-            }
+        let first = projected(bodies, parts, point).0;
+        let (second, off) = projected(bodies, parts, first);
+        if off < best.1 {
+            best = (second, off);
         }
-        if moved <= SLACK * mover.radius {
+        if off <= enough {
             break;
         }
+        let [before, after] = [first - point, second - first];
+        let share = after.dot(&before) / before.norm_squared();
+        point = if share > 0.0 && share < 1.0 { second + after * (share / (1.0 - share)) } else { second };
     }
-    point
+    best.0
+}
+
+/// The nearest point of the first's part, then of the second's to that, and by how much the farther of both was off.
+fn projected([mover, other]: [&Body; 2], parts: PartPair, mut point: Vector3<f64>) -> (Vector3<f64>, f64) {
+    let mut off = 0.0_f64;
+    for (body, part) in [(mover, parts.a), (other, parts.b)] {
+        let Some(geometry) = &body.geometry else { continue };
+        let local = body.rotation.inverse_transform_vector(&(point - body.position));
+        let (normal, height) = place_at_part(geometry, part, &local, body.radius);
+        if height > 0.0 {
+            point -= body.rotation * (normal * height);
+            off = off.max(height);
+        }
+    }
+    (point, off)
 }
 
 /// How far parts are apart at least, m, along any of the axes there are for them; none if they are not.

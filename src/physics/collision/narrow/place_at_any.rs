@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::{ball, triangle};
-use crate::physics::shape::{PartList, Parts};
+use crate::physics::shape::{PartList, Parts, Solid};
 use crate::physics::{BoundingBox, Geometry};
 
 /// The unit normal out of a shape of that bounding radius along the shortest way between its surface and a point in its
@@ -13,6 +13,24 @@ pub(crate) fn place(shape: &Geometry, point: &Vector3<f64>, radius: f64) -> (Vec
         Geometry::Parts(parts) => place_at_parts(parts, point),
         _ => ball::place(shape, point, radius),
     }
+}
+
+/// The same of that part of a shape alone, where it has parts; of a facet of many triangles, of the whole mesh.
+pub(crate) fn place_at_part(shape: &Geometry, part: u32, point: &Vector3<f64>, radius: f64) -> (Vector3<f64>, f64) {
+    let Geometry::Parts(parts) = shape else { return ball::place(shape, point, radius) };
+    match &parts.list {
+        PartList::Triangles(mesh) => match mesh.only_triangle(part) {
+            Some(triangle) => triangle::place(&mesh.get(triangle), point),
+            None => place_at_parts(parts, point),
+        },
+        PartList::Solids(solids) => place_at_solid(&solids[part as usize], point),
+    }
+}
+
+fn place_at_solid(solid: &Solid, point: &Vector3<f64>) -> (Vector3<f64>, f64) {
+    let local = solid.rotation.inverse_transform_vector(&(point - solid.position));
+    let (normal, height) = ball::place(&solid.geometry, &local, solid.radius);
+    (solid.rotation * normal, height)
 }
 
 /// At the nearest of the parts; from a mesh, which has no inside, every point is away.
@@ -37,12 +55,7 @@ fn place_at_parts(parts: &Parts, point: &Vector3<f64>) -> (Vector3<f64>, f64) {
             });
             most
         }
-        PartList::Solids(solids) => {
-            let solid = &solids[part as usize];
-            let local = solid.rotation.inverse_transform_vector(&(point - solid.position));
-            let (normal, height) = ball::place(&solid.geometry, &local, solid.radius);
-            take((solid.rotation * normal, height))
-        }
+        PartList::Solids(solids) => take(place_at_solid(&solids[part as usize], point)),
     });
     nearest
 }
