@@ -82,6 +82,9 @@ fn measure_and_write(plan: &Plan, arguments: &RunArguments) -> Result<Metrics, C
 
 /// Named by the scene with the parameters given, the step, and the iterations that it took there.
 fn write_problems(folder: &Path, name: &str, problems: &[HardProblem]) -> Result<(), CommandError> {
+    if problems.is_empty() {
+        eprintln!("plumb: no contact problem took an iteration; nothing is written to {}", folder.display());
+    }
     for HardProblem { step, iterations, tolerance, residual, problem } in problems {
         let path = folder.join(format!("{}-{step:05}-{iterations}.txt", name.replace([' ', '/'], "_")));
         let comment = format!(
