@@ -197,10 +197,19 @@ impl<'a, I: Iterator<Item = (usize, &'a str)>> Lines<'a, I> {
         count.ok_or_else(|| format!("'{}' is to be '{name} N'", shortened(found)))
     }
 
-    fn words(&mut self, index: usize, of: &str, count: usize) -> Result<Words<'a>, String> {
-        let line =
-            self.next().ok_or_else(|| format!("the file ends; line {} of {count} {of} is to follow", index + 1))?;
-        Ok(Words(line.split_ascii_whitespace()))
+    /// A section: its count, and a line for each.
+    fn section<T>(&mut self, name: &str, read: impl Fn(&mut Words) -> Result<T, String>) -> Result<Vec<T>, String> {
+        let count = self.count(name)?;
+        let mut read_line = |index: usize| {
+            let line = self
+                .next()
+                .ok_or_else(|| format!("the file ends; line {} of {count} {name} is to follow", index + 1))?;
+            let mut words = Words(line.split_ascii_whitespace());
+            let read = read(&mut words)?;
+            words.end()?;
+            Ok(read)
+        };
+        (0..count).map(&mut read_line).collect()
     }
 }
 
@@ -262,25 +271,10 @@ fn parse<'a>(lines: &mut Lines<'a, impl Iterator<Item = (usize, &'a str)>>) -> R
         Some(HEADER) => {}
         _ => return Err(format!("the first line is to be '{HEADER}'")),
     }
-    let mut problem = ContactProblem::default();
-    let bodies = lines.count("bodies")?;
-    for index in 0..bodies {
-        let mut words = lines.words(index, "bodies", bodies)?;
-        problem.bodies.push(body(&mut words)?);
-        words.end()?;
-    }
-    let contacts = lines.count("contacts")?;
-    for index in 0..contacts {
-        let mut words = lines.words(index, "contacts", contacts)?;
-        problem.contacts.push(contact(&mut words, bodies)?);
-        words.end()?;
-    }
-    let joints = lines.count("joints")?;
-    for index in 0..joints {
-        let mut words = lines.words(index, "joints", joints)?;
-        problem.joints.push(joint(&mut words, bodies)?);
-        words.end()?;
-    }
+    let bodies = lines.section("bodies", body)?;
+    let contacts = lines.section("contacts", |words| contact(words, bodies.len()))?;
+    let joints = lines.section("joints", |words| joint(words, bodies.len()))?;
+    let problem = ContactProblem { bodies, contacts, joints };
     lines.next().map_or(Ok(problem), |more| Err(format!("'{}' after the last joint is to go", shortened(more))))
 }
 

@@ -180,19 +180,25 @@ impl<R: Revolved, P: Polyhedron> ShapePair<'_, R, P> {
     /// between the faces there, or else the least, or else along that of its face, if anything is over that.
     fn touch_surface(&self, found: &Found, search: &mut PairSearch) -> Option<Overlap> {
         let Found { preferred, least } = found;
-        let has = |normal: &Vector3<f64>| self.b.face_instead(&-self.b_in_a.enter(normal)).is_none();
-        if has(&preferred.normal) && self.finds_points(preferred, &mut search.clip) {
-            return Some(Overlap { normal: preferred.normal, depth: preferred.depth });
+        let face_instead = |least: &Least| self.b.face_instead(&-self.b_in_a.enter(&least.normal));
+        if face_instead(preferred).is_none() {
+            if self.finds_points(preferred, &mut search.clip) {
+                return Some(Overlap { normal: preferred.normal, depth: preferred.depth });
+            }
+            if least.feature == preferred.feature {
+                return None;
+            }
         }
-        let least = if has(&least.normal) { *least } else { self.along_face(least)? };
+        let least = match face_instead(least) {
+            None => *least,
+            Some(face) => self.along_face(face)?,
+        };
         let is_any = self.finds_points(&least, &mut search.clip);
         is_any.then_some(Overlap { normal: least.normal, depth: least.depth })
     }
 
-    /// Along the normal of the face of the surface, instead of one that it does not have; none if they are apart by more
-    /// than the gap there.
-    fn along_face(&self, least: &Least) -> Option<Least> {
-        let face = self.b.face_instead(&-self.b_in_a.enter(&least.normal))?;
+    /// Along the normal of a face of the surface; none if they are apart by more than the gap there.
+    fn along_face(&self, face: usize) -> Option<Least> {
         let normal = self.out_of_a(self.b.face(face).normal);
         let depth = self.scale.rounded(self.depth_along(&normal));
         let along_face = Least { normal, depth, feature: Feature::FaceOfB(face as u32) };

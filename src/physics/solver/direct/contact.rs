@@ -29,6 +29,13 @@ struct PointRow {
     is_active: bool,
 }
 
+impl PointRow {
+    /// n·u + q·w: how fast the point parts at a motion, m/s.
+    fn speed(&self, normal: &Vector3<f64>, motion: &Twist<f64>) -> f64 {
+        normal.dot(&motion.linear) + self.lever.dot(&motion.angular)
+    }
+}
+
 /// A contact.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct DirectContact {
@@ -130,7 +137,7 @@ impl DirectContact {
     /// Has those points act that come together within the substep by a relative motion, besides those that do.
     pub fn foresee(&mut self, motion: &Twist<f64>) {
         for point in &mut self.points[..self.count] {
-            let approach = -(self.normal.dot(&motion.linear) + point.lever.dot(&motion.angular));
+            let approach = -point.speed(&self.normal, motion);
             point.is_active |= point.separation * self.per_step < approach;
         }
         self.release_apart();
@@ -140,7 +147,7 @@ impl DirectContact {
     pub fn advance(&mut self, motion: &Twist<f64>, h: f64) {
         let Self { normal, points, count, .. } = self;
         for point in &mut points[..*count] {
-            point.separation += (normal.dot(&motion.linear) + point.lever.dot(&motion.angular)) * h;
+            point.separation += point.speed(normal, motion) * h;
             point.expected = point.impulse;
         }
         self.expected = self.friction;
@@ -151,7 +158,7 @@ impl DirectContact {
     pub fn bounce(&mut self, motion: &Twist<f64>, least: f64, penalty: f64) {
         let mut bounces = false;
         for point in &mut self.points[..self.count] {
-            let approach = -(self.normal.dot(&motion.linear) + point.lever.dot(&motion.angular));
+            let approach = -point.speed(&self.normal, motion);
             let comes = point.separation * self.per_step <= approach;
             point.rebound = if comes { rebound(self.restitution, approach, least) } else { 0.0 };
             point.is_active |= point.rebound > 0.0;
@@ -286,7 +293,7 @@ impl DirectContact {
 
     /// Impulse of a point's row at a motion, if it is active.
     fn trial(&self, point: &PointRow, motion: &Twist<f64>) -> f64 {
-        let speed = self.normal.dot(&motion.linear) + point.lever.dot(&motion.angular);
+        let speed = point.speed(&self.normal, motion);
         let gap = (point.separation - self.touch_tolerance).max(0.0);
         let least = if point.rebound > 0.0 { point.rebound } else { -gap * self.per_step };
         point.expected - self.penalty * (speed - least)
