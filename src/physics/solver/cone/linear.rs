@@ -7,7 +7,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{MOST_REFINEMENTS, SOLVED};
-use super::{BlockLdl, BlockLu, BodyVector, ConePoint, Elimination, Inverse};
+use super::{BlockLdl, BlockLu, BodyBlock, BodyVector, ConePoint, Elimination, Inverse};
 use crate::physics::Refill;
 
 /// D and h of the points, the factor, and the two sides.
@@ -43,22 +43,25 @@ impl LinearSystem {
             self.general.clear(elimination);
         }
         for (point, stiffness) in points.iter().zip(&self.stiffness).filter(|(_, it)| **it != Matrix3::zeros()) {
+            let weighted = point.weighted(stiffness);
             for (index, side) in point.sides.iter().enumerate() {
-                let Some(side) = side else { continue };
-                let own = point.coupling(stiffness, index, index);
-                if is_symmetric {
-                    let mut block = self.symmetric.diagonal_mut::<6>(side.place as usize);
-                    block += own;
+                let (Some(side), Some(weighted)) = (side, &weighted[index]) else { continue };
+                let block = if is_symmetric {
+                    self.symmetric.diagonal_columns(side.place as usize)
                 } else {
-                    *self.general.diagonal_at(side.place as usize) += own;
-                }
+                    &mut self.general.diagonal_at(side.place as usize).data.0
+                };
+                point.couple(block, index, weighted);
             }
-            if let Some(block) = point.block {
-                let across = point.coupling(stiffness, 0, 1);
+            if let (Some(block), [Some(of_a), Some(of_b)]) = (point.block, &weighted) {
                 if is_symmetric {
+                    let mut across = BodyBlock::zeros();
+                    point.couple(&mut across.data.0, 0, of_b);
                     self.symmetric.add(block, &across);
                 } else {
-                    self.general.add_at(block, &across, &point.coupling(stiffness, 1, 0));
+                    let [ab, ba] = self.general.blocks_at(block);
+                    point.couple(&mut ab.data.0, 0, of_b);
+                    point.couple(&mut ba.data.0, 1, of_a);
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! A point of two bodies in the scaled unknowns: its frame, its law, its effective mass and its 3×6 blocks of Ĵ = J L.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::{
     BodyBlock, BodyVector, ConeContact, ConeJoint, Elimination, Law, PointJacobian, Velocity, relative_velocity,
@@ -29,9 +29,12 @@ pub(super) struct PointSide {
     pub place: u32,
     /// J, in the axes that the point was given in.
     given: PointJacobian,
-    /// Ĵ, in the frame of the point.
-    jacobian: PointJacobian,
+    /// Ĵᵀ, in the frame of the point: its columns are long enough for registers of four.
+    columns: PointColumns,
 }
+
+/// Ĵᵀ or ĴᵀD of one body.
+pub(super) type PointColumns = SMatrix<f64, 6, 3>;
 
 impl ConePoint {
     /// Of a contact.
@@ -65,12 +68,12 @@ impl ConePoint {
                 let scaled = jacobian.fixed_columns::<3>(column) * root;
                 jacobian.fixed_columns_mut::<3>(column).copy_from(&scaled);
             }
-            Some(PointSide { body, place: 0, given, jacobian })
+            Some(PointSide { body, place: 0, given, columns: jacobian.transpose() })
         };
         let sides = [side(0), side(1)];
         let square = |side: &PointSide| match law {
-            Law::Joint => side.jacobian.norm_squared() / 3.0,
-            Law::Frictionless | Law::Friction(_) | Law::Within(..) => side.jacobian.row(0).norm_squared(),
+            Law::Joint => side.columns.norm_squared() / 3.0,
+            Law::Frictionless | Law::Friction(_) | Law::Within(..) => side.columns.column(0).norm_squared(),
         };
         let mass = 1.0 / sides.iter().flatten().map(square).sum::<f64>();
         Self { law, mass, frame, sides, block: None }
@@ -109,9 +112,9 @@ impl ConePoint {
     pub fn apply(&self, scaled: &mut [BodyVector], impulse: &Vector3<f64>) {
         for side in self.sides.iter().flatten() {
             if self.law.is_single() {
-                scaled[side.place as usize] += side.jacobian.row(0).transpose() * impulse.x;
+                scaled[side.place as usize] += side.columns.column(0) * impulse.x;
             } else {
-                scaled[side.place as usize] += side.jacobian.tr_mul(impulse);
+                scaled[side.place as usize] += side.columns * impulse;
             }
         }
     }
@@ -121,22 +124,50 @@ impl ConePoint {
         let mut sum = Vector3::zeros();
         for side in self.sides.iter().flatten() {
             if self.law.is_single() {
-                sum.x += (side.jacobian.row(0) * scaled[side.place as usize]).x;
+                sum.x += side.columns.column(0).dot(&scaled[side.place as usize]);
             } else {
-                sum += side.jacobian * scaled[side.place as usize];
+                let z = &scaled[side.place as usize];
+                sum += Vector3::from(side.columns.data.0.each_ref().map(|column| {
+                    let products: [f64; 6] = std::array::from_fn(|row| column[row] * z[row]);
+                    let [a, b, c, d, e, f] = products;
+                    (a + c) + (b + d) + (e + f)
+                }));
             }
         }
         sum
     }
 
-    /// Ĵ_iᵀ D Ĵ_k of two of its sides.
-    pub fn coupling(&self, stiffness: &Matrix3<f64>, i: usize, k: usize) -> BodyBlock {
-        match (&self.sides[i], &self.sides[k]) {
-            (Some(i), Some(k)) if self.law.is_single() => {
-                (stiffness.m11 * i.jacobian.row(0)).tr_mul(&k.jacobian.row(0))
+    /// Ĵᵀ Dᵀ of each side; the first column alone of a law with one row.
+    pub fn weighted(&self, stiffness: &Matrix3<f64>) -> [Option<PointColumns>; 2] {
+        let is_single = self.law.is_single();
+        self.sides.each_ref().map(|side| {
+            let columns = &side.as_ref()?.columns;
+            let mut weighted = PointColumns::zeros();
+            if is_single {
+                weighted.set_column(0, &(columns.column(0) * stiffness.m11));
+            } else {
+                weighted = columns * stiffness.transpose();
             }
-            (Some(i), Some(k)) => i.jacobian.tr_mul(&(stiffness * k.jacobian)),
-            _ => BodyBlock::zeros(),
+            Some(weighted)
+        })
+    }
+
+    /// Adds Ĵ_iᵀ D Ĵ_k to a block, for the Ĵ_kᵀ Dᵀ of that side.
+    #[inline]
+    pub fn couple(&self, block: &mut [[f64; 6]; 6], i: usize, weighted: &PointColumns) {
+        let Some(side) = &self.sides[i] else { return };
+        let ([a, b, c], [of_a, of_b, of_c]) = (side.columns.data.0, weighted.data.0);
+        for (column, sums) in block.iter_mut().enumerate() {
+            let mut now = *sums;
+            for (row, sum) in now.iter_mut().enumerate() {
+                *sum = a[row].mul_add(of_a[column], *sum);
+            }
+            if !self.law.is_single() {
+                for (row, sum) in now.iter_mut().enumerate() {
+                    *sum = c[row].mul_add(of_c[column], b[row].mul_add(of_b[column], *sum));
+                }
+            }
+            *sums = now;
         }
     }
 }

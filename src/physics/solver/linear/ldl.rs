@@ -10,7 +10,7 @@ use nalgebra::{SMatrix, SMatrixViewMut};
 
 use super::elimination::{Elimination, Sizes, Target, with_layout};
 use super::layout::{BlockVector, Layout, MOST_ROWS, Number, Uniform};
-use super::pivot::Pivot;
+use super::pivot::{Pivot, with_rows};
 
 /// The matrix, and then its factor.
 #[derive(Clone, Debug, Default)]
@@ -41,6 +41,12 @@ impl<N: Number, P: Pivot<N>> BlockLdl<N, P> {
     #[inline]
     pub fn diagonal_mut<const R: usize>(&mut self, place: usize) -> SMatrixViewMut<'_, N, R, R> {
         SMatrixViewMut::from_slice(&mut self.diagonal[Uniform::<R>.diagonal(place)])
+    }
+
+    /// Its columns, where all blocks have R rows.
+    pub fn diagonal_columns<const R: usize>(&mut self, place: usize) -> &mut [[N; R]; R] {
+        let columns = self.diagonal[Uniform::<R>.diagonal(place)].as_chunks_mut::<R>().0;
+        columns.as_chunks_mut::<R>().0.first_mut().expect("a whole block")
     }
 
     /// The block below the diagonal of that index, where all blocks have R rows.
@@ -202,31 +208,30 @@ fn subtract_transposed_times<N: Number>(y: &mut [N], a: &[N], x: &[N]) {
 #[inline(always)]
 fn subtract_product<N: Number>(target: &mut [N], a: &[N], b: &[N], sizes: [usize; 3], is_fused: bool) {
     let [rows, inner, columns] = sizes;
-    for column in 0..columns {
-        let target = &mut target[column * rows..(column + 1) * rows];
-        if is_fused {
-            for k in 0..inner {
-                let factor = -b[k * columns + column];
-                for (sum, value) in target.iter_mut().zip(&a[k * rows..(k + 1) * rows]) {
-                    *sum = value.simd_mul_add(factor, *sum);
-                }
-            }
-        } else {
+    with_rows!(rows, R => {
+        let (targets, a) = (target.as_chunks_mut::<R>().0, a.as_chunks::<R>().0);
+        for (column, target) in targets.iter_mut().enumerate().take(columns) {
+            let factors = (0..inner).map(|k| b[k * columns + column]);
             // Along the rows, which lie side by side.
-            let mut sums = [N::zero(); MOST_ROWS];
-            let sums = &mut sums[..rows];
-            for (sum, &value) in sums.iter_mut().zip(&a[..rows]) {
-                *sum = value * b[column];
-            }
-            for k in 1..inner {
-                let factor = b[k * columns + column];
-                for (sum, &value) in sums.iter_mut().zip(&a[k * rows..(k + 1) * rows]) {
-                    *sum += value * factor;
+            if is_fused {
+                let mut sums = *target;
+                for (factor, a) in factors.zip(a) {
+                    for (sum, value) in sums.iter_mut().zip(a) {
+                        *sum = value.simd_mul_add(-factor, *sum);
+                    }
                 }
-            }
-            for (target, &sum) in target.iter_mut().zip(&*sums) {
-                *target -= sum;
+                *target = sums;
+            } else {
+                let mut sums = a[0].map(|value| value * b[column]);
+                for (factor, a) in factors.zip(a).skip(1) {
+                    for (sum, value) in sums.iter_mut().zip(a) {
+                        *sum += *value * factor;
+                    }
+                }
+                for (target, sum) in target.iter_mut().zip(sums) {
+                    *target -= sum;
+                }
             }
         }
-    }
+    });
 }

@@ -4,10 +4,17 @@
 //! and A_ik −= L_ij A_jk for all of its i and k. Within a block on the diagonal pivots are chosen, between blocks they
 //! are not.
 
+use nalgebra::ArrayStorage;
+
 use super::BodyBlock as Block;
 use super::elimination::Target;
+use super::pivot::invert;
 use super::{BodyVector, Elimination};
 use crate::physics::Refill;
+
+/// Pivot of a block over the largest number below it up to which rows are exchanged: numbers grow to no more than its
+/// inverse in a column.
+const SMALL_PIVOT: f64 = 0.1;
 
 /// The matrix, and then its factor.
 #[derive(Clone, Debug, Default)]
@@ -34,19 +41,17 @@ impl BlockLu {
         &mut self.diagonal[place]
     }
 
-    /// Adds the block of rows a and columns b and that of rows b and columns a, where [`Elimination::block`] of a and b
-    /// said.
-    pub fn add_at(&mut self, (index, rows_are_b): (u32, bool), ab: &Block, ba: &Block) {
-        let (below, above) = if rows_are_b { (ba, ab) } else { (ab, ba) };
-        self.below[index as usize] += below;
-        self.above[index as usize] += above;
+    /// The block of rows a and columns b and that of rows b and columns a, where [`Elimination::block`] of a and b said.
+    pub fn blocks_at(&mut self, (index, rows_are_b): (u32, bool)) -> [&mut Block; 2] {
+        let (below, above) = (&mut self.below[index as usize], &mut self.above[index as usize]);
+        if rows_are_b { [above, below] } else { [below, above] }
     }
 
     /// Factors it where it stands. False if a block on the diagonal is singular.
     pub fn factor(&mut self, elimination: &Elimination) -> bool {
         let mut targets = elimination.targets().iter();
         for column in 0..elimination.count() {
-            let Some(inverse) = self.diagonal[column].try_inverse() else { return false };
+            let Some(inverse) = inverse(&self.diagonal[column]) else { return false };
             self.diagonal[column] = inverse;
             let blocks = elimination.blocks(column);
             for i in blocks.clone() {
@@ -55,11 +60,12 @@ impl BlockLu {
                 let above = self.above[i];
                 for (k, target) in (blocks.start..=i).zip(&mut targets) {
                     match *target {
-                        Target::Diagonal(place) => self.diagonal[place as usize] -= scaled * above,
+                        Target::Diagonal(place) => {
+                            subtract_product(&mut self.diagonal[place as usize], &scaled, &above)
+                        }
                         Target::Below(block) => {
-                            let (down, up) = (scaled * self.above[k], self.below[k] * above);
-                            self.below[block as usize] -= down;
-                            self.above[block as usize] -= up;
+                            subtract_product(&mut self.below[block as usize], &scaled, &self.above[k]);
+                            subtract_product(&mut self.above[block as usize], &self.below[k], &above);
                         }
                     }
                 }
@@ -84,4 +90,29 @@ impl BlockLu {
             x[column] = self.diagonal[column] * left;
         }
     }
+}
+
+/// C −= A B, each product of numbers subtracted with one rounding (FMA).
+#[inline(always)]
+fn subtract_product(target: &mut Block, a: &Block, b: &Block) {
+    for (target, factors) in target.data.0.iter_mut().zip(&b.data.0) {
+        let mut sums = *target;
+        for (column, factor) in a.data.0.iter().zip(factors) {
+            for (sum, value) in sums.iter_mut().zip(column) {
+                *sum = value.mul_add(-factor, *sum);
+            }
+        }
+        *target = sums;
+    }
+}
+
+/// The inverse; none of a singular block. Without pivots chosen as long as none is much smaller than what is below it, as it
+/// seldom is: to exchange rows takes several times as long as all the rest.
+fn inverse(block: &Block) -> Option<Block> {
+    let mut columns = block.data.0;
+    let is_inverted = invert(&mut columns, |pivot, column| {
+        let largest = column.iter().fold(0.0, |most, value| if value.abs() > most { value.abs() } else { most });
+        pivot.abs() > SMALL_PIVOT * largest
+    });
+    if is_inverted { Some(Block::from_data(ArrayStorage(columns))) } else { block.try_inverse() }
 }

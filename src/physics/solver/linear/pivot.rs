@@ -4,6 +4,27 @@
 
 use super::layout::Number;
 
+/// What an expression is with the rows of a block, 1 to 6, as a constant: compiled once for each. With a number that is not
+/// known when compiling, numbers that lie side by side are taken one at a time, or by masks, which wait for each other.
+macro_rules! with_rows {
+    ($rows:expr, $constant:ident => $what:expr) => {
+        match $rows {
+            1 => with_rows!(@ 1, $constant => $what),
+            2 => with_rows!(@ 2, $constant => $what),
+            3 => with_rows!(@ 3, $constant => $what),
+            4 => with_rows!(@ 4, $constant => $what),
+            5 => with_rows!(@ 5, $constant => $what),
+            6 => with_rows!(@ 6, $constant => $what),
+            _ => unreachable!("blocks have 1 to 6 rows"),
+        }
+    };
+    (@ $rows:literal, $constant:ident => $what:expr) => {{
+        const $constant: usize = $rows;
+        $what
+    }};
+}
+pub(super) use with_rows;
+
 /// A way to factor a block on the diagonal and to divide by it.
 pub(crate) trait Pivot<N> {
     /// Products are summed into their target with one rounding each (FMA), or summed first.
@@ -26,6 +47,11 @@ impl Pivot<f64> for Inverse {
     /// Sweeps the pivots one by one (Goodnight 1979).
     #[inline(always)]
     fn factor(block: &mut [f64], n: usize) -> bool {
+        if n == 6
+            && let Some(columns) = block.as_chunks_mut::<6>().0.as_chunks_mut::<6>().0.first_mut()
+        {
+            return invert(columns, |pivot, _| pivot > 0.0);
+        }
         for pivot in 0..n {
             let square = block[pivot * n + pivot];
             if square.is_nan() || square <= 0.0 {
@@ -73,6 +99,42 @@ impl Pivot<f64> for Inverse {
     }
 }
 
+/// Inverts a matrix where it stands by Gauss and Jordan's elimination, without exchanging rows. `is_good` tells of each pivot, and
+/// of it and what is below it, whether to go on; if not, the matrix is spoilt, and the answer false.
+#[inline(always)]
+pub(super) fn invert(columns: &mut [[f64; 6]; 6], is_good: impl Fn(f64, &[f64]) -> bool) -> bool {
+    let mut now = *columns;
+    let is_inverted = eliminate::<0>(&mut now, &is_good)
+        && eliminate::<1>(&mut now, &is_good)
+        && eliminate::<2>(&mut now, &is_good)
+        && eliminate::<3>(&mut now, &is_good)
+        && eliminate::<4>(&mut now, &is_good)
+        && eliminate::<5>(&mut now, &is_good);
+    *columns = now;
+    is_inverted
+}
+
+/// Eliminates by one pivot. The compiler knows which: with an index that it does not know, numbers go by memory, which takes
+/// three times as long.
+#[inline(always)]
+fn eliminate<const PIVOT: usize>(columns: &mut [[f64; 6]; 6], is_good: impl Fn(f64, &[f64]) -> bool) -> bool {
+    let mut others = columns[PIVOT];
+    let pivot = others[PIVOT];
+    let goes_on = is_good(pivot, &others[PIVOT..]);
+    let inverse = 1.0 / pivot;
+    others[PIVOT] = 0.0;
+    columns[PIVOT] = [0.0; 6];
+    columns[PIVOT][PIVOT] = 1.0;
+    for column in columns {
+        let share = column[PIVOT] * inverse;
+        for (value, other) in column.iter_mut().zip(&others) {
+            *value = other.mul_add(-share, *value);
+        }
+        column[PIVOT] = share;
+    }
+    goes_on
+}
+
 /// LDLᵀ within the block: L below the diagonal, D⁻¹ on it, zero where a pivot is not positive. Where the pivots of one
 /// direction are tiny, as near singular poses, the inverse would spoil all others.
 #[derive(Clone, Debug, Default)]
@@ -83,41 +145,47 @@ impl<N: Number> Pivot<N> for Triangular {
 
     #[inline(always)]
     fn factor(block: &mut [N], n: usize) -> bool {
-        for pivot in 0..n {
-            let square = block[pivot * n + pivot];
-            let inverse = (N::one() / square).select(square.simd_gt(N::zero()), N::zero());
-            block[pivot * n + pivot] = inverse;
-            // The upper triangle keeps the row before it is divided.
-            for row in pivot + 1..n {
-                block[row * n + pivot] = block[pivot * n + row];
-                block[pivot * n + row] *= inverse;
-            }
-            for column in pivot + 1..n {
-                for row in column..n {
-                    let product = block[pivot * n + row] * block[column * n + pivot];
-                    block[column * n + row] -= product;
+        with_rows!(n, R => {
+            let block = &mut block[..R * R];
+            for pivot in 0..R {
+                let square = block[pivot * R + pivot];
+                let inverse = (N::one() / square).select(square.simd_gt(N::zero()), N::zero());
+                block[pivot * R + pivot] = inverse;
+                // The upper triangle keeps the row before it is divided.
+                for row in pivot + 1..R {
+                    block[row * R + pivot] = block[pivot * R + row];
+                    block[pivot * R + row] *= inverse;
+                }
+                for column in pivot + 1..R {
+                    for row in column..R {
+                        let product = block[pivot * R + row] * block[column * R + pivot];
+                        block[column * R + row] -= product;
+                    }
                 }
             }
-        }
+        });
         true
     }
 
     #[inline(always)]
     fn divide(quotient: &mut [N], _: &[N], pivot: &[N], rows: usize, n: usize) {
         // All rows at once: they lie side by side.
-        for column in 1..n {
-            let (done, left) = quotient.split_at_mut(column * rows);
-            for (before, done) in done.chunks_exact(rows).enumerate() {
-                subtract_share(&mut left[..rows], pivot[before * n + column], done);
+        with_rows!(rows, R => {
+            let columns = quotient.as_chunks_mut::<R>().0;
+            for column in 1..n {
+                let (done, left) = columns.split_at_mut(column);
+                for (before, done) in done.iter().enumerate() {
+                    subtract_share(&mut left[0], pivot[before * n + column], done);
+                }
             }
-        }
-        for column in (0..n).rev() {
-            let (own, done) = quotient[column * rows..].split_at_mut(rows);
-            own.iter_mut().for_each(|value| *value *= pivot[column * n + column]);
-            for (after, done) in (column + 1..n).zip(done.chunks_exact(rows)) {
-                subtract_share(own, pivot[column * n + after], done);
+            for column in (0..n).rev() {
+                let (own, done) = columns[column..n].split_at_mut(1);
+                own[0].iter_mut().for_each(|value| *value *= pivot[column * n + column]);
+                for (after, done) in (column + 1..n).zip(done) {
+                    subtract_share(&mut own[0], pivot[column * n + after], done);
+                }
             }
-        }
+        });
     }
 
     #[inline(always)]
@@ -128,7 +196,7 @@ impl<N: Number> Pivot<N> for Triangular {
 
 /// y −= share x.
 #[inline(always)]
-fn subtract_share<N: Number>(y: &mut [N], share: N, x: &[N]) {
+fn subtract_share<N: Number, const R: usize>(y: &mut [N; R], share: N, x: &[N; R]) {
     for (y, &x) in y.iter_mut().zip(x) {
         *y -= share * x;
     }
