@@ -210,27 +210,20 @@ fn subtract_product<N: Number>(target: &mut [N], a: &[N], b: &[N], sizes: [usize
     let [rows, inner, columns] = sizes;
     with_rows!(rows, R => {
         let (targets, a) = (target.as_chunks_mut::<R>().0, a.as_chunks::<R>().0);
-        for (column, target) in targets.iter_mut().enumerate().take(columns) {
-            let factors = (0..inner).map(|k| b[k * columns + column]);
+        for column in 0..columns {
+            let target = &mut targets[column];
             // Along the rows, which lie side by side.
-            if is_fused {
-                let mut sums = *target;
-                for (factor, a) in factors.zip(a) {
-                    for (sum, value) in sums.iter_mut().zip(a) {
-                        *sum = value.simd_mul_add(-factor, *sum);
-                    }
+            let mut sums = if is_fused { *target } else { a[0].map(|value| value * b[column]) };
+            for k in usize::from(!is_fused)..inner {
+                let factor = b[k * columns + column];
+                for (sum, &value) in sums.iter_mut().zip(&a[k]) {
+                    if is_fused { *sum = value.simd_mul_add(-factor, *sum) } else { *sum += value * factor }
                 }
+            }
+            if is_fused {
                 *target = sums;
             } else {
-                let mut sums = a[0].map(|value| value * b[column]);
-                for (factor, a) in factors.zip(a).skip(1) {
-                    for (sum, value) in sums.iter_mut().zip(a) {
-                        *sum += *value * factor;
-                    }
-                }
-                for (target, sum) in target.iter_mut().zip(sums) {
-                    *target -= sum;
-                }
+                target.iter_mut().zip(sums).for_each(|(target, sum)| *target -= sum);
             }
         }
     });
