@@ -2,9 +2,7 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use super::{
-    BodyBlock, BodyVector, ConeContact, ConeJoint, Elimination, Law, PointJacobian, Velocity, relative_velocity,
-};
+use super::{BodyVector, ConeContact, ConeJoint, Elimination, Law, PointJacobian, Velocity, relative_velocity};
 
 /// A contact or a joint.
 #[derive(Clone, Debug)]
