@@ -125,6 +125,7 @@ impl ConePoint {
                 sum.x += side.columns.column(0).dot(&scaled[side.place as usize]);
             } else {
                 let z = &scaled[side.place as usize];
+                // By a tree of sums: a dot product in order waits for each of them.
                 sum += Vector3::from(side.columns.data.0.each_ref().map(|column| {
                     let products: [f64; 6] = std::array::from_fn(|row| column[row] * z[row]);
                     let [a, b, c, d, e, f] = products;

@@ -47,6 +47,7 @@ impl Pivot<f64> for Inverse {
     /// Sweeps the pivots one by one (Goodnight 1979).
     #[inline(always)]
     fn factor(block: &mut [f64], n: usize) -> bool {
+        // The size of nearly all blocks that are inverted.
         if n == 6
             && let Some(columns) = block.as_chunks_mut::<6>().0.as_chunks_mut::<6>().0.first_mut()
         {
@@ -99,8 +100,9 @@ impl Pivot<f64> for Inverse {
     }
 }
 
-/// Inverts a matrix where it stands by Gauss and Jordan's elimination, without exchanging rows. `is_good` tells of each pivot, and
-/// of it and what is below it, whether to go on; if not, the matrix is spoilt, and the answer false.
+/// Inverts a matrix where it stands by Gauss and Jordan's elimination, without exchanging rows. `is_good` is asked of each
+/// pivot, with the pivot and what is below it in its column, whether to go on; where it is not, the matrix is spoilt, and
+/// the answer false.
 #[inline(always)]
 pub(super) fn invert(columns: &mut [[f64; 6]; 6], is_good: impl Fn(f64, &[f64]) -> bool) -> bool {
     let mut now = *columns;
@@ -114,8 +116,8 @@ pub(super) fn invert(columns: &mut [[f64; 6]; 6], is_good: impl Fn(f64, &[f64]) 
     is_inverted
 }
 
-/// Eliminates by one pivot. The compiler knows which: with an index that it does not know, numbers go by memory, which takes
-/// three times as long.
+/// Eliminates by one pivot. The compiler knows which: with an index that it does not know, all numbers are written to memory
+/// and read again for each pivot, which takes several times as long.
 #[inline(always)]
 fn eliminate<const PIVOT: usize>(columns: &mut [[f64; 6]; 6], is_good: impl Fn(f64, &[f64]) -> bool) -> bool {
     let mut others = columns[PIVOT];
