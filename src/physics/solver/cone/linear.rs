@@ -47,21 +47,21 @@ impl LinearSystem {
             for (index, side) in point.sides.iter().enumerate() {
                 let (Some(side), Some(weighted)) = (side, &weighted[index]) else { continue };
                 let block = if is_symmetric {
-                    self.symmetric.diagonal_columns(side.place as usize)
+                    self.symmetric.diagonal_at(elimination, side.place as usize)
                 } else {
-                    &mut self.general.diagonal_at(side.place as usize).data.0
+                    self.general.diagonal_at(side.place as usize).as_mut_slice()
                 };
                 point.couple(block, index, weighted);
             }
             if let (Some(block), [Some(of_a), Some(of_b)]) = (point.block, &weighted) {
                 if is_symmetric {
                     let mut across = BodyBlock::zeros();
-                    point.couple(&mut across.data.0, 0, of_b);
+                    point.couple(across.as_mut_slice(), 0, of_b);
                     self.symmetric.add(block, &across);
                 } else {
                     let [ab, ba] = self.general.blocks_at(block);
-                    point.couple(&mut ab.data.0, 0, of_b);
-                    point.couple(&mut ba.data.0, 1, of_a);
+                    point.couple(ab.as_mut_slice(), 0, of_b);
+                    point.couple(ba.as_mut_slice(), 1, of_a);
                 }
             }
         }

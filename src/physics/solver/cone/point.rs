@@ -127,8 +127,7 @@ impl ConePoint {
                 let z = &scaled[side.place as usize];
                 // By a tree of sums: a dot product in order waits for each of them.
                 sum += Vector3::from(side.columns.data.0.each_ref().map(|column| {
-                    let products: [f64; 6] = std::array::from_fn(|row| column[row] * z[row]);
-                    let [a, b, c, d, e, f] = products;
+                    let [a, b, c, d, e, f]: [f64; 6] = std::array::from_fn(|row| column[row] * z[row]);
                     (a + c) + (b + d) + (e + f)
                 }));
             }
@@ -136,27 +135,17 @@ impl ConePoint {
         sum
     }
 
-    /// Ĵᵀ Dᵀ of each side; the first column alone of a law with one row.
+    /// Ĵᵀ Dᵀ of each side.
     pub fn weighted(&self, stiffness: &Matrix3<f64>) -> [Option<PointColumns>; 2] {
-        let is_single = self.law.is_single();
-        self.sides.each_ref().map(|side| {
-            let columns = &side.as_ref()?.columns;
-            let mut weighted = PointColumns::zeros();
-            if is_single {
-                weighted.set_column(0, &(columns.column(0) * stiffness.m11));
-            } else {
-                weighted = columns * stiffness.transpose();
-            }
-            Some(weighted)
-        })
+        self.sides.each_ref().map(|side| Some(side.as_ref()?.columns * stiffness.transpose()))
     }
 
-    /// Adds Ĵ_iᵀ D Ĵ_k to a block, for the Ĵ_kᵀ Dᵀ of that side.
+    /// Adds Ĵ_iᵀ D Ĵ_k to a block, columns one after the other, for the Ĵ_kᵀ Dᵀ of that side.
     #[inline]
-    pub fn couple(&self, block: &mut [[f64; 6]; 6], i: usize, weighted: &PointColumns) {
+    pub fn couple(&self, block: &mut [f64], i: usize, weighted: &PointColumns) {
         let Some(side) = &self.sides[i] else { return };
         let ([a, b, c], [of_a, of_b, of_c]) = (side.columns.data.0, weighted.data.0);
-        for (column, sums) in block.iter_mut().enumerate() {
+        for (column, sums) in block.as_chunks_mut::<6>().0.iter_mut().enumerate() {
             let mut now = *sums;
             for (row, sum) in now.iter_mut().enumerate() {
                 *sum = a[row].mul_add(of_a[column], *sum);

@@ -12,6 +12,27 @@ pub(crate) type BodyVector = SVector<f64, 6>;
 /// Most rows of a block.
 pub(crate) const MOST_ROWS: usize = 6;
 
+/// What an expression is with the rows of a block, 1 to 6, as a constant: compiled once for each. With a number that is not
+/// known when compiling, numbers that lie side by side are taken one at a time, or by masks, which wait for each other.
+macro_rules! with_rows {
+    ($rows:expr, $constant:ident => $what:expr) => {
+        match $rows {
+            1 => with_rows!(@ 1, $constant => $what),
+            2 => with_rows!(@ 2, $constant => $what),
+            3 => with_rows!(@ 3, $constant => $what),
+            4 => with_rows!(@ 4, $constant => $what),
+            5 => with_rows!(@ 5, $constant => $what),
+            6 => with_rows!(@ 6, $constant => $what),
+            _ => unreachable!("blocks have 1 to 6 rows"),
+        }
+    };
+    (@ $rows:literal, $constant:ident => $what:expr) => {{
+        const $constant: usize = $rows;
+        $what
+    }};
+}
+pub(super) use with_rows;
+
 /// The numbers that a factorisation is made of: one, or one in each of several lanes.
 pub(crate) trait Number: SimdRealField + Copy {}
 

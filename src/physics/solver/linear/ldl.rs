@@ -9,8 +9,8 @@ use std::marker::PhantomData;
 use nalgebra::{SMatrix, SMatrixViewMut};
 
 use super::elimination::{Elimination, Sizes, Target, with_layout};
-use super::layout::{BlockVector, Layout, MOST_ROWS, Number, Uniform};
-use super::pivot::{Pivot, with_rows};
+use super::layout::{BlockVector, Layout, MOST_ROWS, Number, Uniform, with_rows};
+use super::pivot::Pivot;
 
 /// The matrix, and then its factor.
 #[derive(Clone, Debug, Default)]
@@ -41,12 +41,6 @@ impl<N: Number, P: Pivot<N>> BlockLdl<N, P> {
     #[inline]
     pub fn diagonal_mut<const R: usize>(&mut self, place: usize) -> SMatrixViewMut<'_, N, R, R> {
         SMatrixViewMut::from_slice(&mut self.diagonal[Uniform::<R>.diagonal(place)])
-    }
-
-    /// Its columns, where all blocks have R rows.
-    pub fn diagonal_columns<const R: usize>(&mut self, place: usize) -> &mut [[N; R]; R] {
-        let columns = self.diagonal[Uniform::<R>.diagonal(place)].as_chunks_mut::<R>().0;
-        columns.as_chunks_mut::<R>().0.first_mut().expect("a whole block")
     }
 
     /// The block below the diagonal of that index, where all blocks have R rows.

@@ -2,28 +2,7 @@
 //!
 //! Blocks are slices, columns one after the other.
 
-use super::layout::Number;
-
-/// What an expression is with the rows of a block, 1 to 6, as a constant: compiled once for each. With a number that is not
-/// known when compiling, numbers that lie side by side are taken one at a time, or by masks, which wait for each other.
-macro_rules! with_rows {
-    ($rows:expr, $constant:ident => $what:expr) => {
-        match $rows {
-            1 => with_rows!(@ 1, $constant => $what),
-            2 => with_rows!(@ 2, $constant => $what),
-            3 => with_rows!(@ 3, $constant => $what),
-            4 => with_rows!(@ 4, $constant => $what),
-            5 => with_rows!(@ 5, $constant => $what),
-            6 => with_rows!(@ 6, $constant => $what),
-            _ => unreachable!("blocks have 1 to 6 rows"),
-        }
-    };
-    (@ $rows:literal, $constant:ident => $what:expr) => {{
-        const $constant: usize = $rows;
-        $what
-    }};
-}
-pub(super) use with_rows;
+use super::layout::{Number, with_rows};
 
 /// A way to factor a block on the diagonal and to divide by it.
 pub(crate) trait Pivot<N> {
@@ -44,34 +23,12 @@ pub(crate) struct Inverse;
 impl Pivot<f64> for Inverse {
     const IS_FUSED: bool = true;
 
-    /// Sweeps the pivots one by one (Goodnight 1979).
     #[inline(always)]
     fn factor(block: &mut [f64], n: usize) -> bool {
-        // The size of nearly all blocks that are inverted.
-        if n == 6
-            && let Some(columns) = block.as_chunks_mut::<6>().0.as_chunks_mut::<6>().0.first_mut()
-        {
-            return invert(columns, |pivot, _| pivot > 0.0);
-        }
-        for pivot in 0..n {
-            let square = block[pivot * n + pivot];
-            if square.is_nan() || square <= 0.0 {
-                return false;
-            }
-            let inverse = 1.0 / square;
-            for other in (0..n).filter(|&other| other != pivot) {
-                let share = block[other * n + pivot] * inverse;
-                for row in 0..n {
-                    block[other * n + row] = block[pivot * n + row].mul_add(-share, block[other * n + row]);
-                }
-                block[other * n + pivot] = share;
-            }
-            for row in 0..n {
-                block[pivot * n + row] *= -inverse;
-            }
-            block[pivot * n + pivot] = inverse;
-        }
-        true
+        with_rows!(n, R => {
+            let [columns] = block.as_chunks_mut::<R>().0.as_chunks_mut::<R>().0 else { return false };
+            invert(columns, |pivot, _| pivot > 0.0)
+        })
     }
 
     #[inline(always)]
@@ -104,28 +61,34 @@ impl Pivot<f64> for Inverse {
 /// pivot, with the pivot and what is below it in its column, whether to go on; where it is not, the matrix is spoilt, and
 /// the answer false.
 #[inline(always)]
-pub(super) fn invert(columns: &mut [[f64; 6]; 6], is_good: impl Fn(f64, &[f64]) -> bool) -> bool {
+pub(super) fn invert<const R: usize>(columns: &mut [[f64; R]; R], is_good: impl Fn(f64, &[f64]) -> bool) -> bool {
     let mut now = *columns;
-    let is_inverted = eliminate::<0>(&mut now, &is_good)
-        && eliminate::<1>(&mut now, &is_good)
-        && eliminate::<2>(&mut now, &is_good)
-        && eliminate::<3>(&mut now, &is_good)
-        && eliminate::<4>(&mut now, &is_good)
-        && eliminate::<5>(&mut now, &is_good);
+    let is_inverted = eliminate::<R, 0>(&mut now, &is_good)
+        && eliminate::<R, 1>(&mut now, &is_good)
+        && eliminate::<R, 2>(&mut now, &is_good)
+        && eliminate::<R, 3>(&mut now, &is_good)
+        && eliminate::<R, 4>(&mut now, &is_good)
+        && eliminate::<R, 5>(&mut now, &is_good);
     *columns = now;
     is_inverted
 }
 
-/// Eliminates by one pivot. The compiler knows which: with an index that it does not know, all numbers are written to memory
-/// and read again for each pivot, which takes several times as long.
+/// Eliminates by one pivot, if there are so many rows. The compiler knows which: with an index that it does not know, all
+/// numbers are written to memory and read again for each pivot, which takes several times as long.
 #[inline(always)]
-fn eliminate<const PIVOT: usize>(columns: &mut [[f64; 6]; 6], is_good: impl Fn(f64, &[f64]) -> bool) -> bool {
+fn eliminate<const R: usize, const PIVOT: usize>(
+    columns: &mut [[f64; R]; R],
+    is_good: impl Fn(f64, &[f64]) -> bool,
+) -> bool {
+    if PIVOT >= R {
+        return true;
+    }
     let mut others = columns[PIVOT];
     let pivot = others[PIVOT];
     let goes_on = is_good(pivot, &others[PIVOT..]);
     let inverse = 1.0 / pivot;
     others[PIVOT] = 0.0;
-    columns[PIVOT] = [0.0; 6];
+    columns[PIVOT] = [0.0; R];
     columns[PIVOT][PIVOT] = 1.0;
     for column in columns {
         let share = column[PIVOT] * inverse;
