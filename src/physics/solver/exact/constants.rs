@@ -4,6 +4,10 @@
 
 /// Iterations over the stages of [`gauss`](super::gauss) at most.
 pub(super) const GAUSS_ITERATIONS: usize = 40;
+/// Sweeps over the stages at most in which `gauss` solves the linear equations of all of them.
+pub(super) const COUPLING_SWEEPS: usize = 16;
+/// Share of the first sweep's change that ends them.
+pub(super) const COUPLED: f64 = 0.03;
 /// Iterations of [`lockstep`](super::lockstep) at most: what takes more is stiff, and left to `gauss`.
 pub(super) const LOCKSTEP_ITERATIONS: usize = 24;
 /// Newton iterations of [`rattle`](super::rattle) at most.
@@ -18,6 +22,12 @@ pub(super) const LEAST_CHANGE: f64 = 1e-18;
 pub(super) const GAUSS_UNCONVERGED: f64 = 1e-9;
 /// The same for `lockstep`.
 pub(super) const LOCKSTEP_UNCONVERGED: f64 = 1e-13;
+/// Change, m or rad, in an iteration up to which the next one keeps the factor of rows that may be redundant.
+pub(super) const KEEPS_FACTOR: f64 = 1e-6;
+/// Share of the right side left by the method of multipliers up to which rows are redundant or not, and none nearly so.
+pub(super) const CLEAR: f64 = 1e-5;
+/// Share of the right side that ends the method of multipliers where a later iteration makes good what is left.
+pub(super) const ENOUGH_OF_A_CORRECTION: f64 = 1e-3;
 /// Change, m or rad, that no shorter iteration mends: the step is given up.
 pub(super) const DIVERGED: f64 = 1e3;
 /// How far from 1 the square of a rotation's norm may be before it is normalised.
@@ -26,6 +36,8 @@ pub(super) const NORMAL: f64 = 1e-14;
 pub(super) const SLACK: f64 = 1e9;
 /// h²K over the inertia below which the geometric stiffness K is left out of the iteration matrix.
 pub(super) const GAUSS_SOFT: f64 = 0.3;
+/// The same from which on Radau's method takes the steps: ω²h² of oscillations that three stages do not resolve.
+pub(super) const UNRESOLVED: f64 = 100.0;
 /// ω²h² of bodies about the line of a joint's pull up to which `lockstep` is tried.
 pub(super) const LOCKSTEP_SOFT: f64 = 3.0;
 /// Share of a change that an iteration of `lockstep` leaves to the next from which on it factors the rows again, at the

@@ -167,7 +167,11 @@ impl Lockstep {
             self.carries.clear();
             self.carries.resize(mechanism.moving, RoundingCarry::default());
         } else {
-            let ahead = if h == self.length { self.tableau.ahead } else { self.tableau.ahead_by(1.0, h / self.length) };
+            let ahead = if h == self.length {
+                self.tableau.ahead
+            } else {
+                self.tableau.ahead_by(1.0, h / self.length, &self.tableau.nodes)
+            };
             let ahead = columns(&ahead);
             for vector in &mut self.accelerations {
                 *vector = Twist { linear: mix(&ahead, &vector.linear), angular: mix(&ahead, &vector.angular) };

@@ -167,14 +167,20 @@ impl MechanismRows {
     /// λ ← A⁻¹ b; where A may be singular, by iterations of the method of multipliers from zero, for as long as they get
     /// nearer.
     pub fn solve(&mut self, mechanism: &Mechanism, b: &[f64], lambda: &mut Vec<f64>) {
+        self.solve_to(0.0, mechanism, b, lambda);
+    }
+
+    /// The same, until that share of b is left. The share that was left.
+    pub fn solve_to(&mut self, enough: f64, mechanism: &Mechanism, b: &[f64], lambda: &mut Vec<f64>) -> f64 {
         lambda.clear();
         lambda.extend_from_slice(b);
         self.solve_once(mechanism, lambda);
         if !mechanism.may_be_singular {
-            return;
+            return 0.0;
         }
         let mut residual = std::mem::take(&mut self.residual);
         let mut before = f64::INFINITY;
+        let all = self.size(b);
         for count in 1..MULTIPLIER_ITERATIONS[1] {
             self.find_residual(mechanism, b, lambda, &mut residual);
             let left = self.size(&residual);
@@ -182,13 +188,17 @@ impl MechanismRows {
             if count >= MULTIPLIER_ITERATIONS[0] && is_stalled {
                 break;
             }
-            before = left;
+            before = before.min(left);
+            if left <= enough * all {
+                break;
+            }
             self.solve_once(mechanism, &mut residual);
             for (lambda, more) in lambda.iter_mut().zip(&residual) {
                 *lambda += more;
             }
         }
         self.residual = residual;
+        if all > 0.0 { before / all } else { 0.0 }
     }
 
     /// The norm of a residual, each row by its mobility: units differ.

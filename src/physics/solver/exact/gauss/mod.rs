@@ -11,23 +11,34 @@
 //! symmetric on the group, too (Hairer, Lubich and Wanner 2006, V.4.3). φ̇_i = k_i = dexp⁻¹_{φ_i} ω_i gives
 //! ψ = ½ h Σ b_j k_j and φ_i = h Σ (a_ij − ½ b_j) k_j.
 //!
-//! They are found by simplified Newton iteration, one stage after the other:
+//! Where h²K, with the geometric stiffness K of forces at anchors (see `joint_tree::stiffness`), tells of oscillations
+//! that the step is far too long for, Radau's nodes take the place of Gauss's: Gauss's method would keep the energy of
+//! those oscillations, with a wrong part of it in each step, and a heavy load on light links would go wild.
+//!
+//! The unknowns are found by simplified Newton iteration, one stage after the other:
 //!
 //! [M̃ −Jᵀ; J 0] (δa, δλ) = (residuals of the two lines above),  M̃ = M (1 + c h a_ii) + h² L_ii K,
 //!
-//! with drag c, and geometric stiffness K of forces at anchors (see `joint_tree::stiffness`), kept to M's pattern; L_ii
-//! from the tableau. J and the factor of J M̃⁻¹ Jᵀ are those of the stage as it starts, which is the stages of the step
-//! before continued. Where K is left out, as that of torques is, each iteration leaves a share of order h²; where K is
-//! large, it still converges, whatever ωh.
+//! with drag c; K is kept to M's pattern, and L is the lower factor of A² (see [`tableau`](super::tableau)). J and the
+//! factor of J M̃⁻¹ Jᵀ are those of the stage as it starts, which is the stages of the step before continued. Where K is
+//! left out, as that of torques is, each iteration leaves a share of order h²; where K is large, further sweeps over the
+//! same factors bring in what L lacks of A² ([`coupling`]).
+//!
+//! Rows that may be redundant are factored and solved from zero in each iteration, so that what is not unique depends on
+//! the pose alone, and the method of multipliers bounds what is hardly so, as in a loop that passes a flat pose. Where
+//! it shows that no row is nearly redundant, the last iterations keep the factor and correct λ.
 //!
 //! A spring has rows of its own, λ + kC + cĊ = 0 in place of the second line; its softness
 //! 1/(k h² L_ii + c h a_ii) goes on the diagonal of J M̃⁻¹ Jᵀ. At its largest force the size of
 //! the force is given, and the spring is softer across it by the factor that its bound takes away.
 
+mod coupling;
+
 use nalgebra::{Matrix3, SVector, UnitQuaternion, Vector3, Vector4};
 
 use super::constants::{
-    CHANGE_OVER_SQUARE, DIVERGED, GAUSS_ITERATIONS, GAUSS_SOFT, GAUSS_UNCONVERGED, LEAST_CHANGE, NORMAL, SLACK,
+    CHANGE_OVER_SQUARE, CLEAR, DIVERGED, ENOUGH_OF_A_CORRECTION, GAUSS_ITERATIONS, GAUSS_SOFT, GAUSS_UNCONVERGED,
+    KEEPS_FACTOR, LEAST_CHANGE, NORMAL, SLACK, UNRESOLVED,
 };
 use super::mechanism::{InverseMass, Mechanism, MemberState, RowSpring};
 use super::rotation::{exponential, exponential_less_one, inverse_dexp};
@@ -46,6 +57,12 @@ struct GaussStage {
     lambda: Vec<f64>,
     /// k_i of each member.
     rates: Vec<Vector3<f64>>,
+    /// Of the accelerations by the last correction.
+    changes: Vec<Twist<f64>>,
+    /// K of each member, or none where it is small.
+    stiffness: Vec<Matrix3<f64>>,
+    /// Torques that the changes of other stages leave to be balanced.
+    coupling: Vec<Vector3<f64>>,
     /// By the present accelerations.
     states: Vec<MemberState>,
     rows: Vec<JointRow<f64>>,
@@ -101,12 +118,15 @@ impl RoundingCarry {
 /// The stages and their buffers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Gauss<const S: usize> {
+    /// That of the step at hand, of those two.
     tableau: Tableau<S>,
+    methods: Methods<S>,
     stages: Vec<GaussStage>,
     /// At the end of the step.
     now: GaussStage,
     /// Of the last step that converged, and its length, s; 0 where there is none.
     history: Vec<GaussHistory>,
+    past: Tableau<S>,
     carries: Vec<RoundingCarry>,
     length: f64,
     /// How much of that step the present state is after its start, s.
@@ -118,9 +138,23 @@ pub(crate) struct Gauss<const S: usize> {
     /// Residual of the balance of forces, and then the wrench of its correction.
     wrenches: Vec<Wrench<f64>>,
     unknowns: Vec<f64>,
+    /// Share of the right side that the rows of a stage leave, at most, where they may be redundant.
+    unclear: f64,
     right: Vec<f64>,
     stiffness: Vec<Matrix3<f64>>,
     trial: Vec<Twist<f64>>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Methods<const S: usize> {
+    gauss: Tableau<S>,
+    radau: Tableau<S>,
+}
+
+impl<const S: usize> Default for Methods<S> {
+    fn default() -> Self {
+        Self { gauss: Tableau::gauss(), radau: Tableau::radau() }
+    }
 }
 
 /// How the iterations of a step went.
@@ -156,9 +190,10 @@ impl<const S: usize> Gauss<S> {
             twists.chain(&past.lambda).copied()
         });
         let carries = self.carries.iter().filter(|_| self.length > 0.0);
+        let method = (self.length > 0.0).then(|| f64::from(u8::from(self.past.damps())));
         let is_within = self.length > 0.0 && self.elapsed != self.length;
         let within = is_within.then_some([self.elapsed, self.length]).into_iter().flatten();
-        known.chain(carries.flat_map(RoundingCarry::numbers)).chain(within)
+        known.chain(carries.flat_map(RoundingCarry::numbers)).chain(method).chain(within)
     }
 
     /// Mean of each link's load over the step.
@@ -176,6 +211,7 @@ impl<const S: usize> Gauss<S> {
         let mut now = std::mem::take(&mut self.now);
         now.accelerations.clear();
         now.accelerations.resize(mechanism.members.len(), Twist::zero());
+        now.changes.clone_from(&now.accelerations);
         now.lambda.clear();
         now.lambda.resize(mechanism.rows(), 0.0);
         now.states.clone_from(&mechanism.states);
@@ -192,7 +228,7 @@ impl<const S: usize> Gauss<S> {
             }
             self.stages[stage].give(mechanism);
             self.balance(mechanism, stage);
-            self.correct(mechanism, stage);
+            self.correct(mechanism, stage, mechanism.may_be_singular);
         }
         self.now = self.stages.pop().unwrap_or_default();
         let GaussStage { states, rows, lambda, .. } = &self.now;
@@ -203,36 +239,56 @@ impl<const S: usize> Gauss<S> {
     /// Takes the mechanism through a step of h, s, from that time. Where the iterations do not converge it stays where it
     /// was.
     pub fn step(&mut self, mechanism: &mut Mechanism, time: f64, h: f64) -> StageIterations {
+        self.tableau = self.methods.gauss;
+        if let Some(iterations) = self.iterate(mechanism, time, h) {
+            return iterations;
+        }
+        self.tableau = self.methods.radau;
+        self.iterate(mechanism, time, h).unwrap_or(StageIterations::NONE)
+    }
+
+    /// A step by the present method; None where it is one that does not damp and oscillations are too short for it.
+    fn iterate(&mut self, mechanism: &mut Mechanism, time: f64, h: f64) -> Option<StageIterations> {
         self.begin(mechanism, h);
         let (mut before, mut share, mut rising) = (f64::INFINITY, 0.0, 0);
         let mut least = LEAST_CHANGE;
         for count in 1..=GAUSS_ITERATIONS {
             let mut change: f64 = 0.0;
             if count <= 3 {
-                self.find_stiffness(mechanism, h);
+                let phase_squared = self.find_stiffness(mechanism, h);
+                if phase_squared > UNRESOLVED && !self.tableau.damps() {
+                    return None;
+                }
             }
             let refactors = count == 1
                 || ((!self.stiffness.is_empty() || mechanism.gives) && (count <= 4 || share > 0.3))
-                || mechanism.may_be_singular;
+                || mechanism.may_be_singular && (before > KEEPS_FACTOR || self.unclear > CLEAR);
+            let from_zero = mechanism.may_be_singular && refactors;
+            if from_zero {
+                self.unclear = 0.0;
+            }
             self.find_middles(mechanism, h);
             for stage in 0..S {
-                if stage > 0 && !self.stiffness.is_empty() {
+                if !self.stiffness.is_empty() {
                     self.refresh_rates(mechanism, h);
                     self.find_middles(mechanism, h);
                 }
                 self.place_stage(mechanism, time, h, stage);
                 if refactors {
                     let own = self.tableau.matrix[stage][stage] * h;
-                    let own_squared = self.tableau.pivots[stage] * h * h;
+                    let own_squared = self.tableau.lower[stage][stage] * h * h;
                     self.assemble(mechanism, [h, own, own_squared], stage);
                 }
-                if mechanism.may_be_singular {
+                if from_zero {
                     self.stages[stage].lambda.fill(0.0);
                 }
                 self.stages[stage].give(mechanism);
                 self.balance(mechanism, stage);
-                let stage = self.correct(mechanism, stage);
+                let stage = self.correct(mechanism, stage, from_zero);
                 change = if stage > change || stage.is_nan() { stage } else { change };
+            }
+            if !self.stiffness.is_empty() {
+                self.couple_stages(mechanism, h, change);
             }
             let change = change * h * h;
             rising = if share > 1.0 { rising + 1 } else { 0 };
@@ -249,11 +305,11 @@ impl<const S: usize> Gauss<S> {
             if is_converged || is_stalled {
                 self.finish(mechanism, h);
                 self.remember(h);
-                return StageIterations { count: count as u32, converged: true };
+                return Some(StageIterations { count: count as u32, converged: true });
             }
             before = change;
         }
-        StageIterations { count: GAUSS_ITERATIONS as u32, converged: false }
+        Some(StageIterations { count: GAUSS_ITERATIONS as u32, converged: false })
     }
 
     /// The stages that the iterations start from.
@@ -265,6 +321,8 @@ impl<const S: usize> Gauss<S> {
             stage.accelerations.resize(count, Twist::zero());
             stage.lambda.clear();
             stage.lambda.resize(mechanism.rows(), 0.0);
+            stage.changes.clear();
+            stage.changes.resize(count, Twist::zero());
         }
         if self.length > 0.0 {
             self.extrapolate(mechanism, h);
@@ -287,6 +345,7 @@ impl<const S: usize> Gauss<S> {
             return;
         }
         self.length = h;
+        self.past = self.tableau;
         self.history.resize_with(S, GaussHistory::default);
         for (past, stage) in self.history.iter_mut().zip(&self.stages) {
             past.accelerations.clone_from(&stage.accelerations);
@@ -296,10 +355,11 @@ impl<const S: usize> Gauss<S> {
 
     /// Continues the polynomials through the stages of the step before.
     fn extrapolate(&mut self, mechanism: &Mechanism, h: f64) {
-        let ahead = if h == self.length && self.elapsed == self.length {
+        let is_alike = self.past.damps() == self.tableau.damps();
+        let ahead = if is_alike && h == self.length && self.elapsed == self.length {
             self.tableau.ahead
         } else {
-            self.tableau.ahead_by(self.elapsed / self.length, h / self.length)
+            self.past.ahead_by(self.elapsed / self.length, h / self.length, &self.tableau.nodes)
         };
         for member in 0..mechanism.moving {
             let old: [Twist<f64>; S] = std::array::from_fn(|j| self.history[j].accelerations[member]);
@@ -315,8 +375,8 @@ impl<const S: usize> Gauss<S> {
         }
     }
 
-    /// Makes room for K of all members, or none where K is small.
-    fn find_stiffness(&mut self, mechanism: &Mechanism, h: f64) {
+    /// Makes room for K of all members, or none where K is small. h²K over the inertia, at most.
+    fn find_stiffness(&mut self, mechanism: &Mechanism, h: f64) -> f64 {
         self.stiffness.clear();
         let stage = &self.stages[S - 1];
         let mut largest: f64 = 0.0;
@@ -329,9 +389,11 @@ impl<const S: usize> Gauss<S> {
                 }
             }
         }
-        if largest.sqrt() * h * h > GAUSS_SOFT {
+        let phase_squared = largest.sqrt() * h * h;
+        if phase_squared > GAUSS_SOFT {
             self.stiffness.resize(mechanism.members.len(), Matrix3::zeros());
         }
+        phase_squared
     }
 
     /// R_m from the present rates.
@@ -364,7 +426,7 @@ impl<const S: usize> Gauss<S> {
 
     /// States and rows of a stage from the present accelerations.
     fn place_stage(&mut self, mechanism: &Mechanism, time: f64, h: f64, stage: usize) {
-        let Tableau { nodes, weights, matrix, squared, .. } = &self.tableau;
+        let Tableau { nodes, weights, matrix, squared, lower, .. } = &self.tableau;
         let gain: [f64; S] = std::array::from_fn(|j| h * matrix[stage][j]);
         let turns: [f64; S] = std::array::from_fn(|j| gain[j] - 0.5 * h * weights[j]);
         self.rotations.clear();
@@ -380,6 +442,11 @@ impl<const S: usize> Gauss<S> {
                 angular += acceleration.angular * gain[j];
                 turn += other.rates[member] * turns[j];
             }
+            for (j, other) in self.stages.iter().enumerate().take(stage) {
+                let (change, share) = (&other.changes[member], h * h * (lower[stage][j] - squared[stage][j]));
+                position += change.linear * share;
+                turn += change.angular * share;
+            }
             let rotation = exponential(&turn) * self.middles[member];
             self.rotations.push(rotation.to_rotation_matrix().into_inner());
             let stage = &mut self.stages[stage];
@@ -393,7 +460,7 @@ impl<const S: usize> Gauss<S> {
     /// Factors the rows of a stage at its present states, with the step h, and what of it and of its square the stage's
     /// acceleration gives to the stage's velocity and place.
     fn assemble(&mut self, mechanism: &Mechanism, [h, own, own_squared]: [f64; 3], stage: usize) {
-        let GaussStage { states, rows, lambda, system, .. } = &mut self.stages[stage];
+        let GaussStage { states, rows, lambda, system, stiffness, .. } = &mut self.stages[stage];
         let turn = h * states.iter().fold(0.0, |most: f64, state| most.max(state.angular.norm_squared())).sqrt();
         let stiff = !self.stiffness.is_empty();
         if stiff {
@@ -414,6 +481,7 @@ impl<const S: usize> Gauss<S> {
             let linear = member.inverse_mass * slowed.0;
             system.inverse_masses.push(InverseMass { linear, angular: angular * slowed.1 });
         }
+        stiffness.clone_from(&self.stiffness);
         system.assemble(mechanism, rows, turn, |spring, mobility| softness(spring, mobility, rows, own, own_squared));
     }
 
@@ -450,12 +518,16 @@ impl<const S: usize> Gauss<S> {
     }
 
     /// Corrects a stage's accelerations and forces by the residuals. The largest change of an acceleration.
-    fn correct(&mut self, mechanism: &Mechanism, stage: usize) -> f64 {
-        let GaussStage { accelerations, lambda, system, .. } = &mut self.stages[stage];
+    fn correct(&mut self, mechanism: &Mechanism, stage: usize, from_zero: bool) -> f64 {
+        let GaussStage { accelerations, lambda, changes, system, .. } = &mut self.stages[stage];
         if mechanism.may_be_singular {
             // From zero: so forces that are not unique depend on the pose alone.
             std::mem::swap(&mut self.unknowns, &mut self.right);
-            system.solve(mechanism, &self.right, &mut self.unknowns);
+            let enough = if from_zero { 0.0 } else { ENOUGH_OF_A_CORRECTION };
+            let left = system.solve_to(enough, mechanism, &self.right, &mut self.unknowns);
+            if from_zero {
+                self.unclear = self.unclear.max(left);
+            }
         } else {
             system.solve_once(mechanism, &mut self.unknowns);
         }
@@ -464,9 +536,9 @@ impl<const S: usize> Gauss<S> {
         }
         add_wrenches(&mechanism.links, system.jacobians.iter(), &self.unknowns, &mut self.wrenches);
         let mut largest: f64 = 0.0;
-        let moved = accelerations.iter_mut().zip(&self.wrenches).zip(&system.inverse_masses);
-        for ((acceleration, wrench), weight) in moved.take(mechanism.moving) {
-            let change = weight.of(wrench);
+        let moved = accelerations.iter_mut().zip(changes).zip(&self.wrenches).zip(&system.inverse_masses);
+        for (((acceleration, change), wrench), weight) in moved.take(mechanism.moving) {
+            *change = weight.of(wrench);
             acceleration.linear += change.linear;
             acceleration.angular += change.angular;
             let size = change.linear.abs().sum() + change.angular.abs().sum();
