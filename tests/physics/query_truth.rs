@@ -3,8 +3,11 @@
 //! A solid is all that is within a radius of a core: the hull of some points, or a convex polygon turned about y. Three
 //! functions tell all of it. Its *height* over a point is convex and negative inside, so that where a ray comes nearest is
 //! found by golden section. Its *distance* is the least over triangles of its corners, or over sides of the polygon. Its
-//! *reach* along a direction proves that two solids are apart, whoever proposed that direction: here parry's GJK. What one
-//! point of both proves is that they touch.
+//! *reach* along a direction proves that two solids are apart, whoever proposed that direction: here parry's GJK,
+//! and where that fails a search. What one point of both proves is that they touch.
+
+use std::cell::Cell;
+use std::f64::consts::FRAC_PI_2;
 
 use bevy::math::{DQuat, DVec2, DVec3};
 use parry3d_f64::math::{Pose, Vector};
@@ -111,6 +114,27 @@ fn distance_of_segment(a: DVec3, b: DVec3, point: DVec3) -> f64 {
     (from - along * share).length()
 }
 
+/// The least that a function has between two places, which falls up to some place and rises from there (golden section).
+fn least_between([mut low, mut high]: [f64; 2], height: impl Fn(f64) -> f64) -> f64 {
+    let golden = 0.5 * (5_f64.sqrt() - 1.0);
+    let [mut one, mut other] = [high - golden * (high - low), low + golden * (high - low)];
+    let [mut at_one, mut at_other] = [height(one), height(other)];
+    let mut least = height(low).min(height(high)).min(at_one).min(at_other);
+    for _ in 0..SECTIONS {
+        if at_one <= at_other {
+            (high, other, at_other) = (other, one, at_one);
+            one = high - golden * (high - low);
+            at_one = height(one);
+        } else {
+            (low, one, at_one) = (one, other, at_other);
+            other = low + golden * (high - low);
+            at_other = height(other);
+        }
+        least = least.min(at_one).min(at_other);
+    }
+    least
+}
+
 /// How far a point is inside all sides of a triangle, seen along its normal, m.
 fn inside_of_sides(corners: &[DVec3; 3], point: DVec3) -> f64 {
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
@@ -136,6 +160,15 @@ fn distance_of_triangle(corners: &[DVec3; 3], point: DVec3) -> f64 {
 impl Solid {
     fn local(&self, point: DVec3) -> DVec3 {
         self.rotation.inverse() * (point - self.position)
+    }
+
+    /// A point inside.
+    fn middle(&self) -> DVec3 {
+        let local = match &self.core {
+            Core::Points { points, .. } => points.iter().sum::<DVec3>() / points.len() as f64,
+            Core::HalfSpace | Core::Turned(_) => DVec3::ZERO,
+        };
+        self.position + self.rotation * local
     }
 
     /// The corners of a triangle of a mesh.
@@ -228,24 +261,7 @@ impl Solid {
                 || (length - distance) * -rate <= slack
                 || inside_of_sides(&corners, ray.origin + unit * distance) <= slack;
         }
-        let height = |gone: f64| self.height(ray.origin + unit * gone);
-        let golden = 0.5 * (5_f64.sqrt() - 1.0);
-        let (mut low, mut high) = (0.0, length);
-        let [mut one, mut other] = [high - golden * (high - low), low + golden * (high - low)];
-        let [mut at_one, mut at_other] = [height(one), height(other)];
-        let mut least = height(low).min(height(high)).min(at_one).min(at_other);
-        for _ in 0..SECTIONS {
-            if at_one <= at_other {
-                (high, other, at_other) = (other, one, at_one);
-                one = high - golden * (high - low);
-                at_one = height(one);
-            } else {
-                (low, one, at_one) = (one, other, at_other);
-                other = low + golden * (high - low);
-                at_other = height(other);
-            }
-            least = least.min(at_one).min(at_other);
-        }
+        let least = least_between([0.0, length], |gone| self.height(ray.origin + unit * gone));
         least >= -slack
     }
 
@@ -317,4 +333,30 @@ pub fn apart_on_a_way(mover: &Solid, way: DVec3, other: &Solid, known: Option<DV
         }
         GJKResult::Intersection => of_known,
     }
+}
+
+/// Likewise, as proven by a plane that is sought among all that there are. Where they pass by each other closely, one of a
+/// million times GJK ends with a direction that proves nothing, or with none.
+///
+/// A plane between the two has the middle of the other before it, and every place of the mover's middle behind: its normal n
+/// has n·m > 0, m the vector from the nearest of these to the other's. The distance along n = m/|m| + u e + v f is a concave
+/// function of u and v, whatever the length of n, so that it is greatest where golden sections end, one within the other.
+pub fn apart_by_search(mover: &Solid, way: DVec3, other: &Solid) -> Option<f64> {
+    let Some(way) = other.way_before(mover.position, way) else { return Some(f64::INFINITY) };
+    let between = other.middle() - mover.middle();
+    let share = (between.dot(way) / way.length_squared()).clamp(0.0, 1.0);
+    let first = (between - way * share).try_normalize()?;
+    let (e, f) = first.any_orthonormal_pair();
+    let apart = Cell::new(f64::NEG_INFINITY);
+    let height = |u: f64, v: f64| {
+        let along = first + e * u.tan() + f * v.tan();
+        let normal = along.normalize();
+        let end = mover.farthest(normal) + if way.dot(normal) > 0.0 { way } else { DVec3::ZERO };
+        let beyond = other.beyond(end, -normal);
+        apart.set(apart.get().max(-beyond));
+        beyond * along.length()
+    };
+    let range = [-FRAC_PI_2, FRAC_PI_2];
+    least_between(range, |u| least_between(range, |v| height(u, v)));
+    Some(apart.get())
 }

@@ -34,7 +34,7 @@ pub(crate) use broad::near_pairs::NearPairs;
 pub(crate) use classic::vector_set::VectorSet;
 pub(crate) use gap::{closing_distance, fastest_approach, turning_speed};
 pub(crate) use lag::LaggedContacts;
-pub(crate) use manifold::{ContactPoint, Contacts, FeatureId, Manifold, Pair, PairKey, PartPair};
+pub(crate) use manifold::{ContactPoint, Contacts, FeatureId, Manifold, Overlap, Pair, PairKey, PartPair};
 pub(crate) use narrow::contact_pair::{PairSearch, touch};
 pub(crate) use narrow::place_at_any::{place, place_at_part};
 pub(crate) use parts::{box_of, parts_within};

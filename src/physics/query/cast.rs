@@ -1,6 +1,11 @@
-//! Where a shape that moves straight on, without turning, first touches another: by conservative advancement, as of
-//! bodies that move fast ([`time_of_impact`](crate::physics::collision)).
+//! Where a shape that moves straight on, without turning, first touches another.
 //!
+//! A polyhedron and what is not round about a point or a segment: by two bounds that meet
+//! ([`first_touch`](super::first_touch)). The contact points of such a pair would not do: between faces and edges that are
+//! nearly as good they prefer the faces, so that neither their normal nor their place is that of the first touch, and where
+//! edges cross at a small angle no sequence of projections leads there.
+//!
+//! All others: by conservative advancement, as of bodies that move fast ([`time_of_impact`](crate::physics::collision)).
 //! Shapes that are apart by s along a unit n from the one that moves to the other come together along n by n·d for each
 //! metre, and by no more along any way. So it is moved on by s/(n·d) and looked at again; where n·d ≤ 0 they are apart
 //! along n for ever. Where one is curved that is Newton's method for the distance.
@@ -8,8 +13,9 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::clear_way::{Clear, Outline, Solid, clear_way};
+use super::first_touch::{Touch, first_touch};
 use crate::physics::box_tree::Way;
-use crate::physics::collision::{PartPair, place_at_part, touch};
+use crate::physics::collision::{Overlap, PartPair, place_at_part, touch};
 use crate::physics::shape::{PartList, Parts};
 use crate::physics::{Body, ContactPoint, Geometry, PairSearch};
 
@@ -164,23 +170,32 @@ impl Advanced {
         direction: &Vector3<f64>,
         most: f64,
     ) -> Option<Impact> {
-        let Self { at, search, points } = self;
         let solids = [solid_of(mover, parts.a, &other.position), solid_of(other, parts.b, &other.position)];
-        let clear = match &solids {
-            [Some(mover), Some(other)] => clear_way(mover, other, direction, most)?,
+        let clear = match solids {
+            [Some(of_mover), Some(of_other)] => {
+                let clear = clear_way(&of_mover, &of_other, direction, most)?;
+                let is_any_flat = of_mover.is_polyhedron() || of_other.is_polyhedron();
+                if is_any_flat && !of_mover.is_round() && !of_other.is_round() {
+                    if clear.distance == 0.0
+                        && let Some(impact) = self.at_start([mover, other], parts)
+                    {
+                        return Some(impact);
+                    }
+                    let mut impact = on_the_way(of_mover, of_other, direction, clear.distance, most)?;
+                    impact.point += other.position;
+                    return Some(impact);
+                }
+                clear
+            }
             _ => Clear { distance: 0.0, within: f64::INFINITY },
         };
+        let Self { at, search, points } = self;
         let Clear { mut distance, mut within } = clear;
         let margin = MARGIN * mover.radius;
         at.position = mover.position + direction * distance;
         for look in 1..=LOOKS {
-            points.clear();
-            // What another shape was tested by is no help here.
-            search.last = None;
-            (search.any_normal, search.is_sheet) = (true, true);
             let gap = (most - distance).min(within + margin);
-            let overlap = touch([at, other], parts, gap, search, points);
-            (search.any_normal, search.is_sheet) = (false, false);
+            let overlap = touch_along_any([at, other], parts, gap, search, points);
             if overlap.is_none() && gap < most - distance {
                 within = f64::INFINITY;
                 continue;
@@ -210,6 +225,42 @@ impl Advanced {
         }
         unreachable!("the last look returns")
     }
+
+    /// Where those parts of the two touch from the start.
+    fn at_start(&mut self, [mover, other]: [&Body; 2], parts: PartPair) -> Option<Impact> {
+        let Self { search, points, .. } = self;
+        let overlap = touch_along_any([mover, other], parts, 0.0, search, points)?;
+        let deepest = points.iter().max_by(|one, other| one.depth.total_cmp(&other.depth))?.point;
+        let point = common_point([mover, other], parts, deepest);
+        Some(Impact { distance: 0.0, point, normal: -overlap.normal })
+    }
+}
+
+/// Where a solid first touches another that it does not touch from the start, nor before it has come that far, m; the point
+/// from where their positions are measured.
+fn on_the_way(mut mover: Solid, other: Solid, direction: &Vector3<f64>, clear: f64, most: f64) -> Option<Impact> {
+    mover.position += direction * clear;
+    let Touch { distance, point, normal } = first_touch(&mover, &other, direction, most - clear)?;
+    mover.position += direction * distance;
+    let is_ahead = clear + distance > 0.0 && other.faces(&mover.position) && mover.faces(&other.position);
+    is_ahead.then_some(Impact { distance: clear + distance, point, normal })
+}
+
+/// The contact points of parts that are apart by no more than a gap, m, along any normal, whether or not a mesh has it.
+fn touch_along_any(
+    bodies: [&Body; 2],
+    parts: PartPair,
+    gap: f64,
+    search: &mut PairSearch,
+    points: &mut Vec<ContactPoint>,
+) -> Option<Overlap> {
+    points.clear();
+    // What another shape was tested by is no help here.
+    search.last = None;
+    (search.any_normal, search.is_sheet) = (true, true);
+    let overlap = touch(bodies, parts, gap, search, points);
+    (search.any_normal, search.is_sheet) = (false, false);
+    overlap
 }
 
 /// A body's shape, or that part of it, from a place; none of a half-space and of a facet of many triangles.

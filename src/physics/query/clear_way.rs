@@ -47,6 +47,29 @@ impl Solid<'_> {
         };
         Some((self.position + self.axes * local, around))
     }
+
+    /// Whether it is bounded by flat faces alone.
+    pub fn is_polyhedron(&self) -> bool {
+        matches!(self.shape, Outline::Corners(_) | Outline::Solid(Geometry::Cuboid { .. } | Geometry::Hull(_)))
+    }
+
+    /// Whether it is all that is within a radius of a point or a segment.
+    pub fn is_round(&self) -> bool {
+        matches!(self.shape, Outline::Solid(Geometry::Sphere { .. } | Geometry::Capsule { .. }))
+    }
+
+    /// Whether a place is before it, if it has a front alone, as a triangle of a mesh has.
+    pub fn faces(&self, place: &Vector3<f64>) -> bool {
+        let Outline::Corners([a, b, c]) = &self.shape else { return true };
+        let normal = self.axes * (b - a).cross(&(c - a));
+        normal.dot(&(place - self.position)) > 0.0
+    }
+
+    /// The farthest point of it along a unit direction.
+    pub fn support(&self, direction: &Vector3<f64>) -> Option<Vector3<f64>> {
+        let (point, around) = self.farthest(direction)?;
+        Some(point + direction * around)
+    }
 }
 
 /// What is known before an exact look.

@@ -8,7 +8,8 @@
 //! | | |
 //! | --- | --- |
 //! | [`ray`] | closed forms of a ray and each shape |
-//! | [`cast`] | a shape on its way: conservative advancement |
+//! | [`cast`] | a shape on its way |
+//! | [`first_touch`] | where it first touches a solid: two bounds that meet |
 //! | [`clear_way`] | how far it certainly touches nothing |
 //! | [`box_tree`](super::box_tree) | which bodies are looked at |
 //! | [`sensor`] | colliders that only report, which ask after each step |
@@ -17,6 +18,7 @@ mod answers;
 mod cast;
 mod clear_way;
 mod filter;
+mod first_touch;
 mod index;
 mod physics_query;
 mod ray;
