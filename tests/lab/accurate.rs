@@ -146,12 +146,12 @@ fn swings_as_one_of_its_columns(n: usize) {
     assert!(error < 1e-4, "{n}: {error:e} m");
 }
 
-/// Rods that pull a million times their mass.
+/// A tenth of a second, in which rods swing through half a turn.
 #[test]
 fn a_step_too_long_is_cut_and_says_so() {
-    let mut simulation = simulation(scene("chain", &[("r", 1e6)]), 120.0);
+    let mut simulation = simulation(scene("chain", &[("r", 1e4)]), 10.0);
     let mut cuts = 0;
-    for _ in 0..12 {
+    for _ in 0..20 {
         simulation.step();
         cuts += simulation.world().resource::<StepStats>().cuts;
     }

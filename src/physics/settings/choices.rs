@@ -46,7 +46,8 @@ choices! {
     /// How the exact method steps what touches nothing.
     pub enum ExactIntegrator {
         /// Gauss's collocation method, implicit and symmetric: of order 8 where nothing is stiff, of order 6 where
-        /// something is, whatever the stiffness.
+        /// something is, and Radau's of order 5, which damps, where a step is far too long for oscillations of light
+        /// links under load.
         Gauss = "gauss",
         /// RATTLE: kicks and free flight, symmetric, of order 2.
         Rattle = "rattle",
