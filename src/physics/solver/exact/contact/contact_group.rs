@@ -313,6 +313,7 @@ impl ContactGroup {
         if self.is_spent() {
             most = left.min(ROUGH_STEP * terms.h);
             self.smooth_step(most, true, now, start);
+            self.lose_gain();
             self.lands = false;
             return most;
         }
@@ -324,6 +325,7 @@ impl ContactGroup {
                     most = most.min(ROUGH_STEP * terms.h);
                     overlap = self.smooth_step(most, true, now, start);
                 }
+                self.lose_gain();
                 break;
             }
             most *= 0.5;
@@ -407,23 +409,51 @@ impl ContactGroup {
     /// Whether the smooth step made kinetic energy that no force, spring or support gave: it is too long for how fast
     /// something turns. Bodies lifted out of an overlap are no such case.
     fn gains_energy(&self) -> bool {
+        let Some(given) = self.energy_given() else { return false };
+        let after = self.kinetic_energies(&self.smooth.end).sum::<f64>();
+        let mass: f64 = self.members.iter().map(|member| member.mass).sum();
+        after - given > ENERGY_GAINED * after + NO_ENERGY * mass
+    }
+
+    /// What the kinetic energy may be after the smooth step, J, where nothing but constant forces gives any.
+    fn energy_given(&self) -> Option<f64> {
         let Self { smooth, members, moving, states, links, .. } = self;
         let is_driven = !states[*moving..].iter().all(MemberState::is_still);
         if is_driven || links.iter().any(|link| link.gives() || link.is_driven() || link.may_be_bounded) {
-            return false;
+            return None;
         }
-        let kinetic = |states: &[MemberState]| -> f64 {
-            members.iter().zip(states).take(*moving).map(|(member, state)| member.kinetic_energy(state)).sum()
-        };
         let work: f64 = members
             .iter()
             .zip(states.iter().zip(&smooth.end))
             .take(*moving)
             .map(|(member, (start, end))| member.force.dot(&(end.position - start.position)))
             .sum();
-        let (before, after) = (kinetic(states), kinetic(&smooth.end));
-        let mass: f64 = members.iter().map(|member| member.mass).sum();
-        after - before - work.max(0.0) > ENERGY_GAINED * after + NO_ENERGY * mass
+        Some(self.kinetic_energies(states).sum::<f64>() + work.max(0.0))
+    }
+
+    /// Of each body that moves, J.
+    fn kinetic_energies(&self, states: &[MemberState]) -> impl Iterator<Item = f64> {
+        self.members.iter().zip(states).take(self.moving).map(|(member, state)| member.kinetic_energy(state))
+    }
+
+    /// The last resort may be a solve that came to nothing, whose impulses fling bodies away. What a step gains it loses
+    /// again: the fastest bodies go no further and no faster than the energy that there was lets them.
+    fn lose_gain(&mut self) {
+        if !self.gains_energy() {
+            return;
+        }
+        let Some(given) = self.energy_given() else { return };
+        let energies: Vec<f64> = self.kinetic_energies(&self.smooth.end).collect();
+        let most = highest_level(&energies, given);
+        for ((end, start), energy) in self.smooth.end.iter_mut().zip(&self.states).zip(energies) {
+            if energy > most {
+                let share = (most / energy).sqrt();
+                end.linear *= share;
+                end.angular *= share;
+                end.position = start.position.lerp(&end.position, share);
+                end.rotation = start.rotation.nlerp(&end.rotation, share);
+            }
+        }
     }
 
     /// Makes the end of the smooth step the state.
@@ -516,4 +546,31 @@ fn add_up(
         }
     }
     joint_impulses.iter_mut().zip(solver.loads(links)).for_each(|(sum, impulse)| *sum = sum.plus(&impulse, 1.0));
+}
+
+/// The level to which the highest of some energies are to be cut for their sum to be that given; the highest if it is less.
+fn highest_level(energies: &[f64], given: f64) -> f64 {
+    let mut sorted = energies.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let (mut left, mut count) = (given.max(0.0), sorted.len() as f64);
+    for &energy in &sorted {
+        if energy * count >= left {
+            return left / count;
+        }
+        (left, count) = (left - energy, count - 1.0);
+    }
+    f64::INFINITY
+}
+
+#[cfg(test)]
+mod tests {
+    use super::highest_level;
+
+    #[test]
+    fn the_highest_energies_are_cut_to_the_sum() {
+        let energies = [5.0, 1.0, 100.0, 2.0];
+        for (given, level) in [(200.0, f64::INFINITY), (13.0, 5.0), (10.0, 3.5), (4.0, 1.0), (2.0, 0.5), (-1.0, 0.0)] {
+            assert_eq!(highest_level(&energies, given), level, "{given} J");
+        }
+    }
 }
