@@ -204,7 +204,7 @@ impl Advanced {
             let (separation, approach) = (-overlap.depth, overlap.normal.dot(direction));
             let is_last = look == LOOKS;
             if separation <= 0.0 || is_last {
-                let deepest = points.iter().max_by(|one, other| one.depth.total_cmp(&other.depth))?.point;
+                let deepest = deepest(points)?;
                 // A face was preferred to edges that are apart by little more than it.
                 let Some(left) = left_apart([at, other], parts, search, points).filter(|_| !is_last) else {
                     let point = common_point([at, other], parts, deepest);
@@ -230,8 +230,7 @@ impl Advanced {
     fn at_start(&mut self, [mover, other]: [&Body; 2], parts: PartPair) -> Option<Impact> {
         let Self { search, points, .. } = self;
         let overlap = touch_along_any([mover, other], parts, 0.0, search, points)?;
-        let deepest = points.iter().max_by(|one, other| one.depth.total_cmp(&other.depth))?.point;
-        let point = common_point([mover, other], parts, deepest);
+        let point = common_point([mover, other], parts, deepest(points)?);
         Some(Impact { distance: 0.0, point, normal: -overlap.normal })
     }
 }
@@ -244,6 +243,11 @@ fn on_the_way(mut mover: Solid, other: Solid, direction: &Vector3<f64>, clear: f
     mover.position += direction * distance;
     let is_ahead = clear + distance > 0.0 && other.faces(&mover.position) && mover.faces(&other.position);
     is_ahead.then_some(Impact { distance: clear + distance, point, normal })
+}
+
+/// The place of the deepest of some contact points.
+fn deepest(points: &[ContactPoint]) -> Option<Vector3<f64>> {
+    points.iter().max_by(|one, other| one.depth.total_cmp(&other.depth)).map(|point| point.point)
 }
 
 /// The contact points of parts that are apart by no more than a gap, m, along any normal, whether or not a mesh has it.

@@ -319,7 +319,7 @@ impl ContactGroup {
         }
         let cuts = self.effort.cuts;
         let mut overlap = self.smooth_step(most, false, now, start);
-        while !self.smooth.is_true || self.missed() > MISSED || self.gains_energy() {
+        while !self.smooth.is_true || self.missed() > MISSED || self.exceeded_energy().is_some() {
             if most <= terms.h * SHORTEST_STEP || self.is_spent() {
                 if !self.smooth.is_true {
                     most = most.min(ROUGH_STEP * terms.h);
@@ -406,17 +406,9 @@ impl ContactGroup {
         held.map(|pair| deepest(&self.smooth.points, pair) - deepest(&self.points, pair)).fold(0.0, f64::max)
     }
 
-    /// Whether the smooth step made kinetic energy that no force, spring or support gave: it is too long for how fast
-    /// something turns. Bodies lifted out of an overlap are no such case.
-    fn gains_energy(&self) -> bool {
-        let Some(given) = self.energy_given() else { return false };
-        let after = self.kinetic_energies(&self.smooth.end).sum::<f64>();
-        let mass: f64 = self.members.iter().map(|member| member.mass).sum();
-        after - given > ENERGY_GAINED * after + NO_ENERGY * mass
-    }
-
-    /// What the kinetic energy may be after the smooth step, J, where nothing but constant forces gives any.
-    fn energy_given(&self) -> Option<f64> {
+    /// The kinetic energy that forces and supports let the smooth step come to, J, if it came to more: it is too long for how
+    /// fast something turns. None where springs or motors may have given it. Bodies lifted out of an overlap are no such case.
+    fn exceeded_energy(&self) -> Option<f64> {
         let Self { smooth, members, moving, states, links, .. } = self;
         let is_driven = !states[*moving..].iter().all(MemberState::is_still);
         if is_driven || links.iter().any(|link| link.gives() || link.is_driven() || link.may_be_bounded) {
@@ -428,7 +420,10 @@ impl ContactGroup {
             .take(*moving)
             .map(|(member, (start, end))| member.force.dot(&(end.position - start.position)))
             .sum();
-        Some(self.kinetic_energies(states).sum::<f64>() + work.max(0.0))
+        let [before, after] = [states, &smooth.end].map(|states| self.kinetic_energies(states).sum::<f64>());
+        let mass: f64 = members.iter().map(|member| member.mass).sum();
+        let given = before + work.max(0.0);
+        (after - given > ENERGY_GAINED * after + NO_ENERGY * mass).then_some(given)
     }
 
     /// Of each body that moves, J.
@@ -439,10 +434,7 @@ impl ContactGroup {
     /// The last resort may be a solve that came to nothing, whose impulses fling bodies away. What a step gains it loses
     /// again: the fastest bodies go no further and no faster than the energy that there was lets them.
     fn lose_gain(&mut self) {
-        if !self.gains_energy() {
-            return;
-        }
-        let Some(given) = self.energy_given() else { return };
+        let Some(given) = self.exceeded_energy() else { return };
         let energies: Vec<f64> = self.kinetic_energies(&self.smooth.end).collect();
         let most = highest_level(&energies, given);
         for ((end, start), energy) in self.smooth.end.iter_mut().zip(&self.states).zip(energies) {

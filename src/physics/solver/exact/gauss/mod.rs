@@ -141,7 +141,8 @@ pub(crate) struct Gauss<const S: usize> {
     /// Share of the right side that the rows of a stage leave, at most, where they may be redundant.
     unclear: f64,
     right: Vec<f64>,
-    stiffness: Vec<Matrix3<f64>>,
+    /// Whether K is large.
+    is_stiff: bool,
     trial: Vec<Twist<f64>>,
 }
 
@@ -218,7 +219,7 @@ impl<const S: usize> Gauss<S> {
         mechanism.place_rows(&now.states, time, &mut now.rows);
         self.rotations.clear();
         self.rotations.extend(now.states.iter().map(|state| state.rotation.to_rotation_matrix().into_inner()));
-        self.stiffness.clear();
+        self.is_stiff = false;
         let stage = self.stages.len();
         self.stages.push(now);
         self.assemble(mechanism, [0.0; 3], stage);
@@ -261,7 +262,7 @@ impl<const S: usize> Gauss<S> {
                 }
             }
             let refactors = count == 1
-                || ((!self.stiffness.is_empty() || mechanism.gives) && (count <= 4 || share > 0.3))
+                || ((self.is_stiff || mechanism.gives) && (count <= 4 || share > 0.3))
                 || mechanism.may_be_singular && (before > KEEPS_FACTOR || self.unclear > CLEAR);
             let from_zero = mechanism.may_be_singular && refactors;
             if from_zero {
@@ -269,7 +270,7 @@ impl<const S: usize> Gauss<S> {
             }
             self.find_middles(mechanism, h);
             for stage in 0..S {
-                if !self.stiffness.is_empty() {
+                if self.is_stiff {
                     self.refresh_rates(mechanism, h);
                     self.find_middles(mechanism, h);
                 }
@@ -287,7 +288,7 @@ impl<const S: usize> Gauss<S> {
                 let stage = self.correct(mechanism, stage, from_zero);
                 change = if stage > change || stage.is_nan() { stage } else { change };
             }
-            if !self.stiffness.is_empty() {
+            if self.is_stiff {
                 self.couple_stages(mechanism, h, change);
             }
             let change = change * h * h;
@@ -375,9 +376,8 @@ impl<const S: usize> Gauss<S> {
         }
     }
 
-    /// Makes room for K of all members, or none where K is small. h²K over the inertia, at most.
+    /// Finds whether K is large. h²K over the inertia, at most.
     fn find_stiffness(&mut self, mechanism: &Mechanism, h: f64) -> f64 {
-        self.stiffness.clear();
         let stage = &self.stages[S - 1];
         let mut largest: f64 = 0.0;
         for link in &mechanism.links {
@@ -390,9 +390,7 @@ impl<const S: usize> Gauss<S> {
             }
         }
         let phase_squared = largest.sqrt() * h * h;
-        if phase_squared > GAUSS_SOFT {
-            self.stiffness.resize(mechanism.members.len(), Matrix3::zeros());
-        }
+        self.is_stiff = phase_squared > GAUSS_SOFT;
         phase_squared
     }
 
@@ -462,26 +460,25 @@ impl<const S: usize> Gauss<S> {
     fn assemble(&mut self, mechanism: &Mechanism, [h, own, own_squared]: [f64; 3], stage: usize) {
         let GaussStage { states, rows, lambda, system, stiffness, .. } = &mut self.stages[stage];
         let turn = h * states.iter().fold(0.0, |most: f64, state| most.max(state.angular.norm_squared())).sqrt();
-        let stiff = !self.stiffness.is_empty();
-        if stiff {
-            self.stiffness.fill(Matrix3::zeros());
+        stiffness.clear();
+        if self.is_stiff {
+            stiffness.resize(mechanism.members.len(), Matrix3::zeros());
             for link in &mechanism.links {
                 let force = link.load(&Vector3::zeros(), rows, lambda).linear;
                 for (end, member, force) in [(0, link.a, -force), (1, link.b, force)] {
                     let arm = states[member as usize].rotation * link.anchor(end);
-                    add_stiffness(&mut self.stiffness[member as usize], &arm, &force);
+                    add_stiffness(&mut stiffness[member as usize], &arm, &force);
                 }
             }
         }
         system.inverse_masses.clear();
         for (index, member) in mechanism.members.iter().enumerate() {
             let slowed = (1.0 / (1.0 + member.drag.0 * own), 1.0 / (1.0 + member.drag.1 * own));
-            let added = stiff.then(|| self.stiffness[index] * (own_squared * slowed.1));
+            let added = self.is_stiff.then(|| stiffness[index] * (own_squared * slowed.1));
             let angular = member.inverse_inertia(&self.rotations[index], added.as_ref());
             let linear = member.inverse_mass * slowed.0;
             system.inverse_masses.push(InverseMass { linear, angular: angular * slowed.1 });
         }
-        stiffness.clone_from(&self.stiffness);
         system.assemble(mechanism, rows, turn, |spring, mobility| softness(spring, mobility, rows, own, own_squared));
     }
 
