@@ -95,8 +95,10 @@ fn what_is_joined_while_it_moves_gains_nothing() {
                             break;
                         }
                         let now = energy(&world, cubes);
+                        // A whole step of `accurate` may gain as much by its order before it is cut.
+                        let most = if engine == Engine::Accurate { 1.003 } else { 1.001 };
                         assert!(
-                            now < 1.001 * before,
+                            now < most * before,
                             "{engine:?}, {kind:?}, {lever} m, ground {on_ground}: {before} J, {now} J after {step} steps"
                         );
                     }

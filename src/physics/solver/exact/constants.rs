@@ -146,13 +146,24 @@ pub(super) const LEAST_BOUNCE: f64 = 1e-4;
 /// Impacts at one time, for each pair of a group, until the approaches that remain are stopped.
 pub(super) const IMPACTS_OF_A_PAIR: usize = 100;
 /// Forecasts of a smooth step at most.
-pub(super) const MOST_FORECASTS: usize = 12;
+pub(super) const MOST_FORECASTS: usize = 40;
+/// Share of the least error of a forecast so far from which on one is better,
+pub(super) const PROGRESS: f64 = 0.8;
+/// and forecasts in a row that are none better after which the step is too long for them.
+pub(super) const FORECAST_PATIENCE: u32 = 6;
 /// Error of a forecast, m, that is none.
 pub(super) const FORECAST_ERROR: f64 = 1e-13;
 /// Error of a forecast, m, that is accepted where it falls no more.
 pub(super) const STALLED_ERROR: f64 = 1e-9;
 /// Overlap at the end of a forecast, m, from which on contact points that it did not hold are held.
 pub(super) const UNFORESEEN: f64 = 1e-7;
+/// How far from where a contact point has gone, as a share of the smaller body's radius and beyond the way of the bodies past
+/// each other, one of the same name is the same,
+pub(super) const SAME_NAME: f64 = 0.3;
+/// and how far at most one of another name is.
+pub(super) const SAME_PLACE: f64 = 0.005;
+/// Cosine of the angle up to which such a point, met on the way, is held along its pair's normal at the start.
+pub(super) const SAME_PLANE: f64 = 0.95;
 /// A limit is taken into a forecast where it would close at that many times its present speed, or at that speed, m/s or
 /// rad/s: of those far from their stops the bias would be the measure of all residuals.
 pub(super) const FORESEEN_SPEEDS: f64 = 4.0;
@@ -167,7 +178,7 @@ pub(super) const MISSED: f64 = 1e-6;
 /// `pile` and `dominoes`.
 pub(super) const ENERGY_GAINED: f64 = 3e-3;
 /// Kinetic energy over mass that counts as none, J/kg.
-pub(super) const NO_ENERGY: f64 = 1e-12;
+pub(super) const NO_ENERGY: f64 = 1e-10;
 /// Smooth steps are not cut to less than this share of a substep for either.
 pub(super) const SHORTEST_STEP: f64 = 1.0 / 256.0;
 /// Longest share of a substep that goes by one forecast alone.
@@ -189,10 +200,12 @@ pub(super) const TOLERANCE: f64 = 1e-10;
 pub(super) const ROUGH_TOLERANCE: f64 = 1e-5;
 /// Residual, m/s, that is enough where points contradict each other.
 pub(super) const SETTLED: f64 = 1e-8;
+/// Residual, m/s, up to which what a solve could not get below is not tried again for some time.
+pub(super) const WORTH_STALLING: f64 = 1e-5;
 /// Residual that is asked for in a first forecast, m/s,
-pub(super) const FORECAST_TOLERANCE: f64 = 1e-6;
+pub(super) const FORECAST_TOLERANCE: f64 = 1e-3;
 /// and share of a forecast's error, over the step, that is asked for in the next.
-pub(super) const FORECAST_SHARE: f64 = 0.1;
+pub(super) const FORECAST_SHARE: f64 = 0.02;
 /// Factorisations that a step may take here, whatever the number of points.
 pub(super) const MOST_FACTORISATIONS: u32 = 1_000;
 /// Factorisations times points that a step may take: the hardest of `limbs` took a quarter of a million; few points may

@@ -454,7 +454,7 @@ impl ContactGroup {
         effort.jammed += smooth.jammed;
         effort.unsettled += u32::from(!smooth.is_true);
         states.clone_from(&smooth.end);
-        for (solver, held) in [&smooth.positions, &smooth.velocities].into_iter().zip(&smooth.held) {
+        for (solver, held) in [(&smooth.positions, &smooth.held.list), (&smooth.velocities, &smooth.held_at_end)] {
             add_up(links, held, solver, loads, joint_loads, Some(0.5 * h));
         }
         for (sum, load) in joint_loads.iter_mut().zip(&smooth.spring_loads) {
@@ -477,7 +477,7 @@ impl ContactGroup {
 
     /// Rows of the last solve.
     pub fn rows(&self) -> u32 {
-        (self.smooth.velocities.rows.len() + 3 * self.smooth.held[1].len()) as u32
+        (self.smooth.velocities.rows.len() + 3 * self.smooth.held_at_end.len()) as u32
     }
 
     /// By pair: the points at the end of the step, then those that carried something in it and are gone.
@@ -556,7 +556,27 @@ fn highest_level(energies: &[f64], given: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::highest_level;
+    use super::*;
+
+    /// Of two balls at 1 m/s one is flung at 130 m/s.
+    #[test]
+    fn what_the_last_resort_gains_the_fastest_lose() {
+        let ball = Member { mass: 2.0, inertia: Vector3::repeat(1.0), ..Member::FIXED };
+        let at_speed = |speed: f64| MemberState {
+            linear: Vector3::x() * speed,
+            position: Vector3::x() * (0.01 * speed),
+            ..MemberState::REST
+        };
+        let mut group = ContactGroup { moving: 2, members: vec![ball; 2], ..ContactGroup::default() };
+        group.states = [MemberState { position: Vector3::zeros(), ..at_speed(1.0) }; 2].to_vec();
+        group.smooth.end = vec![at_speed(130.0), at_speed(0.5)];
+        group.lose_gain();
+        let [flung, slow] = &group.smooth.end[..] else { panic!("two balls") };
+        let given = 1.0 + 1.0 - 0.25;
+        assert!((flung.linear.norm_squared() - given).abs() < 1e-12, "{}", flung.linear);
+        assert!((flung.position.x - 0.01 * flung.linear.x).abs() < 1e-15);
+        assert_eq!(*slow, at_speed(0.5));
+    }
 
     #[test]
     fn the_highest_energies_are_cut_to_the_sum() {

@@ -1,5 +1,7 @@
 //! The points where bodies touch, or may touch within a step, at the poses that they have.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 
 use super::super::mechanism::MemberState;
@@ -26,7 +28,9 @@ pub(super) struct GapPoint {
     pub ends: [u32; 2],
     /// In the world, m.
     pub point: Vector3<f64>,
-    /// From the centres of mass, world axes.
+    /// From the centres of mass, world axes, to where it rubs: the points of a pair all on the plane of the deepest of them.
+    /// Of points at unlike heights no two could stick while a gap between them closes: as one body tilts over the other,
+    /// what is higher goes along with it. Along the normal an arm is worth nothing else.
     pub arms: [Vector3<f64>; 2],
     /// Unit, from A to B.
     pub normal: Vector3<f64>,
@@ -61,8 +65,19 @@ pub(super) struct GapPoints {
 }
 
 impl GapPoints {
+    #[cfg(test)]
+    pub fn of_one_pair(list: Vec<GapPoint>) -> Self {
+        Self { starts: vec![0, list.len() as u32], list }
+    }
+
     pub fn of(&self, pair: usize) -> &[GapPoint] {
-        &self.list[self.starts[pair] as usize..self.starts[pair + 1] as usize]
+        &self.list[self.range(pair as u32)]
+    }
+
+    /// The indices of a pair's points.
+    pub fn range(&self, pair: u32) -> Range<usize> {
+        let pair = pair as usize;
+        self.starts[pair] as usize..self.starts[pair + 1] as usize
     }
 
     /// The index of the point of the same features.
@@ -90,15 +105,21 @@ impl GapPoints {
             let Some(overlap) = touch([a, b], pair.key.parts, gap(pair), &mut search.search, &mut search.points) else {
                 continue;
             };
-            self.list.extend(search.points.iter().map(|point| GapPoint {
-                pair: index,
-                feature: point.feature,
-                ends: pair.ends,
-                point: point.point,
-                arms: [point.point - a.position, point.point - b.position],
-                normal: overlap.normal,
-                gap: -point.depth,
-                friction: pair.surface.friction,
+            let normal = overlap.normal;
+            let deepest = search.points.iter().max_by(|one, other| one.depth.total_cmp(&other.depth));
+            let height = deepest.map_or(0.0, |deepest| normal.dot(&deepest.point));
+            self.list.extend(search.points.iter().map(|point| {
+                let rubbed = point.point + normal * (height - normal.dot(&point.point));
+                GapPoint {
+                    pair: index,
+                    feature: point.feature,
+                    ends: pair.ends,
+                    point: point.point,
+                    arms: [rubbed - a.position, rubbed - b.position],
+                    normal,
+                    gap: -point.depth,
+                    friction: pair.surface.friction,
+                }
             }));
         }
         self.starts.push(self.list.len() as u32);

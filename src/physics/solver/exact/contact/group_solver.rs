@@ -2,7 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::super::constants::{MOST_FACTORISATIONS, MOST_POINT_FACTORISATIONS, SETTLED, SLIDING, TOUCHING};
+use super::super::constants::{
+    MOST_FACTORISATIONS, MOST_POINT_FACTORISATIONS, SETTLED, SLIDING, TOUCHING, WORTH_STALLING,
+};
 use super::super::mechanism::{InverseMass, MechanismLink, Member, MemberState, place_rows};
 use super::super::row_mode::RowLaw;
 use super::gap_points::{GapPoint, point_velocity};
@@ -229,6 +231,7 @@ impl GroupSolver {
         self.row_impulses.fill(0.0);
         self.velocities.clear();
         self.velocities.extend(states.iter().take(self.bodies.len()).map(|state| [state.linear, state.angular]));
+        let is_relaxed = self.stalled > tolerance.max(SETTLED);
         let tolerance = tolerance.max(self.stalled);
         if let Some(hardest) = &mut self.hardest {
             hardest.begin(&self.velocities, &self.impulses);
@@ -249,10 +252,14 @@ impl GroupSolver {
                 row.iter().for_each(|&row| self.row_impulses[row as usize] = *impulse * sign);
             }
         }
+        if outcome.end == ConeEnd::Bounded && outcome.residual < WORTH_STALLING {
+            self.stalled = outcome.residual;
+        }
         self.residual = outcome.residual;
         self.steps += outcome.steps;
         self.work += u64::from(outcome.steps) * (self.contacts.len() + self.joints.len()) as u64;
-        self.is_solved = !matches!(outcome.end, ConeEnd::Bounded | ConeEnd::NoRigidSolution);
+        let is_ended = !matches!(outcome.end, ConeEnd::Bounded | ConeEnd::NoRigidSolution);
+        self.is_solved = is_ended && !(is_relaxed && outcome.residual > SETTLED);
         self.failures += u32::from(!self.is_solved);
         for (state, [linear, angular]) in states.iter_mut().zip(&self.velocities) {
             (state.linear, state.angular) = (*linear, *angular);

@@ -10,9 +10,11 @@ mod contact_group;
 mod gap_points;
 mod group_solver;
 mod hardest_solve;
+mod held_points;
 mod impacts;
 mod joint_gaps;
 mod limit_rows;
+mod mixing;
 mod smooth_step;
 
 pub(crate) use contact_group::PointForce;

@@ -16,14 +16,16 @@
 use nalgebra::Vector3;
 
 use super::super::constants::{
-    FORECAST_ERROR, FORECAST_SHARE, FORECAST_TOLERANCE, FORESEEN_SPEED, FORESEEN_SPEEDS, MOST_FORECASTS, SETTLED,
-    STALLED_ERROR, TOUCHING, UNFORESEEN, UNSOLVED,
+    FORECAST_ERROR, FORECAST_PATIENCE, FORECAST_SHARE, FORECAST_TOLERANCE, FORESEEN_SPEED, FORESEEN_SPEEDS,
+    MOST_FORECASTS, PROGRESS, SETTLED, STALLED_ERROR, TOUCHING, UNFORESEEN, UNSOLVED,
 };
 use super::super::mechanism::{InverseMass, MemberState, RowSpring, place_rows};
 use super::super::row_mode::RowLaw;
 use super::gap_points::{GapPoint, GapPoints, PointSearch, ReachablePair};
 use super::group_solver::{GroupSolver, GroupView};
+use super::held_points::HeldPoints;
 use super::joint_gaps::{is_apart, overlap};
+use super::mixing::Mixing;
 use crate::physics::body::Body;
 use crate::physics::constraint::row::{RowPair, Wrench};
 use crate::physics::joint::JointRow;
@@ -60,16 +62,18 @@ pub(super) struct SmoothTerms<'a> {
 pub(super) struct SmoothStep {
     pub positions: GroupSolver,
     pub velocities: GroupSolver,
-    /// The points held by each: by positions first those at the start, in their order, then those met on the way.
-    pub held: [Vec<GapPoint>; 2],
-    /// How many of the former are those at the start.
-    known: usize,
+    /// The points held by positions, and by velocities.
+    pub held: HeldPoints,
+    pub held_at_end: Vec<GapPoint>,
     /// The states at the end, and the points there.
     pub end: Vec<MemberState>,
     pub points: GapPoints,
     kicked: Vec<MemberState>,
     gains: Vec<f64>,
     row_gains: Vec<f64>,
+    /// How far the gains of points, and then of rows, are from what the forecast led to.
+    errors: Vec<f64>,
+    mixing: Mixing,
     /// How fast gaps open and C of rows grows at the start, m/s: the linear part of the forecast.
     openings: Vec<f64>,
     rates: Vec<f64>,
@@ -121,6 +125,16 @@ impl SmoothTerms<'_> {
         (!self.free_rows[row]).then_some((lower * half, upper * half))
     }
 
+    /// What velocities are to gain along the normal of a point by its gap at the start, m/s, where that share of overlaps is
+    /// closed.
+    fn point_gain(&self, point: &GapPoint, closed: f64) -> f64 {
+        if point.gap > 0.0 {
+            point.gap / self.h
+        } else {
+            (point.gap * closed / self.closing).max(-self.correction_speed)
+        }
+    }
+
     /// What velocities are to gain along a row by its C at the start, m/s, where that share of errors is closed.
     fn row_gain(&self, law: RowLaw, row: &JointRow<f64>, closed: f64) -> f64 {
         let share = closed / self.closing;
@@ -153,10 +167,9 @@ impl SmoothStep {
         self.kick(given, given.time);
         self.kicked.clone_from(&self.end);
         self.foresee_limits(given);
-        let [held, _] = &mut self.held;
-        held.clear();
-        held.extend(start_points.list.iter().filter(|point| !given.free[point.pair as usize]).cloned());
-        self.known = held.len();
+        let held = &mut self.held;
+        held.begin(start_points.list.iter().filter(|point| !given.free[point.pair as usize]));
+        let held = &held.list;
         self.positions.set(given.view, &self.kicked, given.time, held.iter(), |row, law, told| {
             given.bounds(row, law, told).filter(|_| self.foreseen[row])
         });
@@ -219,7 +232,7 @@ impl SmoothStep {
 
     fn hold_places(&mut self, given: &SmoothTerms, bodies: &mut [Body], search: &mut PointSearch) {
         // An error that cannot be closed, as of a chain that is stretched too far, is left as it is.
-        let is_open = self.held[0].iter().any(|point| point.gap < -STALLED_ERROR)
+        let is_open = self.held.list.iter().any(|point| point.gap < -STALLED_ERROR)
             || rigid(&self.positions.rows).any(|(row, told)| overlap(self.positions.laws[row], told) > STALLED_ERROR);
         self.is_true = self.forecast(given, bodies, search, 1.0)
             || is_open && !given.is_rough && self.forecast(given, bodies, search, 0.0);
@@ -229,136 +242,148 @@ impl SmoothStep {
     /// the start that is closed. Whether the forecast came true.
     fn forecast(&mut self, given: &SmoothTerms, bodies: &mut [Body], search: &mut PointSearch, closed: f64) -> bool {
         let h = given.h;
-        let Self {
-            positions,
-            held: [held, _],
-            known,
-            end,
-            points,
-            kicked,
-            gains,
-            row_gains,
-            openings,
-            rates,
-            rows,
-            foreseen,
-            kept,
-            ..
-        } = self;
-        let first_gain = |point: &GapPoint| {
-            if point.gap > 0.0 {
-                point.gap / h
-            } else {
-                (point.gap * closed / given.closing).max(-given.correction_speed)
-            }
-        };
-        gains.clear();
-        gains.extend(held.iter().map(first_gain));
-        row_gains.clear();
-        row_gains
-            .extend(positions.laws.iter().zip(&positions.rows).map(|(&law, row)| given.row_gain(law, row, closed)));
+        self.gains.clear();
+        self.gains.extend(self.held.list.iter().map(|point| given.point_gain(point, closed)));
+        self.row_gains.clear();
+        let rows = self.positions.laws.iter().zip(&self.positions.rows);
+        self.row_gains.extend(rows.map(|(&law, row)| given.row_gain(law, row, closed)));
+        self.mixing.forget();
         // No solve need be better than its forecast: of points that are redundant, a forecast that is wrong makes points that
         // contradict each other, which only hundreds of iterations bring to the last digits.
-        let (mut before, mut tolerance) = (f64::INFINITY, given.tolerance.max(FORECAST_TOLERANCE));
-        let mut is_kept = false;
+        let mut tolerance = if given.is_rough { given.tolerance } else { given.tolerance.max(FORECAST_TOLERANCE) };
+        let (mut least, mut waited, mut kept_error) = (f64::INFINITY, 0, None);
         for _ in 0..MOST_FORECASTS {
-            end.clone_from(kicked);
-            positions.solve(end, gains, row_gains, tolerance);
-            if !positions.is_solved && positions.residual * h > UNSOLVED && !given.is_rough {
+            if !self.fly(given, bodies, search, tolerance) {
                 return false;
             }
-            openings.clear();
-            openings.extend(held.iter().map(|point| point.opening(end)));
-            rates.clear();
-            given.view.links.iter().for_each(|link| rates.extend(link.rates(&positions.rows, end)));
-            for (member, state) in given.view.members.iter().zip(&mut *end) {
-                member.move_freely(state, h);
-            }
-            place(bodies, end);
-            points.find(given.pairs, bodies, |pair| margin(pair, bodies), search);
-            if positions.is_empty() && foreseen.iter().all(|is_foreseen| *is_foreseen) {
+            if self.positions.is_empty() && self.foreseen.iter().all(|is_foreseen| *is_foreseen) {
                 return true;
             }
-            let mut worst: f64 = 0.0;
-            for (((point, gain), opening), impulse) in
-                held.iter().zip(&mut *gains).zip(&*openings).zip(&positions.impulses.contacts)
-            {
-                let Some(found) = points.position(point.pair, point.feature) else { continue };
-                let bent = points.list[found].gap - (point.gap + opening * h);
-                let mended = first_gain(point) + bent / h;
-                if *impulse != Vector3::zeros() || points.list[found].gap < -FORECAST_ERROR {
-                    worst = worst.max((mended - *gain).abs() * h);
-                    *gain = mended;
-                }
-            }
-            // A contact that no forecast had is held from where it came from.
-            let count = held.len();
-            for point in &points.list {
-                if point.gap < -UNFORESEEN && !given.free[point.pair as usize] && find(held, *known, point).is_none() {
-                    // No deeper than the pair was, whatever the curvature of the way makes of it.
-                    let gap = (point.gap - point.opening(end) * h).max(least_gap(&held[..*known], point.pair));
-                    held.push(GapPoint { gap, ..point.clone() });
-                }
-            }
-            place_rows(given.view.links, end, given.time + h, rows);
-            let mut is_met = held.len() > count;
-            for (row, told) in rows.iter().enumerate().filter(|(row, _)| !given.free_rows[*row]) {
-                if !foreseen[row] && overlap(positions.laws[row], told) > UNFORESEEN {
-                    (foreseen[row], is_met) = (true, true);
-                }
-            }
-            if is_met {
-                worst = f64::INFINITY;
-                positions.set(given.view, kicked, given.time, held.iter(), |row, law, told| {
-                    given.bounds(row, law, told).filter(|_| foreseen[row])
-                });
-                gains.extend(held[count..].iter().map(first_gain));
-                positions.impulses.contacts.resize(held.len(), Vector3::zeros());
-            }
-            let mended = |row: usize, start: &JointRow<f64>| {
-                let bent = rows[row].error - (start.error + rates[row] * h);
-                given.row_gain(positions.laws[row], start, closed) + bent / h
-            };
-            let is_bent = |row: &usize| match positions.laws[*row] {
-                RowLaw::Unbounded => true,
-                RowLaw::Limit(side) if foreseen[*row] && !given.free_rows[*row] => {
-                    positions.row_impulses[*row] != 0.0 || rows[*row].error * side < -FORECAST_ERROR
-                }
-                RowLaw::Limit(_) | RowLaw::Boxed(..) => false,
-            };
-            for (row, start) in rigid(&positions.rows).filter(|(row, _)| is_bent(row)) {
-                let mended = mended(row, start);
-                worst = worst.max((mended - row_gains[row]).abs() * h);
-                row_gains[row] = mended;
-            }
-            let has_solved = positions.residual <= SETTLED;
-            if worst <= FORECAST_ERROR && has_solved {
+            let is_met = self.mend(given, bodies, closed);
+            let worst = if is_met { f64::INFINITY } else { self.largest_error() * h };
+            let residual = self.positions.residual;
+            let has_solved = residual <= SETTLED;
+            // Where the solver has come to its end, none better is to be had.
+            if worst <= FORECAST_ERROR && has_solved || !self.positions.is_solved && worst <= residual * h {
                 return true;
             }
-            if has_solved && worst < if is_kept { 0.5 * before } else { STALLED_ERROR } {
+            if has_solved && worst < kept_error.map_or(STALLED_ERROR, |kept| 0.5 * kept) {
                 // As good as it gets if the next is worse.
-                kept.keep(positions, end, points);
-                is_kept = true;
-            } else if is_kept {
+                self.kept.keep(&self.positions, &self.end, &self.points);
+                kept_error = Some(worst);
+            } else if kept_error.is_some() {
                 break;
             }
-            if worst.is_finite() && worst > 2.0 * before.max(STALLED_ERROR) || worst.is_nan() {
+            tolerance = (FORECAST_SHARE * (worst / h).max(tolerance)).clamp(given.tolerance, tolerance);
+            // The forecast of a solve that is left as it is comes true, whatever that is worth.
+            let worst = worst.max(residual * h);
+            let is_better = is_met || worst < PROGRESS * least;
+            (least, waited) = if is_better { (worst, 0) } else { (least, waited + 1) };
+            if waited > FORECAST_PATIENCE || worst.is_nan() {
                 return false;
             }
-            tolerance = (FORECAST_SHARE * worst / h).clamp(given.tolerance, tolerance);
-            before = if worst.is_finite() { before.min(worst) } else { f64::INFINITY };
-            if given.is_rough || positions.is_spent() {
+            if given.is_rough && !is_met || self.positions.is_spent() && !given.is_rough {
                 break;
             }
         }
-        if is_kept {
-            kept.give_back(positions, end, points);
+        if kept_error.is_some() {
+            self.kept.give_back(&mut self.positions, &mut self.end, &mut self.points);
         }
-        is_kept
+        kept_error.is_some()
+    }
+
+    /// Solves for the present gains, and moves to the end with what comes of it. False where no solution is near.
+    fn fly(&mut self, given: &SmoothTerms, bodies: &mut [Body], search: &mut PointSearch, tolerance: f64) -> bool {
+        let Self { positions, held, end, points, kicked, gains, row_gains, mixing, openings, rates, .. } = self;
+        end.clone_from(kicked);
+        let steps = positions.steps;
+        positions.solve(end, gains, row_gains, tolerance);
+        if positions.steps == steps {
+            // What a solve that is left as it is comes to says nothing of the next.
+            mixing.forget();
+        }
+        if !positions.is_solved && positions.residual * given.h > UNSOLVED && !given.is_rough {
+            return false;
+        }
+        openings.clear();
+        openings.extend(held.list.iter().map(|point| point.opening(end)));
+        rates.clear();
+        given.view.links.iter().for_each(|link| rates.extend(link.rates(&positions.rows, end)));
+        for (member, state) in given.view.members.iter().zip(&mut *end) {
+            member.move_freely(state, given.h);
+        }
+        place(bodies, end);
+        points.find(given.pairs, bodies, |pair| margin(pair, bodies), search);
+        true
+    }
+
+    /// Takes the gains to those of the next forecast by what the last one missed. Whether it met points or limits that it
+    /// did not hold.
+    fn mend(&mut self, given: &SmoothTerms, bodies: &[Body], closed: f64) -> bool {
+        let h = given.h;
+        self.held.follow(&self.points, &self.kicked, &self.end, |body| bodies[body as usize].radius);
+        place_rows(given.view.links, &self.end, given.time + h, &mut self.rows);
+        let mut is_met = false;
+        for (row, told) in self.rows.iter().enumerate().filter(|(row, _)| !given.free_rows[*row]) {
+            if !self.foreseen[row] && overlap(self.positions.laws[row], told) > UNFORESEEN {
+                (self.foreseen[row], is_met) = (true, true);
+            }
+        }
+        self.find_errors(given, closed);
+        let Self { positions, held, end, points, kicked, gains, row_gains, errors, mixing, foreseen, .. } = self;
+        if !given.is_rough {
+            mixing.mix(gains.iter_mut().chain(&mut *row_gains), errors);
+        }
+        let count = held.list.len();
+        held.meet(points, kicked, end, h, |pair| given.free[pair as usize]);
+        is_met |= held.list.len() > count;
+        if is_met {
+            mixing.forget();
+            positions.set(given.view, kicked, given.time, held.list.iter(), |row, law, told| {
+                given.bounds(row, law, told).filter(|_| foreseen[row])
+            });
+            gains.extend(held.list[count..].iter().map(|point| given.point_gain(point, closed)));
+            positions.impulses.contacts.resize(held.list.len(), Vector3::zeros());
+        }
+        is_met
+    }
+
+    /// How far gains of points and of rows are from those with which the last forecast would have come true.
+    fn find_errors(&mut self, given: &SmoothTerms, closed: f64) {
+        let h = given.h;
+        let Self { positions, held, points, gains, row_gains, errors, openings, rates, rows, foreseen, .. } = self;
+        errors.clear();
+        let terms = gains.iter().zip(&*openings).zip(&positions.impulses.contacts).zip(&held.at_end);
+        errors.extend(held.list.iter().zip(terms).map(|(point, (((gain, opening), impulse), found))| {
+            let found = found.map(|found| points.list[found].gap);
+            let is_held = |gap: &f64| *impulse != Vector3::zeros() || *gap < -FORECAST_ERROR;
+            let Some(gap) = found.filter(is_held) else { return 0.0 };
+            let bent = gap - (point.gap + opening * h);
+            given.point_gain(point, closed) + bent / h - gain
+        }));
+        let is_bent = |row: usize| match positions.laws[row] {
+            RowLaw::Unbounded => true,
+            RowLaw::Limit(side) if foreseen[row] && !given.free_rows[row] => {
+                positions.row_impulses[row] != 0.0 || rows[row].error * side < -FORECAST_ERROR
+            }
+            RowLaw::Limit(_) | RowLaw::Boxed(..) => false,
+        };
+        errors.resize(held.list.len() + row_gains.len(), 0.0);
+        for (row, start) in rigid(&positions.rows).filter(|(row, _)| is_bent(*row)) {
+            let bent = rows[row].error - (start.error + rates[row] * h);
+            errors[held.list.len() + row] =
+                given.row_gain(positions.laws[row], start, closed) + bent / h - row_gains[row];
+        }
+    }
+
+    /// Of the last forecast, m/s.
+    fn largest_error(&self) -> f64 {
+        // A NaN stays.
+        self.errors.iter().fold(0.0, |most: f64, error| if error.abs() <= most { most } else { error.abs() })
     }
 
     fn hold_velocities(&mut self, given: &SmoothTerms) {
-        let Self { velocities, positions, held: [before, held], known, end, points, gains, row_gains, .. } = self;
+        let Self { velocities, positions, held: before, held_at_end: held, end, points, gains, row_gains, .. } = self;
         held.clear();
         let is_held = |point: &&GapPoint| !given.free[point.pair as usize] && point.gap <= TOUCHING;
         held.extend(points.list.iter().filter(is_held).cloned());
@@ -370,30 +395,13 @@ impl SmoothStep {
         row_gains.clear();
         row_gains.extend(velocities.laws.iter().zip(&velocities.rows).map(|(law, row)| law.bias(row)));
         let start_force = |point: &GapPoint| {
-            find(before, *known, point).map_or_else(Vector3::zeros, |known| positions.impulses.contacts[known])
+            before.position(point).map_or_else(Vector3::zeros, |known| positions.impulses.contacts[known])
         };
         velocities.impulses.contacts.clear();
         velocities.impulses.contacts.extend(held.iter().map(start_force));
         velocities.row_impulses.clone_from(&positions.row_impulses);
         velocities.solve(end, gains, row_gains, given.tolerance);
     }
-}
-
-/// The index of the same features' point among those held: the first `known` are in the order of pairs.
-fn find(held: &[GapPoint], known: usize, point: &GapPoint) -> Option<usize> {
-    let (ordered, met) = held.split_at(known);
-    let first = ordered.partition_point(|other| other.pair < point.pair);
-    let own = ordered[first..].iter().take_while(|other| other.pair == point.pair);
-    let is_same = |other: &GapPoint| other.pair == point.pair && other.feature == point.feature;
-    let among_known = own.clone().position(is_same).map(|at| first + at);
-    among_known.or_else(|| met.iter().position(is_same).map(|at| known + at))
-}
-
-/// The least gap of a pair's points among those in the order of pairs; 0 if none is less.
-fn least_gap(ordered: &[GapPoint], pair: u32) -> f64 {
-    let first = ordered.partition_point(|point| point.pair < pair);
-    let own = ordered[first..].iter().take_while(|point| point.pair == pair);
-    own.map(|point| point.gap).fold(0.0, f64::min)
 }
 
 /// Gap up to which points are searched for at the end of a step, m.
