@@ -151,6 +151,8 @@ pub(super) const MOST_FORECASTS: usize = 40;
 pub(super) const PROGRESS: f64 = 0.8;
 /// and forecasts in a row that are none better after which the step is too long for them.
 pub(super) const FORECAST_PATIENCE: u32 = 6;
+/// |θ| at most with which forecasts are mixed: what two of them say is no more than a guess where contacts come and go.
+pub(super) const MOST_MIXED: f64 = 3.0;
 /// Error of a forecast, m, that is none.
 pub(super) const FORECAST_ERROR: f64 = 1e-13;
 /// Error of a forecast, m, that is accepted where it falls no more.
@@ -162,7 +164,7 @@ pub(super) const UNFORESEEN: f64 = 1e-7;
 pub(super) const SAME_NAME: f64 = 0.3;
 /// and how far at most one of another name is.
 pub(super) const SAME_PLACE: f64 = 0.005;
-/// Cosine of the angle up to which such a point, met on the way, is held along its pair's normal at the start.
+/// Cosine of the angle up to which a point met on the way is held along its pair's normal at the start.
 pub(super) const SAME_PLANE: f64 = 0.95;
 /// A limit is taken into a forecast where it would close at that many times its present speed, or at that speed, m/s or
 /// rad/s: of those far from their stops the bias would be the measure of all residuals.

@@ -206,7 +206,7 @@ mod tests {
         let (h, known) = (0.1, point(2, [0.2, 0.0, 0.0], 0.0));
         let normal = Vector3::new(0.1_f64.sin(), 0.1_f64.cos(), 0.0);
         let met = GapPoint { normal, ..point(5, [-0.2, 0.03, 0.0], -1e-3) };
-        let (mut points, found) = after([0.0; 3], &[known.clone()], vec![known.clone(), met]);
+        let (mut points, found) = after([0.0; 3], std::slice::from_ref(&known), vec![known.clone(), met]);
         points.meet(&found, &[GROUND; 2], &[GROUND; 2], h, |_| false);
         let [_, met] = &points.list[..] else { panic!("{} points", points.list.len()) };
         assert_eq!((met.normal, met.arms[0].y, met.arms[1].y), (known.normal, 0.0, 0.0));

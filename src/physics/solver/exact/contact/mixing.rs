@@ -3,15 +3,14 @@
 //! x⁺ = x + f − θ (Δx + Δf), θ = f·Δf/|Δf|², Δ to the iteration before. Where one mode is left, f falls by a factor r from
 //! iteration to iteration, θ = −r/(1 − r), and x⁺ = x + f/(1 − r) is where it leads, even where |r| > 1.
 
+use super::super::constants::MOST_MIXED;
+
 /// The iteration before.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mixing {
     guess: Vec<f64>,
     error: Vec<f64>,
 }
-
-/// |θ| at most: what the last two iterations say is no more than a guess where contacts come and go.
-const MOST: f64 = 3.0;
 
 impl Mixing {
     /// Begins anew.
@@ -44,7 +43,7 @@ impl Mixing {
             along += f * change;
             square += change * change;
         }
-        if square > 0.0 { (along / square).clamp(-MOST, MOST) } else { 0.0 }
+        if square > 0.0 { (along / square).clamp(-MOST_MIXED, MOST_MIXED) } else { 0.0 }
     }
 }
 

@@ -6,7 +6,8 @@
 //! velocities hold: J₁v₁ = 0, and where g(q₁) = 0 gaps do not close. Both are within the cone of friction, against the
 //! slip of v½ and of v₁. A pair that neither bounces nor has landed is stopped where the surfaces meet. Both impulses are
 //! the cone solver's problem: λ with a linear forecast ĝ of the gaps, whose error (g − ĝ)/h corrects the bias until the
-//! forecast comes true.
+//! forecast comes true. That takes secants ([`mixing`](super::mixing)), since errors fall by a factor as large as the turn of
+//! the step, and points that are followed by their place ([`held_points`](super::held_points)).
 //!
 //! Limits of joints are gaps of their rows; rows whose λ is bounded both ways are brought to the speed that they want by
 //! both impulses, each within half the step's bounds.
