@@ -239,9 +239,10 @@ fn residuals_fall_from_sweep_to_sweep() {
     click_on(&mut stage, "Why", "");
     assert!(reads(&mut stage, "not measured in this step"));
     let many = SolverSettings { iterations: 40, ..SolverSettings::classic() };
-    // Contacts of classic begin with some overlap.
+    // Contacts of classic begin with some overlap; the longest solve of `accurate` is of a first forecast, of which 1e-3 m/s
+    // are asked.
     for (settings, least, first) in
-        [(SolverSettings::classic(), 0.9, 5), (many, 0.1, 5), (SolverSettings::accurate(), 1e-6, 1)]
+        [(SolverSettings::classic(), 0.9, 5), (many, 0.1, 5), (SolverSettings::accurate(), 1e-3, 1)]
     {
         stage.act(SandboxAction::Reset);
         stage.world().insert_resource(settings);
