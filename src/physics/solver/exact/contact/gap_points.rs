@@ -1,7 +1,5 @@
 //! The points where bodies touch, or may touch within a step, at the poses that they have.
 
-use std::ops::Range;
-
 use nalgebra::Vector3;
 
 use super::super::mechanism::MemberState;
@@ -71,13 +69,7 @@ impl GapPoints {
     }
 
     pub fn of(&self, pair: usize) -> &[GapPoint] {
-        &self.list[self.range(pair as u32)]
-    }
-
-    /// The indices of a pair's points.
-    pub fn range(&self, pair: u32) -> Range<usize> {
-        let pair = pair as usize;
-        self.starts[pair] as usize..self.starts[pair + 1] as usize
+        &self.list[self.starts[pair] as usize..self.starts[pair + 1] as usize]
     }
 
     /// The index of the point of the same features.

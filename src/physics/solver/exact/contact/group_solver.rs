@@ -242,18 +242,16 @@ impl GroupSolver {
             let told = HardProblem { iterations, tolerance, residual, ..HardProblem::default() };
             hardest.end(&self.bodies, &self.contacts, &self.joints, &self.bias, told);
         }
-        if outcome.end == ConeEnd::Enough {
-            self.stalled = SETTLED;
-        } else if outcome.steps > 0 {
-            self.stalled *= 0.5;
+        match outcome.end {
+            ConeEnd::Enough => self.stalled = SETTLED,
+            ConeEnd::Bounded if outcome.residual < WORTH_STALLING => self.stalled = outcome.residual,
+            _ if outcome.steps > 0 => self.stalled *= 0.5,
+            _ => {}
         }
         for ((rows, sign), impulses) in self.axes.iter().zip(&self.impulses.joints) {
             for (row, impulse) in rows.iter().zip(impulses) {
                 row.iter().for_each(|&row| self.row_impulses[row as usize] = *impulse * sign);
             }
-        }
-        if outcome.end == ConeEnd::Bounded && outcome.residual < WORTH_STALLING {
-            self.stalled = outcome.residual;
         }
         self.residual = outcome.residual;
         self.steps += outcome.steps;

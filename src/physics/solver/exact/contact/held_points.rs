@@ -38,7 +38,7 @@ impl HeldPoints {
     }
 
     /// The least gap at the start of a pair's points; 0 if none is less.
-    pub fn least_gap(&self, pair: u32) -> f64 {
+    fn least_gap(&self, pair: u32) -> f64 {
         self.of(pair).take_while(|&index| index < self.known).map(|index| self.list[index].gap).fold(0.0, f64::min)
     }
 
