@@ -7,9 +7,18 @@ use plumb::prelude::*;
 
 use crate::rig::*;
 
-/// A tree of six boxes with a body of four joints, on a pin or free, and its joints. `by_rows`: a limit that nothing
-/// reaches keeps it from being a tree of plain joints.
-fn tree(world: &mut World, is_pinned: bool, by_rows: bool) -> ([Entity; 6], Vec<Entity>) {
+/// What a joint of a tree has that nobody feels.
+#[derive(Clone, Copy, PartialEq)]
+enum Unfelt {
+    Nothing,
+    /// Limits that nothing reaches.
+    Limits,
+    /// Friction of next to nothing, which keeps it from being a tree of plain joints.
+    Friction,
+}
+
+/// A tree of six boxes with a body of four joints, on a pin or free, and its joints.
+fn tree(world: &mut World, is_pinned: bool, unfelt: Unfelt) -> ([Entity; 6], Vec<Entity>) {
     let at = [[0.0, 0.0, 0.0], [1.0, 0.2, 0.0], [-1.0, 0.0, 0.3], [0.0, -1.0, 0.0], [1.6, 1.0, 0.0], [1.0, -0.9, 0.4]];
     // All moments different, two equal about each axis, and all equal.
     let sizes = [[0.4, 0.5, 0.3], [0.4, 0.5, 0.5], [0.4, 0.4, 0.4], [0.5, 0.2, 0.5], [0.4, 0.5, 0.3], [0.3, 0.3, 0.6]];
@@ -36,8 +45,10 @@ fn tree(world: &mut World, is_pinned: bool, by_rows: bool) -> ([Entity; 6], Vec<
         BallJoint::new(bodies[a], bodies[b]).with_anchors(on_a, on_b)
     };
     let limited = world.spawn(hinge(0, 1, DVec3::Z)).id();
-    if by_rows {
-        world.entity_mut(limited).insert(JointLimits::range(-1000.0, 1000.0));
+    match unfelt {
+        Unfelt::Nothing => {}
+        Unfelt::Limits => _ = world.entity_mut(limited).insert(JointLimits::range(-1000.0, 1000.0)),
+        Unfelt::Friction => _ = world.entity_mut(limited).insert(JointFriction(1e-12)),
     }
     let [on_a, on_b] = anchors(5, 1);
     let mut joints = vec![
@@ -61,9 +72,9 @@ fn tree(world: &mut World, is_pinned: bool, by_rows: bool) -> ([Entity; 6], Vec<
 #[test]
 fn a_tree_goes_as_its_rows_say() {
     for is_pinned in [true, false] {
-        let [one, other] = [false, true].map(|by_rows| {
+        let [one, limited, other] = [Unfelt::Nothing, Unfelt::Limits, Unfelt::Friction].map(|unfelt| {
             let mut world = if is_pinned { world_with(awake_game()) } else { weightless(awake_game()) };
-            let (bodies, joints) = tree(&mut world, is_pinned, by_rows);
+            let (bodies, joints) = tree(&mut world, is_pinned, unfelt);
             let mut moved: f64 = 0.0;
             for _ in 0..60 {
                 step(&mut world);
@@ -77,6 +88,13 @@ fn a_tree_goes_as_its_rows_say() {
             let (apart, turned) = ((*at - *known).length(), (*spin - *turns).length());
             assert!(apart < 2e-5 && turned < 2e-4, "pinned {is_pinned}: {apart:e} m, {turned:e} rad/s apart");
         }
+        for ((at, spin), (known, turns)) in one.0.iter().zip(&limited.0) {
+            let (apart, turned) = ((*at - *known).length(), (*spin - *turns).length());
+            assert!(
+                apart < 1e-11 && turned < 1e-10,
+                "pinned {is_pinned}: {apart:e} m, {turned:e} rad/s with open limits"
+            );
+        }
         let most = other.1.iter().map(|load| load.lambda).fold(0.0, f64::max);
         for (load, known) in one.1.iter().zip(&other.1) {
             let apart = (load.force - known.force).length().max((load.torque - known.torque).length());
@@ -89,7 +107,7 @@ fn a_tree_goes_as_its_rows_say() {
 #[test]
 fn a_free_tree_keeps_its_momenta_and_energy() {
     let mut world = weightless(awake_game());
-    tree(&mut world, false, false);
+    tree(&mut world, false, Unfelt::Nothing);
     world.init_resource::<plumb::physics::Diagnostics>();
     step(&mut world);
     let told = |world: &World| *world.resource::<plumb::physics::Diagnostics>();

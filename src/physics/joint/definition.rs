@@ -16,7 +16,7 @@ use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::constraint::RowFunction;
-use super::law::{CoordinateLaw, JointAxis};
+use super::law::{CoordinateLaw, JointAxis, LawPart};
 use super::slot::{JointSlot, number_joint};
 use super::softness::Softness;
 
@@ -140,6 +140,14 @@ impl JointDefinition {
             [Hold::Locked, Hold::Locked, Hold::Locked] => Some(JointHolds::All),
             _ => None,
         }
+    }
+
+    /// Whether it holds nothing and does nothing but keep coordinates within limits.
+    pub fn only_limits(&self) -> bool {
+        let is_limit = |law: &CoordinateLaw| matches!(law.part, LawPart::Limit { .. });
+        self.function.is_none()
+            && self.translation.locked() + self.rotation.locked() == 0
+            && self.laws.as_ref().is_some_and(|laws| laws.iter().all(is_limit))
     }
 
     /// What solvers take as joints of their own: what it holds, if that is something, then its laws, two at a time.

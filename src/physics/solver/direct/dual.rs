@@ -105,8 +105,12 @@ pub(super) struct DualSystem {
     place_of: HashMap<u32, u32>,
     couplings: Couplings,
     pub has_loops: bool,
-    /// Where the joints are a tree of points and hinges: takes the place of the rows.
+    /// Where what is held is a tree of points and hinges: takes the place of the rows as long as all limits are open.
     tree: Option<ArticulatedTree>,
+    /// The place of each link among the joints of the tree; none of limits.
+    in_tree: Vec<Option<u32>>,
+    /// Whether the tree took the last piece.
+    is_by_tree: bool,
     /// Scalar rows.
     pub row_count: usize,
     /// Where the bodies are when the substep begins: members, then partners.
@@ -186,12 +190,18 @@ impl DualSystem {
         // A tree held at one point has as many joints as bodies.
         let held = entities.iter().filter(|(_, ends)| ends.iter().any(|&end| end as usize >= members.len())).count();
         let has_loops = entities.len() + usize::from(held == 0) > members.len();
-        let joints: Option<Vec<_>> =
-            links.iter().map(|link| TreeJoint::of(&world.joint(link.joint).definition, link.ends)).collect();
-        let tree = joints.and_then(|joints| ArticulatedTree::new(&joints, members.len()));
+        let definition = |link: &DualLink| &world.joint(link.joint).definition;
+        let (mut joints, mut in_tree) = (Vec::new(), Vec::with_capacity(links.len()));
+        for link in &links {
+            let joint = TreeJoint::of(definition(link), link.ends);
+            in_tree.push(joint.is_some().then_some(joints.len() as u32));
+            joints.extend(joint);
+        }
+        let is_all = links.iter().zip(&in_tree).all(|(link, place)| place.is_some() || definition(link).only_limits());
+        let tree = is_all.then(|| ArticulatedTree::new(&joints, members.len())).flatten();
         let loads = vec![Wrench::zero(); links.len()];
         let place_of = (0..).zip(&links).map(|(place, link)| (link.joint, place)).collect();
-        Some(Self { links, place_of, couplings, has_loops, tree, loads, row_count: first, ..Self::default() })
+        Some(Self { links, place_of, couplings, has_loops, tree, in_tree, loads, row_count: first, ..Self::default() })
     }
 
     /// Takes the island through a substep: where its members are at its end stands in [`Self::ends`].
@@ -232,13 +242,18 @@ impl DualSystem {
 
     /// Takes the states from the starts to the ends, with forces that act for `kick`, s. Whether impulses were found.
     fn take_piece(&mut self, world: &impl World, members: &[u32], terms: &DualTerms, kick: f64) -> bool {
-        if let Some(tree) = &mut self.tree {
-            let piece = tree.take_piece(world, members, &self.starts, &mut self.ends, [terms.h, kick]);
-            if piece == Piece::Done {
-                self.note_tree(terms.h);
-            }
-            if piece != Piece::Apart {
-                return piece == Piece::Done;
+        if self.tree.is_some()
+            && self.limits_are_open()
+            && let Some(tree) = &mut self.tree
+        {
+            match tree.take_piece(world, members, &self.starts, &mut self.ends, [terms.h, kick]) {
+                Piece::Done if self.passes_limits(world, terms) => self.resume_tree(),
+                Piece::Done => {
+                    self.note_tree(terms.h);
+                    return true;
+                }
+                Piece::TooFar => return false,
+                Piece::Apart => {}
             }
         }
         self.set_off(world, members, terms, kick);
@@ -249,6 +264,23 @@ impl DualSystem {
             self.note(terms.h, kick);
         }
         is_solved
+    }
+
+    /// Whether no limit carried anything in the last piece.
+    fn limits_are_open(&self) -> bool {
+        let mut limits = self.links.iter().zip(&self.in_tree).filter(|(_, in_tree)| in_tree.is_none());
+        limits.all(|(link, _)| self.forces[link.first..link.first + link.count].iter().all(|force| *force == 0.0))
+    }
+
+    /// Whether some limit is passed at the end.
+    fn passes_limits(&mut self, world: &impl World, terms: &DualTerms) -> bool {
+        let Self { links, in_tree, ends, scratch, .. } = self;
+        scratch.clear();
+        for (link, _) in links.iter().zip(in_tree).filter(|(_, in_tree)| in_tree.is_none()) {
+            let bodies = link.ends.map(|end| BodyState::from(&ends[end as usize]));
+            world.joint(link.joint).definition.rows_at(&bodies, terms.time + terms.h, scratch);
+        }
+        scratch.iter().any(|row| (row.error - row.bound.open(row.error)).abs() > DUAL_LEFT)
     }
 
     /// Whether rows that only hold gave the bodies a good part of their energy: a piece in which a row turns far comes to
@@ -350,9 +382,10 @@ impl DualSystem {
 
     /// Hands the tree what its joints carried last, where rows told it.
     fn resume_tree(&mut self) {
-        let Self { tree, links, forces, .. } = self;
+        let Self { tree, links, in_tree, forces, .. } = self;
         if let Some(tree) = tree {
-            tree.resume(links.iter().map(|link| Vector3::from_column_slice(&forces[link.first..link.first + 3])));
+            let held = links.iter().zip(in_tree).filter(|(_, in_tree)| in_tree.is_some());
+            tree.resume(held.map(|(link, _)| Vector3::from_column_slice(&forces[link.first..link.first + 3])));
         }
     }
 
@@ -745,20 +778,26 @@ impl DualSystem {
             own.fold(Wrench::zero(), |sum, row| sum.plus(&rows[row].jacobian.of_b(), forces[row] * h))
         }));
         self.add_loads(h);
+        self.is_by_tree = false;
         self.resume_tree();
     }
 
     /// The same of what the tree found.
     fn note_tree(&mut self, h: f64) {
-        let Self { links, tree: Some(tree), forces, outer_loads: [_, last], .. } = self else { return };
+        let Self { links, tree: Some(tree), in_tree, forces, outer_loads: [_, last], .. } = self else { return };
         last.clear();
         forces.fill(0.0);
-        for (place, link) in links.iter().enumerate() {
-            let Wrench { linear, angular } = tree.load(place);
+        for (link, joint) in links.iter().zip(in_tree) {
+            let Some(joint) = joint.map(|joint| joint as usize) else {
+                last.push(Wrench::zero());
+                continue;
+            };
+            let Wrench { linear, angular } = tree.load(joint);
             forces[link.first..link.first + 3].copy_from_slice(linear.as_slice());
-            last.push(Wrench { linear: linear * h, angular: (angular + tree.arm(place).cross(&linear)) * h });
+            last.push(Wrench { linear: linear * h, angular: (angular + tree.arm(joint).cross(&linear)) * h });
         }
         self.add_loads(h);
+        self.is_by_tree = true;
     }
 
     /// Adds the loads of the last piece, of length `h`, s, to those of the step.
@@ -790,9 +829,9 @@ impl DualSystem {
         joint.force = load.linear / self.spent;
         joint.torque = (load.angular - arm.cross(&load.linear)) / self.spent;
         joint.multipliers[..link.count].copy_from_slice(&self.forces[link.first..][..link.count]);
-        if let Some(tree) = &self.tree {
+        if let (Some(tree), Some(in_tree), true) = (&self.tree, self.in_tree[place as usize], self.is_by_tree) {
             // Rows of rotations act along A's axes, or are that nearly.
-            let torque = tree.load(place as usize).angular;
+            let torque = tree.load(in_tree as usize).angular;
             let turned = self.starts[link.ends[0] as usize].rotation * joint.definition.frames[0].rotation;
             let along = turned.inverse() * torque;
             let skipped = 6 - link.count;
