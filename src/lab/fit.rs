@@ -1,12 +1,12 @@
 //! The cheapest settings that hold an error for a scene, found among measured points.
 //!
-//! A coarse grid over every method, then, from the cheapest point that holds, one setting at a
-//! time made cheaper for as long as the error holds. Costs are compared within one sweep, errors
-//! with a margin, since a run that just holds may not hold with the next scene.
+//! A coarse grid over every method, from its coarse end on as far as points may still count, then, from the cheapest
+//! point that holds, one setting at a time made cheaper for as long as the error holds. Costs are compared within one
+//! sweep, errors with a margin, since a run that just holds may not hold with the next scene.
 
 use crate::physics::{Method, SolverSettings};
 
-use super::chart::{SERIES, differs, front};
+use super::chart::{SERIES, Series, differs, front};
 use super::sweep::{Point, Record};
 use super::verdict::Verdict;
 
@@ -47,11 +47,22 @@ pub fn fit<E>(
         seconds,
         series: series.to_owned(),
     };
-    let coarse: Vec<Point> = SERIES
-        .iter()
-        .flat_map(|series| grid((series.base)()).into_iter().map(|settings| point(settings, series.name)))
-        .collect();
-    let mut tried = measure(&coarse)?;
+    let grid = |series: &Series| grid((series.base)()).into_iter().map(|settings| point(settings, series.name));
+    let (exact, mut left): (Vec<Point>, Vec<Point>) =
+        SERIES.iter().flat_map(grid).partition(|point| point.settings.method == Method::Exact);
+    // The true method first: what costs more than its finest step, and than what holds, is neither the best nor says
+    // where to switch.
+    let mut tried = measure(&exact)?;
+    let finest = tried.iter().filter_map(Record::cost).fold(0.0, f64::max);
+    for level in 0..=MOST_LEVEL {
+        let best = cheapest(&tried, error).and_then(|best| best.cost());
+        let limit = best.map_or(f64::INFINITY, |best| best.max(finest));
+        left.retain(|point| {
+            !tried.iter().any(|known| known.cost().is_none_or(|cost| cost > limit) && is_finer(point, known))
+        });
+        let next: Vec<Point> = left.extract_if(.., |point| level_of(&point.settings) == level).collect();
+        tried.extend(measure(&next)?);
+    }
     let mut best = cheapest(&tried, error);
     while let Some(known) = &best {
         let Some(settings) = known.solver_settings() else { break };
@@ -93,20 +104,44 @@ pub fn switch(tried: &[Record]) -> Option<f64> {
     (first < front.len()).then(|| if first == 0 { f64::INFINITY } else { points[front[first - 1]].1 })
 }
 
-/// Steps, substeps and sweeps over the whole range, coarsely.
+/// Steps a second, substeps and sweeps over the whole range, coarsely.
+const RATES: [f64; 3] = [60.0, 240.0, 960.0];
+const SUBSTEPS: [u32; 3] = [1, 4, 16];
+const ITERATIONS: [u32; 3] = [4, 20, 100];
+
 fn grid(base: SolverSettings) -> Vec<SolverSettings> {
     let mut grid = Vec::new();
-    for hz in [60.0, 240.0, 960.0] {
-        for substeps in [1, 4, 16] {
-            for iterations in [4, 20, 100] {
+    for hz in RATES {
+        for substeps in SUBSTEPS {
+            for iterations in ITERATIONS {
                 let settings = SolverSettings { hz, substeps, iterations, threads: 1, ..base };
-                if differs(&settings, &SolverSettings { substeps: 1, iterations: 4, ..settings }) {
+                if differs(&settings, &SolverSettings { substeps: SUBSTEPS[0], iterations: ITERATIONS[0], ..settings })
+                {
                     grid.push(settings);
                 }
             }
         }
     }
     grid
+}
+
+/// How many of the grid's values lie below those of a point, in all three.
+fn level_of(settings: &SolverSettings) -> usize {
+    RATES.iter().filter(|hz| **hz < settings.hz).count()
+        + SUBSTEPS.iter().filter(|substeps| **substeps < settings.substeps).count()
+        + ITERATIONS.iter().filter(|iterations| **iterations < settings.iterations).count()
+}
+
+/// The level of the finest point.
+const MOST_LEVEL: usize = RATES.len() + SUBSTEPS.len() + ITERATIONS.len() - 3;
+
+/// Whether a point takes no fewer steps, substeps and sweeps of the same method, and so costs no less.
+fn is_finer(point: &Point, known: &Record) -> bool {
+    let settings = &point.settings;
+    point.series == known.series
+        && settings.hz >= known.hz
+        && settings.substeps >= known.substeps
+        && settings.iterations >= known.iterations
 }
 
 /// The same settings with one of them halved.
@@ -183,5 +218,30 @@ mod tests {
         };
         let Ok(found) = fit("rods", &[], 1.0, 1e-2, without);
         assert_eq!(switch(&found.tried), None);
+    }
+
+    #[test]
+    fn what_costs_too_much_to_count_is_left_out_and_the_answers_stay() {
+        let all = |series: &Series| grid((series.base)()).into_iter().map(|settings| (settings, series.name));
+        let point = |(settings, series): (SolverSettings, &str)| Point {
+            scene: "rods".to_owned(),
+            parameters: Vec::new(),
+            settings,
+            seconds: 1.0,
+            series: series.to_owned(),
+        };
+        let whole: Vec<Point> = SERIES.iter().flat_map(all).map(point).collect();
+        for (price, error) in [(1.0, 1e-2), (1.0, 1e-5), (30.0, 1e-2), (1e3, 1e-2), (1e3, 1e-7), (1e3, 1e-13)] {
+            let Ok(of_whole) = imagined(price)(&whole);
+            let mut measured = 0;
+            let Ok(found) = fit("rods", &[], 1.0, error, |points| {
+                measured += points.len();
+                imagined(price)(points)
+            });
+            assert_eq!(switch(&found.tried), switch(&of_whole), "switch at {price}, {error}");
+            let cost = |best: Option<Record>| best.and_then(|best| best.cost()).unwrap_or(f64::INFINITY);
+            assert!(cost(found.best) <= cost(cheapest(&of_whole, error)), "best at {price}, {error}");
+            assert!(price > 1.0 || measured < whole.len() / 2, "{measured} of {} at {price}, {error}", whole.len());
+        }
     }
 }
