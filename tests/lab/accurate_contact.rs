@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::convert::Infallible;
 
 use plumb::lab::{Plan, Simulation, measure};
-use plumb::physics::{ContactForces, Diagnostics, Mass, SolverSettings, StepStats};
+use plumb::physics::{ContactForces, Diagnostics, ExactSettings, Mass, SolverSettings, StepStats};
 
 use crate::accurate::{run, scene, simulation};
 
@@ -100,6 +100,39 @@ fn heaps_that_fall_and_hit_are_settled() {
         assert!(unsettled <= most, "kind {kind}: {unsettled} parts");
         assert!(overlap < deepest, "kind {kind}: {overlap:e} m");
     }
+}
+
+/// A step without time goes on with what a few iterations bring, and says so; what needs no more has it.
+#[test]
+fn a_step_whose_time_is_over_goes_on_with_what_it_has() {
+    let budgets = [None, Some(1e9), Some(0.0)];
+    let [free, ample, none] = budgets.map(|time_budget| {
+        let accurate = SolverSettings::accurate();
+        let settings = SolverSettings { exact: ExactSettings { time_budget, ..accurate.exact }, ..accurate };
+        let mut simulation = Simulation::new(scene("heap", &[("n", 40.0)]), settings);
+        simulation.world_mut().init_resource::<Diagnostics>();
+        let (mut unsettled, mut most, mut overlap) = (0, 0, 0.0_f64);
+        for _ in 0..90 {
+            simulation.step();
+            let stats = simulation.world().resource::<StepStats>();
+            unsettled += stats.unsettled;
+            most = most.max(stats.row_updates / u64::from(stats.rows.max(1)));
+            overlap = overlap.max(simulation.world().resource::<Diagnostics>().penetration);
+        }
+        (unsettled, most, overlap, simulation.state_hash())
+    });
+    assert_eq!(ample, free);
+    assert!(none.0 > 0, "{none:?}");
+    assert!(none.1 < 64 && free.1 > 2 * none.1, "{none:?} for {free:?}");
+    assert!(none.2 < 0.05, "{none:?}");
+    let accurate = SolverSettings::accurate();
+    let hurried = SolverSettings { exact: ExactSettings { time_budget: Some(0.0), ..accurate.exact }, ..accurate };
+    let [slow, fast] = [accurate, hurried].map(|settings| {
+        let mut simulation = Simulation::new(scene("rolling", &[]), settings);
+        (0..120).for_each(|_| simulation.step());
+        (simulation.state_hash(), simulation.world().resource::<StepStats>().unsettled)
+    });
+    assert_eq!(fast, slow);
 }
 
 #[test]

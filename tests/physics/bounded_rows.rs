@@ -418,7 +418,7 @@ fn a_limit_that_closes_inside_a_loop_bears_the_loop() {
 #[test]
 fn rattle_stops_at_a_limit_too() {
     let (mut world, rod, limit) = stop(0.0);
-    let exact = ExactSettings { integrator: ExactIntegrator::Rattle };
+    let exact = ExactSettings { integrator: ExactIntegrator::Rattle, time_budget: None };
     world.insert_resource(SolverSettings { exact, ..*world.resource::<SolverSettings>() });
     let post = world.get::<Law>(limit).unwrap().bodies[0];
     law(&mut world, [post, rod], Wants::Speed(0.0, 0.5));

@@ -10,7 +10,7 @@ use crate::rig::*;
 const GAUSS: ExactIntegrator = ExactIntegrator::Gauss;
 
 fn exact(integrator: ExactIntegrator, hz: f64) -> SolverSettings {
-    SolverSettings { hz, exact: ExactSettings { integrator }, ..SolverSettings::accurate() }
+    SolverSettings { hz, exact: ExactSettings { integrator, time_budget: None }, ..SolverSettings::accurate() }
 }
 
 /// A rod of 1 kg and 1 m about its centre of mass, its length along that axis.

@@ -99,6 +99,10 @@ settings! {
         exact: ExactSettings {
             /// How what touches nothing is stepped.
             integrator: ExactIntegrator => EXACT;
+            /// Time, ms, ≥ 0, after which a step looks for no better solution of what is in reach of something; none:
+            /// never. It then goes on with the best that it has, told as not settled, within some tens of iterations
+            /// more. What is solved by then depends on the machine: no such run can be repeated to the bit.
+            time_budget: Option<f64> => EXACT;
         }
     }
 }
@@ -206,7 +210,7 @@ impl SolverSettings {
                 contact_lag: 0,
             },
             impulse: ImpulseSettings { fitted_effort: false, sleep_speed: None },
-            exact: ExactSettings { integrator: ExactIntegrator::Gauss },
+            exact: ExactSettings { integrator: ExactIntegrator::Gauss, time_budget: None },
         }
     }
 
@@ -320,7 +324,8 @@ impl SolverSettings {
         check("baumgarte", sweeps.baumgarte, "0 to 1", (0.0..=1.0).contains(&sweeps.baumgarte))?;
         check("axis_epsilon", sweeps.axis_epsilon, "0 to 0.5", (0.0..=0.5).contains(&sweeps.axis_epsilon))?;
         check("contact_lag", f64::from(sweeps.contact_lag), "0 or 1", sweeps.contact_lag <= 1)?;
-        at_least_0("sleep_speed", impulse.sleep_speed.unwrap_or(0.0))
+        at_least_0("sleep_speed", impulse.sleep_speed.unwrap_or(0.0))?;
+        at_least_0("time_budget", self.exact.time_budget.unwrap_or(0.0))
     }
 }
 

@@ -156,7 +156,13 @@ const RARE_FIELDS: &[Group] = &[
             Field::number("sweeps.contact_lag", "contact lag", " steps", 0.0..=1.0, 0.0..=1.0),
         ],
     ),
-    ("Exact", &[Field::choice("exact.integrator", "integrator")]),
+    (
+        "Exact",
+        &[
+            Field::choice("exact.integrator", "integrator"),
+            Field::number("exact.time_budget", "time budget", " ms", 0.0..=100.0, 0.0..=1e6).or_none(16.0),
+        ],
+    ),
 ];
 
 /// The preset that settings are compared with.

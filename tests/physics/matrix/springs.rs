@@ -20,7 +20,7 @@ fn expected(engine: Engine) -> f64 {
 
 /// Every method, and the other integrator of the exact one: they bound a spring each by itself.
 fn ways() -> impl Iterator<Item = (Engine, SolverSettings)> {
-    let exact = ExactSettings { integrator: ExactIntegrator::Rattle };
+    let exact = ExactSettings { integrator: ExactIntegrator::Rattle, time_budget: None };
     let rattle = SolverSettings { exact, ..Accurate.settings() };
     ENGINES.into_iter().map(|engine| (engine, engine.settings())).chain([(Accurate, rattle)])
 }

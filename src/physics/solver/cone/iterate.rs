@@ -5,6 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::constants::{LEAST_JAM, ROUNDINGS};
 use super::linear::LinearSystem;
 use super::{BodyVector, ConeOutcome, ConePoint, Elimination, Law};
+use crate::physics::solver::deadline::Deadline;
 use crate::physics::{Refill, Residuals};
 
 /// The iterate of all methods.
@@ -31,6 +32,9 @@ pub(super) struct Iterate {
     /// The residual that is asked for, m/s.
     pub tolerance: f64,
     pub outcome: ConeOutcome,
+    /// When to end, but not before so many iterations.
+    pub deadline: Deadline,
+    pub least: u32,
     /// The residual of each iteration, while somebody reads it.
     pub trace: Option<Residuals>,
 }
@@ -68,6 +72,11 @@ impl Iterate {
         } else {
             Residual { largest: f64::INFINITY, norm: f64::INFINITY }
         }
+    }
+
+    /// Whether it is time to end.
+    pub fn is_late(&self) -> bool {
+        self.outcome.steps >= self.least && self.deadline.is_over()
     }
 
     /// The residual, noted for whoever reads it.

@@ -53,7 +53,7 @@ impl Iterate {
             if largest <= wanted * wanted {
                 return true;
             }
-            if count == most || poor == MOST_POOR {
+            if count == most || poor == MOST_POOR || self.is_late() {
                 break;
             }
             self.outcome.steps += 1;

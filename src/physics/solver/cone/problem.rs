@@ -79,6 +79,8 @@ pub(crate) enum ConeEnd {
     /// The bounds are met; the residual is what was reached.
     #[default]
     Bounded,
+    /// Time was over; the residual is what was reached.
+    Late,
     /// The impulses grow without an effect on the motion: most likely no motion obeys all points.
     NoRigidSolution,
 }

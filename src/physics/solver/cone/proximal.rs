@@ -46,6 +46,10 @@ impl Iterate {
             goal = goal.min(0.9 * self.outcome.residual);
             let enough = ENOUGH_RESIDUAL.max(self.rounding());
             let is_enough = waited >= STALLED && self.outcome.residual <= enough;
+            if self.is_late() {
+                self.outcome.end = ConeEnd::Late;
+                return false;
+            }
             if waited > PATIENCE || self.outcome.steps > most || is_enough {
                 break;
             }

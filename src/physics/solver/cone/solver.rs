@@ -7,6 +7,7 @@ use super::newton::NewtonBuffers;
 use super::{
     ConeBody, ConeContact, ConeEnd, ConeJoint, ConeOutcome, ConePoint, Elimination, Iterate, PerPoint, Velocity, root,
 };
+use crate::physics::solver::deadline::Deadline;
 use crate::physics::{Refill, Residuals};
 
 /// Solves one island's points. Keeps its buffers and, as long as the same bodies touch, its structure.
@@ -81,6 +82,11 @@ impl ConeSolver {
         iterate.outcome
     }
 
+    /// Has the next solve end by then, but not before so many iterations.
+    pub fn end_by(&mut self, deadline: Deadline, least: u32) {
+        (self.iterate.deadline, self.iterate.least) = (deadline, least);
+    }
+
     /// Has the residual of each iteration noted from here on, or not.
     pub fn trace(&mut self, traces: bool) {
         self.iterate.trace = traces.then(Residuals::default);
@@ -103,7 +109,7 @@ impl ConeSolver {
         iterate.outcome.residual = f64::INFINITY;
         let is_guessed = iterate.impulses.iter().any(|impulse| *impulse != Vector3::zeros());
         let mut done = iterate.note().largest <= iterate.tolerance || iterate.proximal_points(buffers, is_guessed);
-        if !done && iterate.outcome.residual > WEDGED && iterate.outcome.end != ConeEnd::NoRigidSolution {
+        if !done && iterate.outcome.residual > WEDGED && iterate.outcome.end == ConeEnd::Bounded {
             iterate.wedge(FIRST_SOFTNESS);
             done = iterate.note().largest <= iterate.tolerance || iterate.proximal_points(buffers, false);
         }

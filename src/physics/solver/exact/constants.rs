@@ -215,3 +215,8 @@ pub(super) const MOST_FACTORISATIONS: u32 = 1_000;
 pub(super) const MOST_POINT_FACTORISATIONS: u64 = 1_500_000;
 /// Slip from which on a contact point slides, m/s.
 pub(super) const SLIDING: f64 = 1e-6;
+/// Factorisations of a group and step that pass whatever the time: small groups need no more, and are not to suffer from a
+/// large one that was solved before them.
+pub(super) const LATE_FACTORISATIONS: u32 = 16;
+/// Factorisations of each solve that do once these are made.
+pub(super) const LATE_SOLVE: u32 = 4;

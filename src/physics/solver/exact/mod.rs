@@ -40,6 +40,7 @@ pub(crate) use self::contact::PointForce;
 use self::contact::{ContactGroup, ContactTerms};
 use self::exact_group::ExactGroup;
 pub(super) use self::mechanism::{Coupling, Couplings, MemberState, links_at};
+use super::deadline::Deadline;
 use crate::physics::HardProblems;
 use crate::physics::body::Bodies;
 use crate::physics::collision::{ContactGraph, Contacts};
@@ -129,6 +130,7 @@ fn solve_exactly(
         reads_loads: !read.is_empty(),
         traces: trace.is_some(),
         keeps_hardest: hard.is_some(),
+        deadline: Deadline::after(settings.exact.time_budget),
     };
     {
         let (bodies, joints, graph) = (&*bodies, &*joints, &*graph);

@@ -20,7 +20,11 @@ const HINGED: Laws = Laws { hold: [Hold::Free, Hold::Locked, Hold::Locked], spri
 
 fn world(integrator: ExactIntegrator, hz: f64) -> World {
     let mut world = std::mem::take(headless_app().world_mut());
-    world.insert_resource(SolverSettings { hz, exact: ExactSettings { integrator }, ..SolverSettings::accurate() });
+    world.insert_resource(SolverSettings {
+        hz,
+        exact: ExactSettings { integrator, time_budget: None },
+        ..SolverSettings::accurate()
+    });
     world
 }
 

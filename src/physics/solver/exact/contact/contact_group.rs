@@ -7,7 +7,7 @@
 //!
 //! A smooth step whose forecast does not come true is halved, again and again. What still does not come true at
 //! [`SHORTEST_STEP`] goes by the forecast at its start alone, and so does all that is left of a step that has taken its
-//! share of work ([`GroupSolver::is_spent`]). Both are reported.
+//! share of work ([`GroupSolver::is_spent`]), or has come to its deadline. All are reported.
 
 use bevy::platform::collections::HashMap;
 use nalgebra::Vector3;
@@ -33,6 +33,7 @@ use crate::physics::contact::surface;
 use crate::physics::joint::{Joint, Joints};
 use crate::physics::settings::FrictionModel;
 use crate::physics::solve_trace::Residuals;
+use crate::physics::solver::deadline::Deadline;
 
 /// The load of each contact point, by pair and feature.
 type PointLoads = HashMap<(u32, FeatureId), PointLoad>;
@@ -81,6 +82,8 @@ pub(crate) struct ContactTerms {
     pub traces: bool,
     /// Whether somebody wants the hardest solves.
     pub keeps_hardest: bool,
+    /// When solves are to end.
+    pub deadline: Deadline,
 }
 
 /// Bodies in reach of each other, and what joints hold to them.
@@ -210,6 +213,7 @@ impl ContactGroup {
         for solver in solvers {
             solver.trace(terms.traces);
             solver.keep_hardest(terms.keeps_hardest);
+            solver.end_by(terms.deadline);
         }
         self.loads.clear();
         let last_loads = std::mem::take(&mut self.joint_loads);
@@ -283,6 +287,11 @@ impl ContactGroup {
         self.effort.unsettled += u32::from(events >= MOST_LANDINGS);
     }
 
+    /// Longest share of a substep that goes by one forecast alone: where time is over, all of it.
+    fn rough_step(&self) -> f64 {
+        if self.smooth.positions.is_late() { 1.0 } else { ROUGH_STEP }
+    }
+
     fn find_points(&mut self, h: f64) {
         let Self { points, pairs, shapes, states, search, .. } = self;
         place(shapes, states);
@@ -311,7 +320,7 @@ impl ContactGroup {
         let terms = &start.terms;
         let mut most = left.min(stride.longest);
         if self.is_spent() {
-            most = left.min(ROUGH_STEP * terms.h);
+            most = left.min(self.rough_step() * terms.h);
             self.smooth_step(most, true, now, start);
             self.lose_gain();
             self.lands = false;
@@ -322,7 +331,7 @@ impl ContactGroup {
         while !self.smooth.is_true || self.missed() > MISSED || self.exceeded_energy().is_some() {
             if most <= terms.h * SHORTEST_STEP || self.is_spent() {
                 if !self.smooth.is_true {
-                    most = most.min(ROUGH_STEP * terms.h);
+                    most = most.min(self.rough_step() * terms.h);
                     overlap = self.smooth_step(most, true, now, start);
                 }
                 self.lose_gain();

@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 
 use super::super::constants::{
-    MOST_FACTORISATIONS, MOST_POINT_FACTORISATIONS, SETTLED, SLIDING, TOUCHING, WORTH_STALLING,
+    LATE_FACTORISATIONS, LATE_SOLVE, MOST_FACTORISATIONS, MOST_POINT_FACTORISATIONS, SETTLED, SLIDING, TOUCHING,
+    WORTH_STALLING,
 };
 use super::super::mechanism::{InverseMass, MechanismLink, Member, MemberState, place_rows};
 use super::super::row_mode::RowLaw;
@@ -14,6 +15,7 @@ use crate::physics::constraint::row::Wrench;
 use crate::physics::joint::JointRow;
 use crate::physics::solve_trace::Residuals;
 use crate::physics::solver::cone::{ConeBody, ConeContact, ConeEnd, ConeJoint, ConeSolver, PerPoint, PointJacobian};
+use crate::physics::solver::deadline::Deadline;
 
 /// Bodies and links; the first `moving` bodies move.
 #[derive(Clone, Copy)]
@@ -58,6 +60,7 @@ pub(super) struct GroupSolver {
     pub work: u64,
     /// The step's hardest solve, while somebody wants it.
     hardest: Option<HardestSolve>,
+    deadline: Deadline,
 }
 
 impl GroupSolver {
@@ -200,9 +203,19 @@ impl GroupSolver {
         self.hardest.as_ref()?.problem.as_ref()
     }
 
-    /// Whether a step has taken its share of work here.
+    /// Has solves end soon after that.
+    pub fn end_by(&mut self, deadline: Deadline) {
+        self.deadline = deadline;
+    }
+
+    /// Whether that time is over, and more than a few iterations were made here in the step.
+    pub fn is_late(&self) -> bool {
+        self.steps >= LATE_FACTORISATIONS && self.deadline.is_over()
+    }
+
+    /// Whether a step has taken its share of work here, or of time.
     pub fn is_spent(&self) -> bool {
-        self.steps >= MOST_FACTORISATIONS && self.work >= MOST_POINT_FACTORISATIONS
+        self.steps >= MOST_FACTORISATIONS && self.work >= MOST_POINT_FACTORISATIONS || self.is_late()
     }
 
     /// Whether there is nothing to solve.
@@ -236,6 +249,7 @@ impl GroupSolver {
         if let Some(hardest) = &mut self.hardest {
             hardest.begin(&self.velocities, &self.impulses);
         }
+        self.solver.end_by(self.deadline, LATE_FACTORISATIONS.saturating_sub(self.steps).max(LATE_SOLVE));
         let outcome = self.solver.solve(&mut self.velocities, &self.bias, &mut self.impulses, tolerance);
         if let Some(hardest) = &mut self.hardest {
             let (iterations, residual) = (outcome.steps, outcome.residual);
@@ -256,7 +270,7 @@ impl GroupSolver {
         self.residual = outcome.residual;
         self.steps += outcome.steps;
         self.work += u64::from(outcome.steps) * (self.contacts.len() + self.joints.len()) as u64;
-        let is_ended = !matches!(outcome.end, ConeEnd::Bounded | ConeEnd::NoRigidSolution);
+        let is_ended = !matches!(outcome.end, ConeEnd::Bounded | ConeEnd::Late | ConeEnd::NoRigidSolution);
         self.is_solved = is_ended && !(is_relaxed && outcome.residual > SETTLED);
         self.failures += u32::from(!self.is_solved);
         for (state, [linear, angular]) in states.iter_mut().zip(&self.velocities) {
