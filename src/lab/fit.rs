@@ -222,7 +222,7 @@ mod tests {
 
     #[test]
     fn what_costs_too_much_to_count_is_left_out_and_the_answers_stay() {
-        let all = |series: &Series| grid((series.base)()).into_iter().map(|settings| (settings, series.name));
+        let all = |series: &'static Series| grid((series.base)()).into_iter().map(|settings| (settings, series.name));
         let point = |(settings, series): (SolverSettings, &str)| Point {
             scene: "rods".to_owned(),
             parameters: Vec::new(),

@@ -36,7 +36,7 @@ pub(crate) use gap::{closing_distance, fastest_approach, turning_speed};
 pub(crate) use lag::LaggedContacts;
 pub(crate) use manifold::{ContactPoint, Contacts, FeatureId, Manifold, Overlap, Pair, PairKey, PartPair};
 pub(crate) use narrow::contact_pair::{PairSearch, touch};
-pub(crate) use narrow::place_at_any::{place, place_at_part};
+pub(crate) use narrow::place_at_any::{place_at_part, place_up_to};
 pub(crate) use parts::{box_of, parts_within};
 pub use probe::PlacedCollider;
 pub(crate) use slots::graph::{ContactGraph, GONE};

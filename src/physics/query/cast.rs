@@ -14,6 +14,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::clear_way::{Clear, Outline, Solid, clear_way};
 use super::first_touch::{Touch, first_touch};
+use super::meeting::meet;
 use crate::physics::box_tree::Way;
 use crate::physics::collision::{Overlap, PartPair, place_at_part, touch};
 use crate::physics::shape::{PartList, Parts};
@@ -177,6 +178,7 @@ impl Advanced {
                 let is_any_flat = of_mover.is_polyhedron() || of_other.is_polyhedron();
                 if is_any_flat && !of_mover.is_round() && !of_other.is_round() {
                     if clear.distance == 0.0
+                        && meet(&of_mover, &of_other) != Some(false)
                         && let Some(impact) = self.at_start([mover, other], parts)
                     {
                         return Some(impact);

@@ -36,7 +36,7 @@ pub(super) enum Outline<'g> {
 
 impl Solid<'_> {
     /// The farthest point of its core along a direction, and what is all around that.
-    fn farthest(&self, direction: &Vector3<f64>) -> Option<(Vector3<f64>, f64)> {
+    pub fn farthest(&self, direction: &Vector3<f64>) -> Option<(Vector3<f64>, f64)> {
         let along = self.axes.tr_mul(direction);
         let (local, around) = match &self.shape {
             Outline::Solid(geometry) => geometry.farthest(&along)?,
@@ -79,12 +79,6 @@ pub(super) struct Clear {
     pub distance: f64,
     /// How far apart the shapes are there at most, m.
     pub within: f64,
-}
-
-/// Whether two shapes are apart for certain; what is near may be, too.
-pub(super) fn are_apart(one: &Solid, other: &Solid) -> bool {
-    // Of what goes nowhere the way is clear for ever along any direction along which they are apart.
-    clear_way(one, other, &Vector3::zeros(), f64::INFINITY).is_none()
 }
 
 /// How far a mover on its way along a unit direction certainly touches nothing of the other; none: not within `most`.

@@ -11,6 +11,7 @@
 //! | [`cast`] | a shape on its way |
 //! | [`first_touch`] | where it first touches a solid: two bounds that meet |
 //! | [`clear_way`] | how far it certainly touches nothing |
+//! | [`meeting`] | whether two solids meet |
 //! | [`box_tree`](super::box_tree) | which bodies are looked at |
 //! | [`sensor`] | colliders that only report, which ask after each step |
 
@@ -20,6 +21,7 @@ mod clear_way;
 mod filter;
 mod first_touch;
 mod index;
+mod meeting;
 mod physics_query;
 mod ray;
 mod sensor;

@@ -10,12 +10,12 @@ use nalgebra::Vector3;
 
 use super::answers::{CastHit, Hit, PointHit, Ray, RayHit};
 use super::cast::{Caster, solid_of};
-use super::clear_way::are_apart;
 use super::filter::QueryFilter;
 use super::index::{Index, QueryIndex, box_of};
+use super::meeting::meet;
 use super::ray::enter;
 use crate::physics::box_tree::Way;
-use crate::physics::collision::{PartPair, PlacedCollider, parts_within, place, touch};
+use crate::physics::collision::{PartPair, PlacedCollider, parts_within, place_up_to, touch};
 use crate::physics::{Bodies, Body, BoundingBox, PairSearch, SolverSettings, StepStats, for_each_of};
 
 /// Rays that one thread takes at a time.
@@ -140,22 +140,25 @@ impl PhysicsQuery<'_> {
     fn touching<'q>(&'q self, body: &Body, filter: &QueryFilter, mut take: impl FnMut(&'q Body) -> bool) {
         let (index, bounds) = (self.index(), box_of(body));
         // A triangle is touched whatever normal its mesh has there.
-        let mut search = PairSearch { any_normal: true, is_sheet: true, ..PairSearch::default() };
-        let (mut points, mut parts) = (Vec::new(), Vec::new());
-        let mut touch_in = |other: &Body, parts: PartPair| {
-            let solids = [solid_of(body, parts.a, &other.position), solid_of(other, parts.b, &other.position)];
-            if let [Some(one), Some(other)] = &solids
-                && are_apart(one, other)
-            {
-                return false;
-            }
-            points.clear();
-            search.last = None;
-            let found = touch([body, other], parts, 0.0, &mut search, &mut points);
-            found.is_some_and(|overlap| overlap.depth >= 0.0)
-        };
+        let (mut search, mut points, mut parts) = (None, Vec::new(), Vec::new());
         let has_parts = |body: &Body| body.geometry.as_ref().is_some_and(|geometry| geometry.parts().is_some());
         let is_compound = has_parts(body);
+        let whole = if is_compound { None } else { solid_of(body, 0, &body.position) };
+        let mut touch_in = |other: &Body, parts: PartPair| {
+            let part = if is_compound { solid_of(body, parts.a, &body.position) } else { None };
+            if let (Some(one), Some(two)) = (whole.as_ref().or(part.as_ref()), solid_of(other, parts.b, &body.position))
+                && let Some(are_met) = meet(one, &two)
+            {
+                // A triangle has a front alone.
+                return are_met && one.faces(&two.position) && two.faces(&one.position);
+            }
+            let search =
+                search.get_or_insert_with(|| PairSearch { any_normal: true, is_sheet: true, ..PairSearch::default() });
+            points.clear();
+            search.last = None;
+            let found = touch([body, other], parts, 0.0, search, &mut points);
+            found.is_some_and(|overlap| overlap.depth >= 0.0)
+        };
         let mut touches = |other: &Body| {
             if !is_compound && !has_parts(other) {
                 return touch_in(other, PartPair::default());
@@ -227,7 +230,7 @@ impl PhysicsQuery<'_> {
             let body = &self.bodies.list[index as usize];
             let Some(geometry) = body.geometry.as_ref().filter(|_| filter.admits(body)) else { return most };
             let local = body.rotation.inverse_transform_vector(&(at - body.position));
-            let (normal, height) = place(geometry, &local, body.radius);
+            let (normal, height) = place_up_to(geometry, &local, body.radius, most);
             let distance = height.max(0.0);
             if distance <= most {
                 let nearest = (at - body.rotation * (normal * distance)).into();

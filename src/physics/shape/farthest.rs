@@ -9,7 +9,7 @@ impl Geometry {
     /// around; none of a half-space, and of what has parts.
     pub fn farthest(&self, direction: &Vector3<f64>) -> Option<(Vector3<f64>, f64)> {
         let turned = |radius: f64, y: f64| {
-            let across = direction.x.hypot(direction.z);
+            let across = across(direction);
             let scale = if across > 0.0 { radius / across } else { 0.0 };
             Vector3::new(direction.x * scale, y, direction.z * scale)
         };
@@ -20,7 +20,7 @@ impl Geometry {
             Self::Cuboid { half } => (half.zip_map(direction, f64::copysign), 0.0),
             Self::Cylinder { radius, half, .. } => (turned(*radius, half.copysign(direction.y)), 0.0),
             Self::Cone { radius, height, .. } => {
-                let is_apex = direction.y * height > radius * direction.x.hypot(direction.z);
+                let is_apex = direction.y * height > radius * across(direction);
                 let apex = Vector3::new(0.0, 0.75 * height, 0.0);
                 (if is_apex { apex } else { turned(*radius, -0.25 * height) }, 0.0)
             }
@@ -36,4 +36,9 @@ impl Geometry {
             }
         })
     }
+}
+
+/// The length of a direction across y: of directions, which are no longer than numbers can be squared.
+fn across(direction: &Vector3<f64>) -> f64 {
+    (direction.x * direction.x + direction.z * direction.z).sqrt()
 }

@@ -40,7 +40,12 @@ pub(crate) fn touch(
 /// The unit normal out of a solid of that bounding radius along the shortest way between its surface and a point in its
 /// axes, and how far the point is out, m, negative inside.
 pub(crate) fn place(shape: &Geometry, point: &Vector3<f64>, radius: f64) -> (Vector3<f64>, f64) {
-    let Place { normal, height } = place_within(shape, point, radius, f64::INFINITY);
+    place_up_to(shape, point, radius, f64::INFINITY)
+}
+
+/// The same; of a shape that is farther out than `most`, m, only that it is.
+pub(crate) fn place_up_to(shape: &Geometry, point: &Vector3<f64>, radius: f64, most: f64) -> (Vector3<f64>, f64) {
+    let Place { normal, height } = place_within(shape, point, radius, most - 2.0 * radius);
     (normal, height)
 }
 

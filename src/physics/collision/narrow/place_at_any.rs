@@ -7,11 +7,11 @@ use crate::physics::shape::{PartList, Parts, Solid};
 use crate::physics::{BoundingBox, Geometry};
 
 /// The unit normal out of a shape of that bounding radius along the shortest way between its surface and a point in its
-/// axes, and how far the point is out, m, negative inside.
-pub(crate) fn place(shape: &Geometry, point: &Vector3<f64>, radius: f64) -> (Vector3<f64>, f64) {
+/// axes, and how far the point is out, m, negative inside; where that is more than `most`, only that it is.
+pub(crate) fn place_up_to(shape: &Geometry, point: &Vector3<f64>, radius: f64, most: f64) -> (Vector3<f64>, f64) {
     match shape {
-        Geometry::Parts(parts) => place_at_parts(parts, point),
-        _ => ball::place(shape, point, radius),
+        Geometry::Parts(parts) => place_at_parts(parts, point, most),
+        _ => ball::place_up_to(shape, point, radius, most),
     }
 }
 
@@ -21,20 +21,20 @@ pub(crate) fn place_at_part(shape: &Geometry, part: u32, point: &Vector3<f64>, r
     match &parts.list {
         PartList::Triangles(mesh) => match mesh.only_triangle(part) {
             Some(triangle) => triangle::place(&mesh.get(triangle), point),
-            None => place_at_parts(parts, point),
+            None => place_at_parts(parts, point, f64::INFINITY),
         },
-        PartList::Solids(solids) => place_at_solid(&solids[part as usize], point),
+        PartList::Solids(solids) => place_at_solid(&solids[part as usize], point, f64::INFINITY),
     }
 }
 
-fn place_at_solid(solid: &Solid, point: &Vector3<f64>) -> (Vector3<f64>, f64) {
+fn place_at_solid(solid: &Solid, point: &Vector3<f64>, most: f64) -> (Vector3<f64>, f64) {
     let local = solid.rotation.inverse_transform_vector(&(point - solid.position));
-    let (normal, height) = ball::place(&solid.geometry, &local, solid.radius);
+    let (normal, height) = ball::place_up_to(&solid.geometry, &local, solid.radius, most);
     (solid.rotation * normal, height)
 }
 
 /// At the nearest of the parts; from a mesh, which has no inside, every point is away.
-fn place_at_parts(parts: &Parts, point: &Vector3<f64>) -> (Vector3<f64>, f64) {
+fn place_at_parts(parts: &Parts, point: &Vector3<f64>, most: f64) -> (Vector3<f64>, f64) {
     let mut nearest = (Vector3::y(), f64::INFINITY);
     let distance = |bounds: &BoundingBox| bounds.distance(point);
     let mut take = |found: (Vector3<f64>, f64)| {
@@ -43,7 +43,7 @@ fn place_at_parts(parts: &Parts, point: &Vector3<f64>) -> (Vector3<f64>, f64) {
         }
         nearest.1.max(0.0)
     };
-    parts.tree().search(f64::INFINITY, distance, |part, most| match &parts.list {
+    parts.tree().search(most.max(0.0), distance, |part, most| match &parts.list {
         PartList::Triangles(mesh) => {
             let mut most = most;
             mesh.search(part, most, distance, |triangle, _| {
@@ -55,7 +55,7 @@ fn place_at_parts(parts: &Parts, point: &Vector3<f64>) -> (Vector3<f64>, f64) {
             });
             most
         }
-        PartList::Solids(solids) => take(place_at_solid(&solids[part as usize], point)),
+        PartList::Solids(solids) => take(place_at_solid(&solids[part as usize], point, most)),
     });
     nearest
 }

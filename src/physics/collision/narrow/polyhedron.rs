@@ -3,6 +3,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::physics::shape::Face;
 use crate::physics::{EdgeLanes, EdgeParts, Hull, Refill};
 
 /// A body's axes and centre in those of another.
@@ -326,34 +327,65 @@ pub(crate) fn first_max(values: impl Iterator<Item = f64>) -> usize {
     values.enumerate().fold(start, |best, (index, value)| if value > best.1 { (index, value) } else { best }).0
 }
 
+/// A share of a distance that is rounding.
+const NEAREST: f64 = 4.0 * f64::EPSILON;
+
 /// The point of a hull nearest to a point in body axes (Ericson 2005, 5.1): it lies on one of the
 /// faces that the point is in front of, and on none that is farther below it than a point found.
 pub(crate) fn nearest_on_hull(hull: &Hull, point: &Vector3<f64>) -> Vector3<f64> {
     let mut nearest = (f64::INFINITY, *point);
-    let heights = hull.faces.iter().map(|face| face.normal.dot(point) - face.offset);
-    let highest = first_max(heights);
-    for face in std::iter::once(&hull.faces[highest]).chain(&hull.faces) {
-        let height = face.normal.dot(point) - face.offset;
-        if height <= 0.0 || height * height >= nearest.0 {
-            continue;
+    let face_along = |way: &Vector3<f64>| first_max(hull.faces.iter().map(|face| face.normal.dot(way)));
+    let mut face = first_max(hull.faces.iter().map(|face| face.normal.dot(point) - face.offset));
+    // The face that looks along the way found so far is mostly one that has the nearest point.
+    for _ in 0..hull.faces.len() {
+        let before = nearest.0;
+        if look_at_face(hull, &hull.faces[face], point, &mut nearest) || has_all_behind(hull, point, &nearest.1) {
+            return nearest.1;
         }
-        let foot = point - face.normal * height;
-        let corner = |index: usize| hull.vertices[face.vertices[index % face.vertices.len()] as usize];
-        let sides = || (0..face.vertices.len()).map(|index| (corner(index), corner(index + 1)));
-        let beyond = |from: &Vector3<f64>, to: &Vector3<f64>| face.normal.cross(&(to - from)).dot(&(foot - from)) < 0.0;
-        if sides().all(|(from, to)| !beyond(&from, &to)) {
-            // Above a face itself: no other point can be nearer.
-            return foot;
+        if nearest.0 >= before {
+            break;
         }
-        for (from, to) in sides().filter(|(from, to)| beyond(from, to)) {
-            let side = to - from;
-            let share = ((point - from).dot(&side) / side.norm_squared()).clamp(0.0, 1.0);
-            let candidate = from + side * share;
-            let distance = (point - candidate).norm_squared();
-            if distance < nearest.0 {
-                nearest = (distance, candidate);
-            }
+        face = face_along(&(point - nearest.1));
+    }
+    for face in &hull.faces {
+        if look_at_face(hull, face, point, &mut nearest) {
+            break;
         }
     }
     nearest.1
+}
+
+/// Takes in the nearest point of a face, with its squared distance, if it may be nearer. Whether no other can be.
+fn look_at_face(hull: &Hull, face: &Face, point: &Vector3<f64>, nearest: &mut (f64, Vector3<f64>)) -> bool {
+    let height = face.normal.dot(point) - face.offset;
+    if height <= 0.0 || height * height >= nearest.0 {
+        return false;
+    }
+    let foot = point - face.normal * height;
+    let corner = |index: usize| hull.vertices[face.vertices[index % face.vertices.len()] as usize];
+    let sides = || (0..face.vertices.len()).map(|index| (corner(index), corner(index + 1)));
+    let beyond = |from: &Vector3<f64>, to: &Vector3<f64>| face.normal.cross(&(to - from)).dot(&(foot - from)) < 0.0;
+    if sides().all(|(from, to)| !beyond(&from, &to)) {
+        // Above a face itself.
+        *nearest = (height * height, foot);
+        return true;
+    }
+    for (from, to) in sides().filter(|(from, to)| beyond(from, to)) {
+        let side = to - from;
+        let share = ((point - from).dot(&side) / side.norm_squared()).clamp(0.0, 1.0);
+        let candidate = from + side * share;
+        let distance = (point - candidate).norm_squared();
+        if distance < nearest.0 {
+            *nearest = (distance, candidate);
+        }
+    }
+    false
+}
+
+/// Whether a plane through a point of the hull, across the way from there to a point, has the whole hull behind it: no other is
+/// nearer.
+fn has_all_behind(hull: &Hull, point: &Vector3<f64>, nearest: &Vector3<f64>) -> bool {
+    let way = point - nearest;
+    let most = way.dot(nearest) + NEAREST * way.norm() * point.norm();
+    hull.vertices.iter().all(|vertex| way.dot(vertex) <= most)
 }
