@@ -9,6 +9,7 @@ mod solve_trace;
 #[path = "../../src/physics/solver/cone"]
 pub mod cone {
     mod constants;
+    mod deadline;
     mod iterate;
     mod law;
     mod linear;
@@ -19,6 +20,7 @@ pub mod cone {
     mod solver;
 
     use super::linear::{BlockLdl, BlockLu, BodyBlock, BodyVector, Elimination, Inverse};
+    use deadline::Deadline;
     use iterate::Iterate;
     use law::Law;
     use point::{ConePoint, root};

@@ -109,10 +109,10 @@ fn a_step_whose_time_is_over_goes_on_with_what_it_has() {
     let [free, ample, none] = budgets.map(|time_budget| {
         let accurate = SolverSettings::accurate();
         let settings = SolverSettings { exact: ExactSettings { time_budget, ..accurate.exact }, ..accurate };
-        let mut simulation = Simulation::new(scene("heap", &[("n", 40.0)]), settings);
+        let mut simulation = Simulation::new(scene("heap", &[("n", 100.0)]), settings);
         simulation.world_mut().init_resource::<Diagnostics>();
         let (mut unsettled, mut most, mut overlap) = (0, 0, 0.0_f64);
-        for _ in 0..90 {
+        for _ in 0..120 {
             simulation.step();
             let stats = simulation.world().resource::<StepStats>();
             unsettled += stats.unsettled;
@@ -124,7 +124,7 @@ fn a_step_whose_time_is_over_goes_on_with_what_it_has() {
     assert_eq!(ample, free);
     assert!(none.0 > 0, "{none:?}");
     assert!(none.1 < 64 && free.1 > 2 * none.1, "{none:?} for {free:?}");
-    assert!(none.2 < 0.05, "{none:?}");
+    assert!(none.2 < 0.03, "{none:?}");
     let accurate = SolverSettings::accurate();
     let hurried = SolverSettings { exact: ExactSettings { time_budget: Some(0.0), ..accurate.exact }, ..accurate };
     let [slow, fast] = [accurate, hurried].map(|settings| {

@@ -5,7 +5,6 @@
 //! and the result does not depend on their number.
 
 mod cone;
-mod deadline;
 mod direct;
 mod exact;
 mod impulse;

@@ -18,6 +18,9 @@ pub(super) const PATIENCE: u32 = 30;
 /// Residual, m/s, above which a solve that did not end well begins once more, from what is wedged.
 pub(super) const WEDGED: f64 = 1e-4;
 
+/// Sweeps of Gauss–Seidel with which a solve ends whose time is over.
+pub(super) const LATE_SWEEPS: u32 = 50;
+
 /// Share of the right-hand side that the defect of a linear system may be,
 pub(super) const SOLVED: f64 = 1e-10;
 /// and refinements after which it may be more.

@@ -4,8 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{LEAST_JAM, ROUNDINGS};
 use super::linear::LinearSystem;
-use super::{BodyVector, ConeOutcome, ConePoint, Elimination, Law};
-use crate::physics::solver::deadline::Deadline;
+use super::{BodyVector, ConeOutcome, ConePoint, Deadline, Elimination, Law};
 use crate::physics::{Refill, Residuals};
 
 /// The iterate of all methods.
@@ -77,6 +76,23 @@ impl Iterate {
     /// Whether it is time to end.
     pub fn is_late(&self) -> bool {
         self.outcome.steps >= self.least && self.deadline.is_over()
+    }
+
+    /// Sweeps of projected Gauss–Seidel, point by point with the friction that its normal impulse allows: of what is far from
+    /// solved they make little, but never worse than another sweep would mend.
+    pub fn sweep(&mut self, count: u32) {
+        let Self { points, free, impulses, scaled, .. } = self;
+        for _ in 0..count {
+            for ((point, free), impulse) in points.iter().zip(&*free).zip(&mut *impulses) {
+                if point.is_movable() {
+                    let velocity = free + point.relative(scaled);
+                    let next = point.law.clamp(&(*impulse - velocity.component_mul(&point.masses())));
+                    point.apply(scaled, &(next - *impulse));
+                    *impulse = next;
+                }
+            }
+        }
+        self.refresh();
     }
 
     /// The residual, noted for whoever reads it.

@@ -18,7 +18,8 @@
 //!    problem of the compliant points is well conditioned and unique, redundant points or not; the same iterations find its
 //!    λ, from which the next starts, with less compliance.
 //!
-//! Both are bounded. What is best when the bounds are met is what is returned, with its residual.
+//! Both are bounded. What is best when the bounds are met is what is returned, with its residual; where time is over, after
+//! sweeps of Gauss–Seidel over it.
 //!
 //! # What else was tried
 //! On 180 saved problems of heaps, limbs and piles. An interior point (Nesterov & Todd's scaling, Mehrotra's correction, the
@@ -30,6 +31,7 @@
 //! hundreds of them after the last: of 264 problems that stop just above 1e-8 m/s they bring two below.
 
 mod constants;
+mod deadline;
 mod iterate;
 mod law;
 mod linear;
@@ -50,5 +52,6 @@ use point::{ConePoint, root};
 use problem::{ConeOutcome, Velocity, relative_velocity};
 
 use super::linear::{BlockLdl, BlockLu, BodyBlock, BodyVector, Elimination, Inverse};
+pub(crate) use deadline::Deadline;
 pub(crate) use problem::{ConeBody, ConeContact, ConeEnd, ConeJoint, PerPoint, PointJacobian};
 pub(crate) use solver::ConeSolver;

@@ -77,6 +77,23 @@ impl ConePoint {
         Self { law, mass, frame, sides, block: None }
     }
 
+    /// Masses along its axes, kg, none too large for a step of Gauss–Seidel: those across the normal, or of a joint, share the
+    /// trace of their part of the mobility.
+    pub fn masses(&self) -> Vector3<f64> {
+        let mobility = |column: usize| {
+            self.sides.iter().flatten().map(|side| side.columns.column(column).norm_squared()).sum::<f64>()
+        };
+        let over = |mobility: f64| if mobility > 0.0 { 1.0 / mobility } else { 0.0 };
+        match self.law {
+            Law::Joint => Vector3::from_element(self.mass / 3.0),
+            Law::Frictionless | Law::Within(..) => Vector3::new(self.mass, 0.0, 0.0),
+            Law::Friction(_) => {
+                let across = over(mobility(1) + mobility(2));
+                Vector3::new(self.mass, across, across)
+            }
+        }
+    }
+
     /// Something can move along it.
     pub fn is_movable(&self) -> bool {
         self.mass.is_finite()

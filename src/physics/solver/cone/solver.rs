@@ -2,12 +2,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::constants::{ENOUGH_RESIDUAL, FIRST_SOFTNESS, WEDGED};
+use super::constants::{ENOUGH_RESIDUAL, FIRST_SOFTNESS, LATE_SWEEPS, WEDGED};
 use super::newton::NewtonBuffers;
 use super::{
-    ConeBody, ConeContact, ConeEnd, ConeJoint, ConeOutcome, ConePoint, Elimination, Iterate, PerPoint, Velocity, root,
+    ConeBody, ConeContact, ConeEnd, ConeJoint, ConeOutcome, ConePoint, Deadline, Elimination, Iterate, PerPoint,
+    Velocity, root,
 };
-use crate::physics::solver::deadline::Deadline;
 use crate::physics::{Refill, Residuals};
 
 /// Solves one island's points. Keeps its buffers and, as long as the same bodies touch, its structure.
@@ -120,6 +120,10 @@ impl ConeSolver {
             iterate.note();
             iterate.impulses.clone_from(&iterate.best);
             iterate.refresh();
+            if iterate.outcome.end == ConeEnd::Late {
+                // A Newton iteration on its way may be anywhere.
+                iterate.sweep(LATE_SWEEPS);
+            }
             iterate.outcome.residual = iterate.residual().largest;
         }
         if iterate.outcome.residual <= iterate.tolerance {

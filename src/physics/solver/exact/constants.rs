@@ -219,4 +219,4 @@ pub(super) const SLIDING: f64 = 1e-6;
 /// large one that was solved before them.
 pub(super) const LATE_FACTORISATIONS: u32 = 16;
 /// Factorisations of each solve that do once these are made.
-pub(super) const LATE_SOLVE: u32 = 4;
+pub(super) const LATE_SOLVE: u32 = 2;

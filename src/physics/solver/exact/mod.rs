@@ -40,7 +40,7 @@ pub(crate) use self::contact::PointForce;
 use self::contact::{ContactGroup, ContactTerms};
 use self::exact_group::ExactGroup;
 pub(super) use self::mechanism::{Coupling, Couplings, MemberState, links_at};
-use super::deadline::Deadline;
+use super::cone::Deadline;
 use crate::physics::HardProblems;
 use crate::physics::body::Bodies;
 use crate::physics::collision::{ContactGraph, Contacts};

@@ -33,7 +33,7 @@ use crate::physics::contact::surface;
 use crate::physics::joint::{Joint, Joints};
 use crate::physics::settings::FrictionModel;
 use crate::physics::solve_trace::Residuals;
-use crate::physics::solver::deadline::Deadline;
+use crate::physics::solver::cone::Deadline;
 
 /// The load of each contact point, by pair and feature.
 type PointLoads = HashMap<(u32, FeatureId), PointLoad>;

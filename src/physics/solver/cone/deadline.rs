@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 /// A time by the clock; none by default.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Deadline(Option<Instant>);
+pub(crate) struct Deadline(Option<Instant>);
 
 impl Deadline {
     /// So many ms from now; none without a number, or with one that no clock tells.
