@@ -24,6 +24,9 @@
 //! *Bounds.* A row at its bound has that impulse and leaves the matrix; which rows are, is an active set that is mended
 //! after each solve. A motion with a largest force that lags behind comes back as fast as that force can stop it again,
 //! at √(2 a |C|) where it gives an acceleration a.
+//!
+//! *Trees* of points, hinges and rigid joints whose limits carried nothing last go by [`articulated`](super::articulated)
+//! inertias, without rows; where a limit turns out to be passed at the end, the substep is done again by rows.
 
 use bevy::platform::collections::HashMap;
 use nalgebra::{Matrix3, Vector3};

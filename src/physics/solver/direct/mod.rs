@@ -19,7 +19,7 @@
 //! changes something.
 //!
 //! Islands of joints alone are solved by the impulses of their rows ([`dual`]), or, where they are trees of points, hinges
-//! and rigid joints, by [`articulated`] inertias.
+//! and rigid joints, and as long as no limit is met, by [`articulated`] inertias.
 //!
 //! An island that turns out not to rest, or whose iterations do not end, is left as it was, for the sweeps.
 
