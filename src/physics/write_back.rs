@@ -13,8 +13,8 @@ use super::columns::{self, set_if_other};
 use super::joint::{LawAxis, LawPart, nearest_turn};
 use super::{
     Bodies, Body, BodyQuarantined, BodySlot, BodyState, JointAxis, JointCoordinate, JointDefinition, JointLoad,
-    JointSlot, Joints, PhysicsSchedule, PhysicsSystems, PoseHistory, Position, QuarantineReason, Refill, RigidBody,
-    Rotation, Sleep, Sleeping, SolverSettings, StepStats, Velocity, set_aside,
+    JointSlot, Joints, PhysicsSchedule, PhysicsSystems, PoseHistory, Position, QuarantineReason, RigidBody, Rotation,
+    Sleep, Sleeping, SolverSettings, StepStats, Velocity, set_aside,
 };
 
 pub(super) fn plugin(app: &mut App) {
@@ -60,7 +60,6 @@ pub(super) fn write_bodies(
     mut stats: ResMut<StepStats>,
     mut quarantine: MessageWriter<BodyQuarantined>,
     mut commands: Commands,
-    mut moving: Local<Vec<u32>>,
     ticks: SystemChangeTick,
 ) {
     stats.count_step(&settings);
@@ -71,11 +70,12 @@ pub(super) fn write_bodies(
         if table.sleeping && !sleep.has_woken {
             continue;
         }
-        let slots: &[BodySlot] = table.slot.as_ref();
-        moving.refill((0..).zip(slots).filter(|(_, slot)| !fixed.contains(slot.index)).map(|(row, _)| row));
-        for row in moving.iter().map(|&row| row as usize) {
+        for row in 0..table.entity.len() {
             let entity = table.entity[row];
             let slot = table.slot.as_ref()[row];
+            if fixed.contains(slot.index) {
+                continue;
+            }
             // Whoever became a body since the step began waits for the next.
             let Some(body) = list.get_mut(slot.index as usize).filter(|body| body.entity == entity) else { continue };
             if is_finite(body) {

@@ -96,19 +96,11 @@ pub(super) fn find_contacts(
 }
 
 /// Half-spaces first, then as the 2009 sweep finds them: rows are swept in this order, and it does not depend on the
-/// slots, which depend on the past. `begins` is a buffer, with numbers for the candidates' bodies alone.
+/// slots, which depend on the past. `begins` is a buffer.
 fn sort_along_x(candidates: &mut [PairKey], bodies: &[Body], begins: &mut Vec<i64>) {
     let is_plane = |body: &Body| matches!(body.geometry, Some(Geometry::HalfSpace));
-    let begin_of = |index: u32| if is_plane(&bodies[index as usize]) { i64::MIN } else { begin(bodies, index).0 };
-    if candidates.len() < bodies.len() {
-        // Most bodies are far from all others: theirs are not looked at.
-        begins.resize(bodies.len(), 0);
-        for body in candidates.iter().flat_map(|&PairKey { pair, .. }| [pair.a, pair.b]) {
-            begins[body as usize] = begin_of(body);
-        }
-    } else {
-        begins.refill((0..bodies.len() as u32).map(begin_of));
-    }
+    begins
+        .refill((0..).zip(bodies).map(|(index, body)| if is_plane(body) { i64::MIN } else { begin(bodies, index).0 }));
     let key = |&PairKey { pair: Pair { a, b }, parts, .. }: &PairKey| {
         let [of_a, of_b] = [a, b].map(|body| (begins[body as usize], body));
         let ends = if of_a.0 == i64::MIN { [of_a, (i64::MIN, b)] } else { [of_a.min(of_b), of_a.max(of_b)] };

@@ -14,8 +14,9 @@ use crate::physics::HardProblem;
 use crate::physics::constraint::row::Wrench;
 use crate::physics::joint::JointRow;
 use crate::physics::solve_trace::Residuals;
-use crate::physics::solver::cone::Deadline;
-use crate::physics::solver::cone::{ConeBody, ConeContact, ConeEnd, ConeJoint, ConeSolver, PerPoint, PointJacobian};
+use crate::physics::solver::cone::{
+    ConeBody, ConeContact, ConeEnd, ConeJoint, ConeSolver, Deadline, PerPoint, PointJacobian,
+};
 
 /// Bodies and links; the first `moving` bodies move.
 #[derive(Clone, Copy)]
