@@ -99,7 +99,8 @@ pub(super) fn near_parts(
             let around_a = box_of(a).map(|bounds| bounds.grown(growth(a, &a.position, a.radius)));
             let Some(around_a) = around_a else { return };
             let around_a = placed_box(&around_a, &into_b, &-(into_b * b.position));
-            solids_in(b, of_b, &axes, &around_a, growth, |part_of_b| {
+            let most = growth(b, &b.position, 2.0 * b.radius);
+            solids_in(b, of_b, &axes, &around_a, most, growth, |part_of_b| {
                 let mover = Mover::of(b, part_of_b, growth);
                 parts_near(a, of_a, mover, growth, |part| list.push(PartPair { a: part, b: part_of_b }));
             });
@@ -143,7 +144,11 @@ fn parts_near(
     };
     let bounds = BoundingBox { low: center + low, high: center + high }.grown(way);
     let PartList::Triangles(mesh) = &parts.list else {
-        return solids_in(body, parts, &axes, &bounds, growth, take);
+        // What a body may bring to where the solid comes is no farther from there than either goes, if that is not far.
+        let near = growth(body, &placed.position, 2.0 * (placed.radius + way));
+        let is_far = near > placed.radius + way;
+        let most = if is_far { growth(body, &body.position, 2.0 * body.radius) } else { near };
+        return solids_in(body, parts, &axes, &bounds, most, growth, take);
     };
     let own = growth(body, &placed.position, placed.radius);
     let around = BoxAround::new(shape, Frame { rotation, center }, way + own + CONTACT_TOLERANCE * placed.radius);
@@ -154,17 +159,17 @@ fn parts_near(
     });
 }
 
-/// Hands on the solids of a body, whose axes are given as columns, that may come into a box in these axes.
+/// Hands on the solids of a body, whose axes are given as columns, that may come into a box in these axes where its points move
+/// by no more than `most`, m.
 fn solids_in(
     body: &Body,
     parts: &Parts,
     axes: &Matrix3<f64>,
     bounds: &BoundingBox,
+    most: f64,
     growth: impl Fn(&Body, &Vector3<f64>, f64) -> f64,
     mut take: impl FnMut(u32),
 ) {
-    // No part reaches as far from the body's middle.
-    let most = growth(body, &body.position, 2.0 * body.radius);
     parts.tree().overlapping(&bounds.grown(most), |part| {
         let solid = &parts.solids()[part as usize];
         let own = growth(body, &(body.position + axes * solid.position), solid.radius);
