@@ -141,7 +141,7 @@ pub(crate) struct Parts {
 pub(crate) enum PartList {
     Solids(Vec<Solid>),
     /// By facets.
-    Triangles(Triangles),
+    Triangles(Box<Triangles>),
 }
 
 /// A convex part of a compound.
@@ -166,7 +166,7 @@ impl Parts {
     /// Of the triangles of a mesh.
     pub fn of_triangles(triangles: Triangles) -> Self {
         let boxes = (0..triangles.facet_count()).map(|facet| triangles.facet_bounds(facet)).collect();
-        Self::new(PartList::Triangles(triangles), boxes, f64::INFINITY)
+        Self::new(PartList::Triangles(Box::new(triangles)), boxes, f64::INFINITY)
     }
 
     fn new(list: PartList, boxes: Vec<BoundingBox>, inner_radius: f64) -> Self {

@@ -12,6 +12,9 @@
 //! **Facets.** Triangles in one plane that are neighbors and together a convex polygon are one part: what lies on them has
 //! one normal and the contact points of one polygon, however fine it is cut. Such a region is convex where the corners of
 //! its triangles at no vertex of its border add up to more than π; at a hole they do.
+//!
+//! **Smooth surroundings.** Where the triangles about all three corners of one look nearly the same way, no normal of a contact
+//! at its sides and corners is far from its own.
 
 use std::f64::consts::{PI, TAU};
 
@@ -30,6 +33,10 @@ pub(crate) const SAME: f64 = 1.0 - 5e-13;
 /// polygon be more than they may.
 const FLATNESS: f64 = 1e-9;
 const ANGLE_SLACK: f64 = 1e-6;
+
+/// Cosine of the angle between the normal of a triangle and the mean of those about a vertex, up to which the surface counts as
+/// smooth there: two of them differ by at most 0.2 rad.
+const SMOOTH: f64 = 0.995;
 
 /// Most triangles of a facet that are looked at one by one.
 const LIST: usize = 16;
@@ -50,16 +57,19 @@ pub(crate) struct Triangles {
     owners: Vec<u32>,
     /// Of each side, from corner k to the next, the triangle beyond it; u32::MAX at a border.
     beyond: Vec<[u32; 3]>,
-    /// The triangles of each facet.
-    facets: Vec<Facet>,
+    facets: Facets,
+    /// Whether the surface about a triangle is smooth, and has no border.
+    is_smooth: Vec<bool>,
 }
 
-/// Triangles of one plane.
-#[derive(Clone, Debug)]
-struct Facet {
+/// The triangles of each facet: of most but one, so that all are in one list.
+#[derive(Clone, Debug, Default)]
+struct Facets {
+    /// Where the triangles of each begin; then the number of all.
+    first: Vec<u32>,
     triangles: Vec<u32>,
-    /// Of many triangles, a tree of their boxes.
-    tree: Option<BoxTree>,
+    /// Of those of many triangles, ascending, a tree of their boxes.
+    trees: Vec<(u32, BoxTree)>,
 }
 
 /// A triangle placed in the body's axes, with a pyramid behind it that stands for the inside of the mesh.
@@ -101,22 +111,46 @@ impl Triangles {
         let first_neighbor = (0..=vertices.len() as u32).map(first).collect();
         let neighbors = ends.iter().map(|[_, to]| *to).collect();
         let radius = vertices.iter().map(Vector3::norm).fold(0.0, f64::max);
-        let facets = Vec::new();
         let normals = corners.iter().map(|triangle| {
             let [a, b, c] = triangle.map(|vertex| vertices[vertex as usize]);
             (b - a).cross(&(c - a)).normalize()
         });
         let normals = normals.collect();
-        let mut own = Self { vertices, corners, normals, radius, first_neighbor, neighbors, owners, beyond, facets };
+        let (facets, is_smooth) = (Facets::default(), Vec::new());
+        let mut own =
+            Self { vertices, corners, normals, radius, first_neighbor, neighbors, owners, beyond, facets, is_smooth };
+        own.is_smooth = own.find_smooth();
         own.facets = own.find_facets();
         own
     }
 
+    /// Of each triangle, whether all about its corners look nearly the same way and none has a border there.
+    fn find_smooth(&self) -> Vec<bool> {
+        let triangles = || self.corners.iter().zip(&self.normals);
+        let mut means = vec![Vector3::zeros(); self.vertices.len()];
+        for (corners, normal) in triangles() {
+            corners.iter().for_each(|&vertex| means[vertex as usize] += normal);
+        }
+        means.iter_mut().for_each(|mean| *mean = mean.normalize());
+        let mut is_smooth = vec![true; self.vertices.len()];
+        for ((corners, normal), beyond) in triangles().zip(&self.beyond) {
+            for (at, &vertex) in corners.iter().enumerate() {
+                is_smooth[vertex as usize] &= means[vertex as usize].dot(normal) >= SMOOTH;
+                if beyond[at] == u32::MAX {
+                    is_smooth[vertex as usize] = false;
+                    is_smooth[corners[(at + 1) % 3] as usize] = false;
+                }
+            }
+        }
+        self.corners.iter().map(|corners| corners.iter().all(|&vertex| is_smooth[vertex as usize])).collect()
+    }
+
     /// Neighbors in one plane where they make a convex polygon, else each triangle alone.
-    fn find_facets(&self) -> Vec<Facet> {
+    fn find_facets(&self) -> Facets {
         let normals = &self.normals;
         let mut is_taken = vec![false; self.corners.len()];
-        let (mut facets, mut stack) = (Vec::new(), Vec::new());
+        let (mut facets, mut stack) = (Facets::default(), Vec::new());
+        facets.first.push(0);
         for first in 0..self.count() {
             if std::mem::replace(&mut is_taken[first as usize], true) {
                 continue;
@@ -141,9 +175,9 @@ impl Triangles {
             }
             if self.is_convex(&triangles) {
                 triangles.sort_unstable();
-                facets.push(Facet::new(triangles, self));
+                facets.push(&triangles, self);
             } else {
-                facets.extend(triangles.into_iter().map(|triangle| Facet::new(vec![triangle], self)));
+                triangles.iter().for_each(|&triangle| facets.push(&[triangle], self));
             }
         }
         facets
@@ -168,17 +202,18 @@ impl Triangles {
 
     /// How many facets there are.
     pub fn facet_count(&self) -> u32 {
-        self.facets.len() as u32
+        self.facets.first.len() as u32 - 1
     }
 
     /// The triangles of a facet.
     pub fn triangles_of(&self, facet: u32) -> &[u32] {
-        &self.facets[facet as usize].triangles
+        let [first, end] = [0, 1].map(|next| self.facets.first[facet as usize + next] as usize);
+        &self.facets.triangles[first..end]
     }
 
     /// The box of a facet.
     pub fn facet_bounds(&self, facet: u32) -> BoundingBox {
-        let all = self.facets[facet as usize].triangles.iter().map(|&triangle| self.bounds(triangle));
+        let all = self.triangles_of(facet).iter().map(|&triangle| self.bounds(triangle));
         all.fold(BoundingBox::EMPTY, |all, one| all.union(&one))
     }
 
@@ -190,9 +225,11 @@ impl Triangles {
         distance: impl Fn(&BoundingBox) -> f64,
         mut look: impl FnMut(u32, f64) -> f64,
     ) {
-        let Facet { triangles, tree } = &self.facets[facet as usize];
-        if let Some(tree) = tree {
-            return tree.search(most, distance, look);
+        let triangles = self.triangles_of(facet);
+        if triangles.len() > LIST
+            && let Ok(tree) = self.facets.trees.binary_search_by_key(&facet, |(of, _)| *of)
+        {
+            return self.facets.trees[tree].1.search(most, distance, look);
         }
         for &triangle in triangles {
             let away = distance(&self.bounds(triangle));
@@ -213,7 +250,7 @@ impl Triangles {
 
     /// The triangle that a facet is, if it is but one.
     pub fn only_triangle(&self, facet: u32) -> Option<u32> {
-        match self.facets[facet as usize].triangles[..] {
+        match *self.triangles_of(facet) {
             [only] => Some(only),
             _ => None,
         }
@@ -256,11 +293,14 @@ impl Triangles {
     }
 }
 
-impl Facet {
-    fn new(triangles: Vec<u32>, mesh: &Triangles) -> Self {
-        let boxes = || triangles.iter().map(|&triangle| (triangle, mesh.bounds(triangle))).collect();
-        let tree = (triangles.len() > LIST).then(|| BoxTree::new(boxes()));
-        Self { triangles, tree }
+impl Facets {
+    fn push(&mut self, triangles: &[u32], mesh: &Triangles) {
+        if triangles.len() > LIST {
+            let boxes = triangles.iter().map(|&triangle| (triangle, mesh.bounds(triangle))).collect();
+            self.trees.push((self.first.len() as u32 - 1, BoxTree::new(boxes)));
+        }
+        self.triangles.extend_from_slice(triangles);
+        self.first.push(self.triangles.len() as u32);
     }
 }
 
@@ -272,6 +312,11 @@ impl PartialEq for Triangles {
 }
 
 impl Triangle<'_> {
+    /// Whether the surface about it is smooth.
+    pub fn is_smooth(&self) -> bool {
+        self.mesh.is_smooth[self.index as usize]
+    }
+
     /// Its vertices in the mesh.
     pub fn vertices(&self) -> [u32; 3] {
         self.mesh.corners[self.index as usize]

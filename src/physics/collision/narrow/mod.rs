@@ -33,6 +33,7 @@ mod revolved;
 mod revolved_polyhedron;
 mod rim;
 mod shape_pair;
+mod smooth;
 pub(super) mod triangle;
 
 use across::{length_across, unit_across};

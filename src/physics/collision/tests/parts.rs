@@ -80,6 +80,43 @@ fn no_part_that_touches_a_facet_is_left_out_and_few_others_are_looked_at() {
     assert!(touching > 500 && looked_at < 25_000, "{looked_at} looked at, {touching} touch");
 }
 
+/// Over a smooth surface polyhedra are tested along the normals of triangles alone: against the exact test, which tries all.
+#[test]
+fn over_a_smooth_surface_what_touches_is_as_deep_along_the_normals_of_triangles_alone() {
+    let mut random = Random::new(64);
+    let waves = |x: f64, z: f64| 0.1 * x.sin() * (1.5 * z).cos();
+    let ground = Collider::mesh(TriangleMesh::height_field([6.0, 6.0], [24, 24], waves).expect("a field"));
+    let geometry = ground.geometry();
+    let Some(PartList::Triangles(triangles)) = geometry.parts().map(|parts| &parts.list) else { panic!("a mesh") };
+    let smooth = (0..triangles.count()).filter(|&index| triangles.get(index).is_smooth()).count();
+    // All but those that have a corner at the border.
+    assert_eq!(smooth, 2 * 22 * 22);
+    let below = body(&ground, Vector3::zeros(), Default::default());
+    let (mut near, mut points) = (Vec::new(), Vec::new());
+    let (mut touching, mut most_apart) = (0, 0.0_f64);
+    for case in 0..3000 {
+        let mut position: Vector3<f64> = random.vector() * 1.5;
+        position.y = 0.5 + 0.3 * position.y;
+        let above = body(&solid(&mut random, [1, 5][case % 2]), position, random.rotation());
+        parts_within(&below, &above, 0.0, &mut near);
+        let mut deepest = |is_exact: bool| {
+            let mut search = PairSearch { is_exact, ..PairSearch::default() };
+            points.clear();
+            for &parts in &near {
+                search.last = None;
+                touch([&below, &above], parts, 0.0, &mut search, &mut points);
+            }
+            points.iter().map(|point| point.depth).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let [alone, all] = [false, true].map(&mut deepest);
+        if (1e-3..0.05).contains(&all) {
+            touching += 1;
+            most_apart = most_apart.max((alone - all).abs() / all);
+        }
+    }
+    assert!(touching > 100 && most_apart < 0.05, "{touching} touch, apart by {most_apart}");
+}
+
 /// A surface has normals of its own where edges meet; what is round, and overlaps it, finds one of them with some facet.
 #[test]
 fn what_is_round_touches_a_surface_along_a_normal_that_the_surface_has() {
