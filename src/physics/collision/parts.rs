@@ -56,7 +56,7 @@ impl<'t> Placed<'t> {
 }
 
 /// Whether pairs of a body are looked at part by part.
-pub(super) fn has_parts(body: &Body) -> bool {
+pub(crate) fn has_parts(body: &Body) -> bool {
     parts_of(body).is_some()
 }
 

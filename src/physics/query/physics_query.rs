@@ -15,7 +15,7 @@ use super::index::{Index, QueryIndex, box_of};
 use super::meeting::meet;
 use super::ray::enter;
 use crate::physics::box_tree::Way;
-use crate::physics::collision::{PartPair, PlacedCollider, parts_within, place_up_to, touch};
+use crate::physics::collision::{PartPair, PlacedCollider, has_parts, parts_within, place_up_to, touch};
 use crate::physics::{Bodies, Body, BoundingBox, PairSearch, SolverSettings, StepStats, for_each_of};
 
 /// Rays that one thread takes at a time.
@@ -141,7 +141,6 @@ impl PhysicsQuery<'_> {
         let (index, bounds) = (self.index(), box_of(body));
         // A triangle is touched whatever normal its mesh has there.
         let (mut search, mut points, mut parts) = (None, Vec::new(), Vec::new());
-        let has_parts = |body: &Body| body.geometry.as_ref().is_some_and(|geometry| geometry.parts().is_some());
         let is_compound = has_parts(body);
         let whole = if is_compound { None } else { solid_of(body, 0, &body.position) };
         let mut touch_in = |other: &Body, parts: PartPair| {
