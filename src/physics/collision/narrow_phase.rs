@@ -19,7 +19,7 @@ use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::constants::{CONTACT_TOLERANCE, PAIRS_A_BLOCK};
 use crate::physics::contact::surface;
 use crate::physics::refill::Refill;
-use crate::physics::settings::{ContactModel, SolverSettings};
+use crate::physics::settings::{ContactModel, Method, SolverSettings};
 use crate::physics::shape::Geometry;
 use crate::physics::stats::StepStats;
 use crate::physics::threads::for_each_of;
@@ -116,6 +116,8 @@ impl Block {
         self.axes.clear();
         self.buffers.axes.axes = 0;
         self.buffers.search.axes = 0;
+        // What `exact` is to look at is told by the test that measures its gaps.
+        self.buffers.search.is_exact = settings.method == Method::Exact;
         for &PairKey { slot, pair, parts } in candidates {
             let (a, b) = (&bodies[pair.a as usize], &bodies[pair.b as usize]);
             if are_spheres_apart(a, b, contact_gap(a, b, settings)) {
