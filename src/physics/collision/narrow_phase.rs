@@ -116,8 +116,6 @@ impl Block {
         self.axes.clear();
         self.buffers.axes.axes = 0;
         self.buffers.search.axes = 0;
-        // What `exact` is to look at is told by the test that measures its gaps.
-        self.buffers.search.is_exact = settings.method == Method::Exact;
         for &PairKey { slot, pair, parts } in candidates {
             let (a, b) = (&bodies[pair.a as usize], &bodies[pair.b as usize]);
             if are_spheres_apart(a, b, contact_gap(a, b, settings)) {
@@ -160,6 +158,9 @@ pub(super) fn touch(
 ) -> Option<Overlap> {
     match settings.contact_model() {
         ContactModel::Clipping => {
+            // Over a mesh, what `exact` is to look at is told by the test that measures its gaps.
+            let is_over_mesh = [a, b].iter().any(|body| body.geometry.as_ref().is_some_and(Geometry::is_mesh));
+            buffers.search.is_exact = is_over_mesh && settings.method == Method::Exact;
             contact_pair::touch([a, b], parts, contact_gap(a, b, settings), &mut buffers.search, points)
         }
         ContactModel::ExtremeVertices | ContactModel::SinglePoint => {
