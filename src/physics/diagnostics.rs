@@ -59,7 +59,7 @@ fn measure(
     joints: Res<Joints>,
     contacts: Res<Contacts>,
     gravity: Res<Gravity>,
-    stats: Res<StepStats>,
+    (stats, settings, groups): (Res<StepStats>, Res<SolverSettings>, Res<ExactGroups>),
     scales: Query<&GravityScale>,
     mut diagnostics: ResMut<Diagnostics>,
 ) {
@@ -83,7 +83,12 @@ fn measure(
         let ends = [&bodies.list[joint.a as usize], &bodies.list[joint.b as usize]];
         sum.joint_error = sum.joint_error.max(joint.definition.separation(ends, stats.time));
     }
-    sum.penetration = contacts.points.iter().fold(0.0, |deepest, point| point.depth.max(deepest));
+    sum.penetration = if settings.method == Method::Exact {
+        // Other methods find contacts by axes that are preferred though bodies overlap less along others.
+        groups.overlap()
+    } else {
+        contacts.points.iter().fold(0.0, |deepest, point| point.depth.max(deepest))
+    };
     *diagnostics = sum;
 }
 

@@ -18,7 +18,7 @@ pub struct Diagnostics {
     pub angular_momentum: DVec3,
     /// Largest distance between the two anchors of a rigid joint, m.
     pub joint_error: f64,
-    /// Largest depth of a contact found in the last step, m.
+    /// Largest depth of a contact found in the last step, m; of `accurate`, at its end.
     pub penetration: f64,
 }
 

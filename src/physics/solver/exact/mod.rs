@@ -83,6 +83,12 @@ impl ExactGroups {
         self.list[..self.used].iter().flat_map(ExactGroup::contact_groups).flat_map(ContactGroup::point_forces)
     }
 
+    /// Deepest overlap at the end of the step, m; 0 if there is none.
+    pub fn overlap(&self) -> f64 {
+        let groups = self.list[..self.used].iter().flat_map(ExactGroup::contact_groups);
+        groups.map(ContactGroup::overlap).fold(0.0, f64::max)
+    }
+
     /// Bodies that move, with how often their rows were solved.
     pub fn solves(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
         self.list[..self.used].iter().flat_map(ExactGroup::solves)

@@ -489,6 +489,11 @@ impl ContactGroup {
         (self.smooth.velocities.rows.len() + 3 * self.smooth.held_at_end.len()) as u32
     }
 
+    /// Deepest overlap at the end of the step, m; 0 if there is none.
+    pub fn overlap(&self) -> f64 {
+        self.smooth.points.list.iter().map(|point| -point.gap).fold(0.0, f64::max)
+    }
+
     /// By pair: the points at the end of the step, then those that carried something in it and are gone.
     pub fn point_forces(&self) -> Vec<PointForce> {
         let points = &self.smooth.points;
