@@ -62,7 +62,7 @@ impl Given {
         let mut velocities = self.free.clone();
         let mut solver = ConeSolver::default();
         solver.set(&self.bodies, &self.contacts, &self.joints);
-        solver.solve(&mut velocities, &self.bias, &mut impulses, tolerance);
+        solver.solve(&mut velocities, &self.bias, &mut impulses, tolerance, 0.0);
         let vectors = |list: &[Vector3<f64>]| list.iter().map(|vector| DVec3::from(*vector)).collect();
         watch.look(&Impulses { contacts: vectors(&impulses.contacts), joints: vectors(&impulses.joints) });
     }

@@ -86,7 +86,7 @@ impl Problem {
     pub fn solve(&self, solver: &mut ConeSolver, impulses: &mut PerPoint) -> (Vec<Velocity>, ConeOutcome) {
         solver.set(&self.bodies, &self.contacts, &self.joints);
         let mut velocities = self.free.clone();
-        let outcome = solver.solve(&mut velocities, &self.bias, impulses, TOLERANCE);
+        let outcome = solver.solve(&mut velocities, &self.bias, impulses, TOLERANCE, 0.0);
         (velocities, outcome)
     }
 

@@ -41,7 +41,7 @@ impl ConeSolver {
     }
 
     /// Solves for impulses that bring every point within `tolerance` m/s of its law, relative to the fastest point of
-    /// v_free where that is faster than 1 m/s.
+    /// v_free where that is faster than 1 m/s, or within `enough` m/s.
     ///
     /// `velocities` are v_free, one a body, and v on return. `bias` is b, m/s: the motion of an immovable side (its
     /// point's velocity times +1 at B, −1 at A), and along n what the contact is to gain (a contact that may close a
@@ -53,6 +53,7 @@ impl ConeSolver {
         bias: &PerPoint,
         impulses: &mut PerPoint,
         tolerance: f64,
+        enough: f64,
     ) -> ConeOutcome {
         let iterate = &mut self.iterate;
         iterate.free.clear();
@@ -67,7 +68,7 @@ impl ConeSolver {
             let guess = point.law.project(&point.frame.tr_mul(guess));
             iterate.impulses.push(if point.is_movable() { guess } else { Vector3::zeros() });
         }
-        iterate.tolerance = tolerance * fastest.sqrt();
+        iterate.tolerance = enough.max(tolerance * fastest.sqrt());
         self.run();
         let iterate = &self.iterate;
         let results = impulses.contacts.iter_mut().chain(&mut impulses.joints);

@@ -227,12 +227,12 @@ impl ContactGroup {
         self.loads.values_mut().for_each(|load| load.impulse /= step);
         let Self { smooth, impacts, residuals, effort, .. } = self;
         residuals.clear();
+        effort.unsettled += std::mem::take(&mut impacts.solver.failures);
         for solver in [&mut smooth.positions, &mut smooth.velocities, &mut impacts.solver] {
             if let Some(found) = solver.residuals() {
                 residuals.append(found);
             }
             effort.solves += std::mem::take(&mut solver.steps);
-            effort.unsettled += std::mem::take(&mut solver.failures);
             solver.work = 0;
         }
     }
@@ -416,7 +416,8 @@ impl ContactGroup {
     }
 
     /// The kinetic energy that forces and supports let the smooth step come to, J, if it came to more: it is too long for how
-    /// fast something turns. None where springs or motors may have given it. Bodies lifted out of an overlap are no such case.
+    /// fast something turns. None where springs or motors may have given it. What bodies lose that are lifted out of an
+    /// overlap is no loss of those that fall.
     fn exceeded_energy(&self) -> Option<f64> {
         let Self { smooth, members, moving, states, links, .. } = self;
         let is_driven = !states[*moving..].iter().all(MemberState::is_still);
@@ -427,11 +428,11 @@ impl ContactGroup {
             .iter()
             .zip(states.iter().zip(&smooth.end))
             .take(*moving)
-            .map(|(member, (start, end))| member.force.dot(&(end.position - start.position)))
+            .map(|(member, (start, end))| member.force.dot(&(end.position - start.position)).max(0.0))
             .sum();
         let [before, after] = [states, &smooth.end].map(|states| self.kinetic_energies(states).sum::<f64>());
         let mass: f64 = members.iter().map(|member| member.mass).sum();
-        let given = before + work.max(0.0);
+        let given = before + work;
         (after - given > ENERGY_GAINED * after + NO_ENERGY * mass).then_some(given)
     }
 
@@ -461,7 +462,7 @@ impl ContactGroup {
     fn commit(&mut self, h: f64) {
         let Self { smooth, states, loads, joint_loads, links, effort, .. } = self;
         effort.jammed += smooth.jammed;
-        effort.unsettled += u32::from(!smooth.is_true);
+        effort.unsettled += u32::from(!smooth.is_settled());
         states.clone_from(&smooth.end);
         for (solver, held) in [(&smooth.positions, &smooth.held.list), (&smooth.velocities, &smooth.held_at_end)] {
             add_up(links, held, solver, loads, joint_loads, Some(0.5 * h));

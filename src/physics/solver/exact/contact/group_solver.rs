@@ -225,9 +225,9 @@ impl GroupSolver {
     }
 
     /// Solves for the velocities to be gained along normals and by rows of links, m/s, from [`Self::impulses`] and
-    /// [`Self::row_impulses`], to a residual of `tolerance`, m/s; velocities of `states` are those without impulses, and with
-    /// them on return.
-    pub fn solve(&mut self, states: &mut [MemberState], gains: &[f64], row_gains: &[f64], tolerance: f64) {
+    /// [`Self::row_impulses`], to a residual of `tolerance`, m/s, at 1 m/s or less, and in proportion to the fastest point
+    /// above, or to one of `enough`, m/s; velocities of `states` are those without impulses, and with them on return.
+    pub fn solve(&mut self, states: &mut [MemberState], gains: &[f64], row_gains: &[f64], tolerance: f64, enough: f64) {
         (self.residual, self.is_solved) = (0.0, true);
         if self.is_empty() {
             self.row_impulses.fill(0.0);
@@ -246,12 +246,13 @@ impl GroupSolver {
         self.velocities.clear();
         self.velocities.extend(states.iter().take(self.bodies.len()).map(|state| [state.linear, state.angular]));
         let is_relaxed = self.stalled > tolerance.max(SETTLED);
-        let tolerance = tolerance.max(self.stalled);
+        // Both are speeds, whatever the bodies' are.
+        let enough = enough.max(self.stalled);
         if let Some(hardest) = &mut self.hardest {
             hardest.begin(&self.velocities, &self.impulses);
         }
         self.solver.end_by(self.deadline, LATE_FACTORISATIONS.saturating_sub(self.steps).max(LATE_SOLVE));
-        let outcome = self.solver.solve(&mut self.velocities, &self.bias, &mut self.impulses, tolerance);
+        let outcome = self.solver.solve(&mut self.velocities, &self.bias, &mut self.impulses, tolerance, enough);
         if let Some(hardest) = &mut self.hardest {
             let (iterations, residual) = (outcome.steps, outcome.residual);
             let told = HardProblem { iterations, tolerance, residual, ..HardProblem::default() };

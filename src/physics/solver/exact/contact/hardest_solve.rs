@@ -158,7 +158,7 @@ mod tests {
         let contacts: Vec<_> = contacts.iter().map(contact).collect();
         let joints: Vec<_> = joints.iter().map(joint).collect();
         solver.set(&bodies, &contacts, &joints);
-        let outcome = solver.solve(&mut velocities, &bias, &mut impulses, kept.tolerance);
+        let outcome = solver.solve(&mut velocities, &bias, &mut impulses, kept.tolerance, 0.0);
         (outcome.steps, outcome.residual)
     }
 

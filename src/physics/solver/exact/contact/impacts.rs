@@ -98,7 +98,7 @@ impl Impacts {
             for limit in self.limits.list.iter().filter(bounces) {
                 self.row_gains[limit.row] = -limit.side * rebound(limit.restitution, limit.approach(), 0.0);
             }
-            self.solver.solve(states, &self.gains, &self.row_gains, TOLERANCE);
+            self.solver.solve(states, &self.gains, &self.row_gains, TOLERANCE, 0.0);
             note(&self.held, &self.solver);
             count += 1;
             if ends {

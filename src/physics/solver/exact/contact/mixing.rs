@@ -18,10 +18,10 @@ impl Mixing {
         self.error.clear();
     }
 
-    /// Takes x with its f to the next guess.
-    pub fn mix<'x>(&mut self, x: impl Iterator<Item = &'x mut f64>, f: &[f64]) {
+    /// Takes x with its f to the next guess. θ is of those that `counts` names.
+    pub fn mix<'x>(&mut self, x: impl Iterator<Item = &'x mut f64>, f: &[f64], counts: &[bool]) {
         let known = self.error.len() == f.len();
-        let share = if known { self.share(f) } else { 0.0 };
+        let share = if known { self.share(f, counts) } else { 0.0 };
         if !known {
             self.error.clear();
             self.error.extend_from_slice(f);
@@ -36,9 +36,9 @@ impl Mixing {
     }
 
     /// θ.
-    fn share(&self, f: &[f64]) -> f64 {
+    fn share(&self, f: &[f64], counts: &[bool]) -> f64 {
         let (mut along, mut square) = (0.0, 0.0);
-        for (f, error) in f.iter().zip(&self.error) {
+        for ((f, error), _) in f.iter().zip(&self.error).zip(counts).filter(|(_, counts)| **counts) {
             let change = f - error;
             along += f * change;
             square += change * change;
@@ -58,7 +58,7 @@ mod tests {
             let (mut mixing, mut x) = (Mixing::default(), [1.0, -2.0]);
             for _ in 0..2 {
                 let f = x.map(|x| (r - 1.0) * x);
-                mixing.mix(x.iter_mut(), &f);
+                mixing.mix(x.iter_mut(), &f, &[true; 2]);
             }
             assert!(x.iter().all(|x| x.abs() < 1e-14), "{r}: {x:?}");
         }

@@ -14,11 +14,13 @@
 //!
 //! Constant forces are followed exactly, sliding and rolling too; all else with an error of second order.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 
 use super::super::constants::{
-    FORECAST_ERROR, FORECAST_PATIENCE, FORECAST_SHARE, FORECAST_TOLERANCE, FORESEEN_SPEED, FORESEEN_SPEEDS,
-    MOST_FORECASTS, PROGRESS, SETTLED, STALLED_ERROR, TOUCHING, UNFORESEEN, UNSOLVED,
+    FLICKERING_ERROR, FLICKERING_STALLS, FORECAST_ERROR, FORECAST_PATIENCE, FORECAST_SHARE, FORECAST_TOLERANCE,
+    FORESEEN_SPEED, FORESEEN_SPEEDS, MOST_FORECASTS, PROGRESS, SETTLED, STALLED_ERROR, TOUCHING, UNFORESEEN, UNSOLVED,
 };
 use super::super::mechanism::{InverseMass, MemberState, RowSpring, place_rows};
 use super::super::row_mode::RowLaw;
@@ -72,8 +74,10 @@ pub(super) struct SmoothStep {
     kicked: Vec<MemberState>,
     gains: Vec<f64>,
     row_gains: Vec<f64>,
-    /// How far the gains of points, and then of rows, are from what the forecast led to.
+    /// How far the gains of points, and then of rows, are from what the forecast led to,
     errors: Vec<f64>,
+    /// and whether that is an error: points that carry nothing and do not overlap may be anywhere.
+    counts: Vec<bool>,
     mixing: Mixing,
     /// How fast gaps open and C of rows grows at the start, m/s: the linear part of the forecast.
     openings: Vec<f64>,
@@ -82,6 +86,8 @@ pub(super) struct SmoothStep {
     foreseen: Vec<bool>,
     /// Whether the forecast came true.
     pub is_true: bool,
+    /// The gains of points and rows that were solved for last.
+    flown: (Vec<f64>, Vec<f64>),
     kept: KeptForecast,
     /// Sliding points at the start that no rigid motion satisfies.
     pub jammed: u32,
@@ -91,9 +97,11 @@ pub(super) struct SmoothStep {
     pub spring_loads: Vec<Wrench<f64>>,
 }
 
-/// A forecast that came true, while a better one is tried.
+/// The best forecast so far, while a better one is tried.
 #[derive(Clone, Default)]
 struct KeptForecast {
+    gains: Vec<f64>,
+    row_gains: Vec<f64>,
     impulses: PerPoint,
     row_impulses: Vec<f64>,
     residual: f64,
@@ -101,21 +109,50 @@ struct KeptForecast {
     points: GapPoints,
 }
 
-impl KeptForecast {
-    fn keep(&mut self, positions: &GroupSolver, end: &[MemberState], points: &GapPoints) {
-        self.impulses.clone_from(&positions.impulses);
-        self.row_impulses.clone_from(&positions.row_impulses);
-        self.residual = positions.residual;
-        end.clone_into(&mut self.end);
-        self.points.clone_from(points);
+/// How forecasts get on.
+struct Progress {
+    /// The least error so far, m; of points that were met since, none.
+    least: f64,
+    /// Whether rows had come true by then, whatever points did.
+    has_rows: bool,
+    /// Forecasts in a row that did not halve that.
+    stalls: u32,
+    /// The least of errors and residuals, m, and forecasts in a row that made no less of it.
+    least_of_both: f64,
+    waited: u32,
+}
+
+impl Progress {
+    const NONE: Self =
+        Self { least: f64::INFINITY, has_rows: false, stalls: 0, least_of_both: f64::INFINITY, waited: 0 };
+
+    /// Takes in an error, m, infinite where points were met, whether rows came true, and how far, m, the residual of its solve
+    /// leads. True where it is the least.
+    fn note(&mut self, error: f64, has_rows: bool, missed: f64) -> bool {
+        if error.is_infinite() {
+            *self = Self::NONE;
+            return false;
+        }
+        self.stalls = if error < 0.5 * self.least { 0 } else { self.stalls + 1 };
+        // The forecast of a solve that is left as it is comes true, whatever that is worth.
+        let both = error.max(missed);
+        let is_better = both < PROGRESS * self.least_of_both;
+        (self.least_of_both, self.waited) = if is_better { (both, 0) } else { (self.least_of_both, self.waited + 1) };
+        let is_least = error < self.least;
+        if is_least {
+            (self.least, self.has_rows) = (error, has_rows);
+        }
+        is_least
     }
 
-    fn give_back(&mut self, positions: &mut GroupSolver, end: &mut Vec<MemberState>, points: &mut GapPoints) {
-        std::mem::swap(&mut self.impulses, &mut positions.impulses);
-        std::mem::swap(&mut self.row_impulses, &mut positions.row_impulses);
-        positions.residual = self.residual;
-        std::mem::swap(&mut self.end, end);
-        std::mem::swap(&mut self.points, points);
+    /// Whether no better forecast than the least is to be had, and that is good enough.
+    fn has_stalled(&self) -> bool {
+        self.least < STALLED_ERROR && self.stalls > 0 || self.is_enough() && self.stalls > FLICKERING_STALLS
+    }
+
+    /// Whether the least error is one that may be left.
+    fn is_enough(&self) -> bool {
+        self.least < FLICKERING_ERROR && self.has_rows
     }
 }
 
@@ -182,6 +219,12 @@ impl SmoothStep {
         self.kick(given, given.time + given.h);
         self.hold_velocities(given);
         self.is_true &= self.velocities.residual * given.closing <= UNSOLVED;
+    }
+
+    /// Whether the forecast came true and both impulses obey their laws, whatever was tried before.
+    pub fn is_settled(&self) -> bool {
+        let solvers = [&self.positions, &self.velocities];
+        self.is_true && solvers.iter().all(|solver| solver.is_solved || solver.residual <= SETTLED)
     }
 
     /// Half a step of forces, springs and drag, at that time, s.
@@ -252,53 +295,91 @@ impl SmoothStep {
         // No solve need be better than its forecast: of points that are redundant, a forecast that is wrong makes points that
         // contradict each other, which only hundreds of iterations bring to the last digits.
         let mut tolerance = if given.is_rough { given.tolerance } else { given.tolerance.max(FORECAST_TOLERANCE) };
-        let (mut least, mut waited, mut kept_error) = (f64::INFINITY, 0, None);
-        for _ in 0..MOST_FORECASTS {
-            if !self.fly(given, bodies, search, tolerance) {
+        let (mut progress, mut is_last) = (Progress::NONE, false);
+        let mut enough = 0.0;
+        for count in 1..=MOST_FORECASTS {
+            self.flown.0.clone_from(&self.gains);
+            self.flown.1.clone_from(&self.row_gains);
+            if !self.fly(given, bodies, search, tolerance, enough) {
                 return false;
             }
             if self.positions.is_empty() && self.foreseen.iter().all(|is_foreseen| *is_foreseen) {
                 return true;
             }
             let is_met = self.mend(given, bodies, closed);
-            let worst = if is_met { f64::INFINITY } else { self.largest_error() * h };
+            let [of_points, of_rows] = self.largest_errors().map(|error| error * h);
+            let worst = if is_met { f64::INFINITY } else { of_points.max(of_rows) };
+            let has_rows = of_rows < STALLED_ERROR;
             let residual = self.positions.residual;
-            let has_solved = residual <= SETTLED;
             // Where the solver has come to its end, none better is to be had.
-            if worst <= FORECAST_ERROR && has_solved || !self.positions.is_solved && worst <= residual * h {
+            if worst <= FORECAST_ERROR && residual <= SETTLED || !self.positions.is_solved && worst <= residual * h {
                 return true;
             }
-            if has_solved && worst < kept_error.map_or(STALLED_ERROR, |kept| 0.5 * kept) {
-                // As good as it gets if the next is worse.
-                self.kept.keep(&self.positions, &self.end, &self.points);
-                kept_error = Some(worst);
-            } else if kept_error.is_some() {
-                break;
+            if is_last {
+                if residual <= SETTLED && has_rows && worst < FLICKERING_ERROR {
+                    return true;
+                }
+                progress.least = f64::INFINITY;
+            }
+            if progress.note(worst, has_rows, residual * h) {
+                self.keep();
             }
             tolerance = (FORECAST_SHARE * (worst / h).max(tolerance)).clamp(given.tolerance, tolerance);
-            // The forecast of a solve that is left as it is comes true, whatever that is worth.
-            let worst = worst.max(residual * h);
-            let is_better = is_met || worst < PROGRESS * least;
-            (least, waited) = if is_better { (worst, 0) } else { (least, waited + 1) };
-            if waited > FORECAST_PATIENCE || worst.is_nan() {
+            is_last = progress.has_stalled();
+            let has_ended = if given.is_rough { !is_met } else { self.positions.is_spent() };
+            let is_over = has_ended || count == MOST_FORECASTS;
+            if is_last || is_over && progress.is_enough() {
+                // No better one is to be had: the best so far, with its impulses to the end.
+                self.give_back();
+                if self.positions.residual <= SETTLED {
+                    return true;
+                }
+                (tolerance, enough) = (given.tolerance, SETTLED);
+            }
+            if is_over || !is_last && progress.waited > FORECAST_PATIENCE || worst.is_nan() {
                 return false;
             }
-            if given.is_rough && !is_met || self.positions.is_spent() && !given.is_rough {
-                break;
-            }
         }
-        if kept_error.is_some() {
-            self.kept.give_back(&mut self.positions, &mut self.end, &mut self.points);
-        }
-        kept_error.is_some()
+        false
+    }
+
+    /// Keeps the forecast that was flown last.
+    fn keep(&mut self) {
+        let Self { kept, positions, end, points, flown, .. } = self;
+        kept.gains.clone_from(&flown.0);
+        kept.row_gains.clone_from(&flown.1);
+        kept.impulses.clone_from(&positions.impulses);
+        kept.row_impulses.clone_from(&positions.row_impulses);
+        kept.residual = positions.residual;
+        kept.end.clone_from(end);
+        kept.points.clone_from(points);
+    }
+
+    /// Takes up the forecast that was kept.
+    fn give_back(&mut self) {
+        let Self { kept, positions, end, points, gains, row_gains, .. } = self;
+        std::mem::swap(&mut kept.gains, gains);
+        std::mem::swap(&mut kept.row_gains, row_gains);
+        std::mem::swap(&mut kept.impulses, &mut positions.impulses);
+        std::mem::swap(&mut kept.row_impulses, &mut positions.row_impulses);
+        positions.residual = kept.residual;
+        std::mem::swap(&mut kept.end, end);
+        std::mem::swap(&mut kept.points, points);
     }
 
     /// Solves for the present gains, and moves to the end with what comes of it. False where no solution is near.
-    fn fly(&mut self, given: &SmoothTerms, bodies: &mut [Body], search: &mut PointSearch, tolerance: f64) -> bool {
+    fn fly(
+        &mut self,
+        given: &SmoothTerms,
+        bodies: &mut [Body],
+        search: &mut PointSearch,
+        tolerance: f64,
+        enough: f64,
+    ) -> bool {
         let Self { positions, held, end, points, kicked, gains, row_gains, mixing, openings, rates, .. } = self;
         end.clone_from(kicked);
         let steps = positions.steps;
-        positions.solve(end, gains, row_gains, tolerance);
+        positions.solve(end, gains, row_gains, tolerance, enough);
         if positions.steps == steps {
             // What a solve that is left as it is comes to says nothing of the next.
             mixing.forget();
@@ -331,9 +412,10 @@ impl SmoothStep {
             }
         }
         self.find_errors(given, closed);
-        let Self { positions, held, end, points, kicked, gains, row_gains, errors, mixing, foreseen, .. } = self;
+        let Self { positions, held, end, points, kicked, gains, row_gains, errors, counts, mixing, foreseen, .. } =
+            self;
         if !given.is_rough {
-            mixing.mix(gains.iter_mut().chain(&mut *row_gains), errors);
+            mixing.mix(gains.iter_mut().chain(&mut *row_gains), errors, counts);
         }
         let count = held.list.len();
         held.meet(points, kicked, end, h, |pair| given.free[pair as usize]);
@@ -352,13 +434,16 @@ impl SmoothStep {
     /// How far gains of points and of rows are from those with which the last forecast would have come true.
     fn find_errors(&mut self, given: &SmoothTerms, closed: f64) {
         let h = given.h;
-        let Self { positions, held, points, gains, row_gains, errors, openings, rates, rows, foreseen, .. } = self;
+        let Self { positions, held, points, gains, row_gains, errors, openings, rates, rows, foreseen, counts, .. } =
+            self;
         errors.clear();
+        counts.clear();
         let terms = gains.iter().zip(&*openings).zip(&positions.impulses.contacts).zip(&held.at_end);
         errors.extend(held.list.iter().zip(terms).map(|(point, (((gain, opening), impulse), found))| {
             let found = found.map(|found| points.list[found].gap);
-            let is_held = |gap: &f64| *impulse != Vector3::zeros() || *gap < -FORECAST_ERROR;
-            let Some(gap) = found.filter(is_held) else { return 0.0 };
+            let is_held = |gap: f64| *impulse != Vector3::zeros() || gap < -FORECAST_ERROR;
+            counts.push(found.is_some_and(is_held));
+            let Some(gap) = found else { return 0.0 };
             let bent = gap - (point.gap + opening * h);
             given.point_gain(point, closed) + bent / h - gain
         }));
@@ -370,6 +455,7 @@ impl SmoothStep {
             RowLaw::Limit(_) | RowLaw::Boxed(..) => false,
         };
         errors.resize(held.list.len() + row_gains.len(), 0.0);
+        counts.resize(errors.len(), true);
         for (row, start) in rigid(&positions.rows).filter(|(row, _)| is_bent(*row)) {
             let bent = rows[row].error - (start.error + rates[row] * h);
             errors[held.list.len() + row] =
@@ -377,10 +463,15 @@ impl SmoothStep {
         }
     }
 
-    /// Of the last forecast, m/s.
-    fn largest_error(&self) -> f64 {
-        // A NaN stays.
-        self.errors.iter().fold(0.0, |most: f64, error| if error.abs() <= most { most } else { error.abs() })
+    /// Of the last forecast, m/s: of points, and of rows.
+    fn largest_errors(&self) -> [f64; 2] {
+        let known = self.counts.len() - self.row_gains.len();
+        let largest = |range: Range<usize>| {
+            let errors = self.errors[range.clone()].iter().zip(&self.counts[range]).filter(|(_, counts)| **counts);
+            // A NaN stays.
+            errors.fold(0.0, |most: f64, (error, _)| if error.abs() <= most { most } else { error.abs() })
+        };
+        [largest(0..known), largest(known..self.counts.len())]
     }
 
     fn hold_velocities(&mut self, given: &SmoothTerms) {
@@ -401,7 +492,7 @@ impl SmoothStep {
         velocities.impulses.contacts.clear();
         velocities.impulses.contacts.extend(held.iter().map(start_force));
         velocities.row_impulses.clone_from(&positions.row_impulses);
-        velocities.solve(end, gains, row_gains, given.tolerance);
+        velocities.solve(end, gains, row_gains, given.tolerance, 0.0);
     }
 }
 
@@ -427,4 +518,30 @@ fn mobility(row: &RowPair<f64>, [a, b]: &[InverseMass; 2]) -> f64 {
 /// The rows that are no springs, with their indices.
 fn rigid(rows: &[JointRow<f64>]) -> impl Iterator<Item = (usize, &JointRow<f64>)> {
     rows.iter().enumerate().filter(|(_, row)| row.spring.is_none())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether forecasts with these errors of points, m, end with each.
+    fn ends(errors: &[f64], has_rows: bool) -> Vec<bool> {
+        let mut progress = Progress::NONE;
+        let mut ends_with = |error: &f64| {
+            progress.note(*error, has_rows, 0.0);
+            progress.has_stalled()
+        };
+        errors.iter().map(&mut ends_with).collect()
+    }
+
+    #[test]
+    fn forecasts_end_where_they_flicker_but_not_while_they_get_better_or_rows_are_wrong() {
+        let falls: Vec<f64> = (4..16).map(|power| 10_f64.powi(-power)).collect();
+        assert_eq!(ends(&falls, true), vec![false; falls.len()]);
+        let flickers = [1e-5, 4e-7, 6e-7, 5e-7];
+        assert_eq!(ends(&flickers, true), [false, false, false, true]);
+        assert_eq!(ends(&flickers, false), [false; 4]);
+        assert_eq!(ends(&[1e-5, 5e-10, 4e-10], false), [false, false, true]);
+        assert_eq!(ends(&[1e-5, 4e-7, f64::INFINITY, 6e-7, 5e-7], true), [false; 5], "points were met");
+    }
 }
