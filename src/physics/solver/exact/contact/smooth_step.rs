@@ -7,7 +7,9 @@
 //! slip of v½ and of v₁. A pair that neither bounces nor has landed is stopped where the surfaces meet. Both impulses are
 //! the cone solver's problem: λ with a linear forecast ĝ of the gaps, whose error (g − ĝ)/h corrects the bias until the
 //! forecast comes true. That takes secants ([`mixing`](super::mixing)), since errors fall by a factor as large as the turn of
-//! the step, and points that are followed by their place ([`held_points`](super::held_points)).
+//! the step, and points that are followed by their place ([`held_points`](super::held_points)). Where a pair touches at an
+//! edge in one forecast and at a corner in the next, no forecast comes true to the last digits: of points an error of
+//! [`FLICKERING_ERROR`] may be left.
 //!
 //! Limits of joints are gaps of their rows; rows whose λ is bounded both ways are brought to the speed that they want by
 //! both impulses, each within half the step's bounds.
@@ -111,11 +113,11 @@ struct KeptForecast {
 
 /// How forecasts get on.
 struct Progress {
-    /// The least error so far, m; of points that were met since, none.
+    /// The least error since points were met last, m.
     least: f64,
-    /// Whether rows had come true by then, whatever points did.
+    /// Whether the rows of that forecast came true, whatever its points did.
     has_rows: bool,
-    /// Forecasts in a row that did not halve that.
+    /// Forecasts in a row that did not halve the least error.
     stalls: u32,
     /// The least of errors and residuals, m, and forecasts in a row that made no less of it.
     least_of_both: f64,
