@@ -227,7 +227,7 @@ impl ContactGroup {
         self.loads.values_mut().for_each(|load| load.impulse /= step);
         let Self { smooth, impacts, residuals, effort, .. } = self;
         residuals.clear();
-        effort.unsettled += std::mem::take(&mut impacts.solver.failures);
+        effort.unsettled += std::mem::take(&mut impacts.failures);
         for solver in [&mut smooth.positions, &mut smooth.velocities, &mut impacts.solver] {
             if let Some(found) = solver.residuals() {
                 residuals.append(found);

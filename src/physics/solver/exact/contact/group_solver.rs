@@ -54,8 +54,6 @@ pub(super) struct GroupSolver {
     pub stalled: f64,
     /// Whether it came to an end.
     pub is_solved: bool,
-    /// Solves that did not.
-    pub failures: u32,
     pub steps: u32,
     /// Points times factorisations.
     pub work: u64,
@@ -274,7 +272,6 @@ impl GroupSolver {
         self.work += u64::from(outcome.steps) * (self.contacts.len() + self.joints.len()) as u64;
         let is_ended = !matches!(outcome.end, ConeEnd::Bounded | ConeEnd::Late | ConeEnd::NoRigidSolution);
         self.is_solved = is_ended && !(is_relaxed && outcome.residual > SETTLED);
-        self.failures += u32::from(!self.is_solved);
         for (state, [linear, angular]) in states.iter_mut().zip(&self.velocities) {
             (state.linear, state.angular) = (*linear, *angular);
         }

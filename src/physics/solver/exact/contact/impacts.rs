@@ -21,6 +21,8 @@ use crate::physics::joint::JointRow;
 #[derive(Clone, Default)]
 pub(super) struct Impacts {
     pub solver: GroupSolver,
+    /// Solves that did not come to an end.
+    pub failures: u32,
     held: Vec<GapPoint>,
     gains: Vec<f64>,
     row_gains: Vec<f64>,
@@ -99,6 +101,7 @@ impl Impacts {
                 self.row_gains[limit.row] = -limit.side * rebound(limit.restitution, limit.approach(), 0.0);
             }
             self.solver.solve(states, &self.gains, &self.row_gains, TOLERANCE, 0.0);
+            self.failures += u32::from(!self.solver.is_solved);
             note(&self.held, &self.solver);
             count += 1;
             if ends {
