@@ -19,7 +19,7 @@
 use nalgebra::Vector3;
 
 use super::manifold::PartPair;
-use super::parts::{PartShape, Placed, has_parts};
+use super::parts::{PartShape, Placed, has_parts, is_mesh};
 use crate::physics::body::Body;
 use crate::physics::collision::constants::{LONGEST_ARM, SPECULATIVE_MARGIN, UNEQUAL_MASSES};
 use crate::physics::contact::may_bounce;
@@ -74,7 +74,7 @@ pub(super) fn own_reach(body: &Body, settings: &SolverSettings) -> f64 {
     if settings.method != Method::Exact {
         return moved;
     }
-    let reaches_far = !body.radius.is_finite() || body.geometry.as_ref().is_some_and(Geometry::is_mesh);
+    let reaches_far = !body.radius.is_finite() || is_mesh(body);
     let margin = if reaches_far { 0.0 } else { SPECULATIVE_MARGIN * body.radius };
     margin + moved + pull(body) * h * h
 }

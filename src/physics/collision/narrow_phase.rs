@@ -13,7 +13,7 @@ use super::gap::contact_gap;
 use super::manifold::{ContactPoint, Contacts, Manifold, Overlap, Pair, PairKey, PartPair};
 use super::narrow::contact_pair::{self, PairSearch};
 use super::narrow::feature_sat::Feature;
-use super::parts::parts_within;
+use super::parts::{is_mesh, parts_within};
 use super::slots::graph::{Carried, ContactGraph};
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::constants::{CONTACT_TOLERANCE, PAIRS_A_BLOCK};
@@ -159,7 +159,7 @@ pub(super) fn touch(
     match settings.contact_model() {
         ContactModel::Clipping => {
             // Over a mesh, what `exact` is to look at is told by the test that measures its gaps.
-            let is_over_mesh = [a, b].iter().any(|body| body.geometry.as_ref().is_some_and(Geometry::is_mesh));
+            let is_over_mesh = is_mesh(a) || is_mesh(b);
             buffers.search.is_exact = is_over_mesh && settings.method == Method::Exact;
             contact_pair::touch([a, b], parts, contact_gap(a, b, settings), &mut buffers.search, points)
         }

@@ -14,8 +14,15 @@ use crate::physics::{Body, Geometry};
 #[derive(Clone, Copy, Debug)]
 pub(super) enum PartShape<'t> {
     Solid(&'t Geometry),
-    /// A facet of a mesh.
+    /// A facet or cluster of a mesh.
     Facet(&'t Triangles, u32),
+}
+
+impl PartShape<'_> {
+    /// Whether it is a cluster of a mesh.
+    pub fn is_cluster(&self) -> bool {
+        matches!(self, Self::Facet(mesh, part) if mesh.is_cluster(*part))
+    }
 }
 
 /// A shape where it is.
@@ -60,6 +67,11 @@ pub(crate) fn has_parts(body: &Body) -> bool {
     parts_of(body).is_some()
 }
 
+/// Whether a body is a mesh.
+pub(super) fn is_mesh(body: &Body) -> bool {
+    body.geometry.as_ref().is_some_and(Geometry::is_mesh)
+}
+
 /// The smallest bounding radius among the solids of a body, of a mesh its own, m.
 pub(super) fn least_radius(body: &Body) -> f64 {
     let solids = parts_of(body).map_or(&[][..], Parts::solids);
@@ -70,10 +82,15 @@ fn parts_of(body: &Body) -> Option<&Parts> {
     body.geometry.as_ref().and_then(Geometry::parts)
 }
 
+/// How far what a body has within a radius of a place moves in a step at most, m.
+pub(super) type Way<'t> = dyn Fn(&Body, &Vector3<f64>, f64) -> f64 + 't;
+
 /// Adds those parts of two bodies that may meet where either moves: boxes of parts, grown by as much as `growth` tells of what a
-/// body has within a radius of a place, m, overlap. A half-space is everywhere. Two meshes never touch.
+/// body has within a radius of a place, m, overlap. A half-space is everywhere. Two meshes never touch. Where it is told
+/// how far bodies move, polyhedra that are slower than thick meet the clusters of a mesh.
 pub(super) fn near_parts(
     [a, b]: [&Body; 2],
+    by_cluster: Option<&Way>,
     growth: impl Fn(&Body, &Vector3<f64>, f64) -> f64 + Copy,
     list: &mut Vec<PartPair>,
 ) {
@@ -81,15 +98,15 @@ pub(super) fn near_parts(
     match (parts_of(a), parts_of(b)) {
         (None, None) => list.push(PartPair::default()),
         (Some(of_a), None) => {
-            parts_near(a, of_a, whole(b), growth, |part| list.push(PartPair { a: part, b: 0 }));
+            parts_near(a, of_a, whole(b), by_cluster, growth, |part| list.push(PartPair { a: part, b: 0 }));
         }
         (None, Some(of_b)) => {
-            parts_near(b, of_b, whole(a), growth, |part| list.push(PartPair { a: 0, b: part }));
+            parts_near(b, of_b, whole(a), by_cluster, growth, |part| list.push(PartPair { a: 0, b: part }));
         }
         (Some(of_a), Some(of_b)) if of_a.is_mesh() && of_b.is_mesh() => {}
         (Some(_), Some(of_b)) if of_b.is_mesh() => {
             let first = list.len();
-            near_parts([b, a], growth, list);
+            near_parts([b, a], by_cluster, growth, list);
             list[first..].iter_mut().for_each(|pair| *pair = pair.swapped());
         }
         // The solids of B, each against the parts of A.
@@ -102,7 +119,7 @@ pub(super) fn near_parts(
             let most = growth(b, &b.position, 2.0 * b.radius);
             solids_in(b, of_b, &axes, &around_a, most, growth, |part_of_b| {
                 let mover = Mover::of(b, part_of_b, growth);
-                parts_near(a, of_a, mover, growth, |part| list.push(PartPair { a: part, b: part_of_b }));
+                parts_near(a, of_a, mover, by_cluster, growth, |part| list.push(PartPair { a: part, b: part_of_b }));
             });
         }
     }
@@ -110,6 +127,7 @@ pub(super) fn near_parts(
 
 /// A solid where it is, and by how much it may come nearer to something, m.
 struct Mover<'t> {
+    body: &'t Body,
     placed: Placed<'t>,
     shape: &'t Geometry,
     way: f64,
@@ -121,7 +139,7 @@ impl<'t> Mover<'t> {
         let placed = Placed::of(body, part)?;
         let PartShape::Solid(shape) = placed.shape else { return None };
         let way = growth(body, &placed.position, placed.radius);
-        Some(Self { placed, shape, way })
+        Some(Self { body, placed, shape, way })
     }
 }
 
@@ -130,10 +148,11 @@ fn parts_near(
     body: &Body,
     parts: &Parts,
     mover: Option<Mover>,
+    by_cluster: Option<&Way>,
     growth: impl Fn(&Body, &Vector3<f64>, f64) -> f64,
     mut take: impl FnMut(u32),
 ) {
-    let Some(Mover { placed, shape, way }) = mover else { return };
+    let Some(Mover { placed, shape, way, body: moving }) = mover else { return };
     let axes = body.rotation.to_rotation_matrix().into_inner();
     let into_body = axes.transpose();
     let rotation = into_body * placed.rotation.to_rotation_matrix().into_inner();
@@ -152,9 +171,15 @@ fn parts_near(
     };
     let own = growth(body, &placed.position, placed.radius);
     let around = BoxAround::new(shape, Frame { rotation, center }, way + own + CONTACT_TOLERANCE * placed.radius);
-    parts.tree().overlapping(&bounds.grown(own), |facet| {
-        if around.may_meet(mesh, facet) {
-            take(facet);
+    let is_polyhedron = matches!(shape, Geometry::Cuboid { .. } | Geometry::Hull(_));
+    let is_slow = |way: &Way| {
+        let ways = [body, moving].map(|body| way(body, &placed.position, placed.radius));
+        ways[0] + ways[1] <= shape.inner_radius()
+    };
+    let tree = if is_polyhedron && by_cluster.is_some_and(is_slow) { parts.clustered() } else { parts.tree() };
+    tree.overlapping(&bounds.grown(own), |part| {
+        if mesh.is_cluster(part) || around.may_meet(mesh, part) {
+            take(part);
         }
     });
 }
@@ -185,11 +210,11 @@ pub(crate) fn box_of(body: &Body) -> Option<BoundingBox> {
     Some(BoundingBox { low: body.position + low, high: body.position + high })
 }
 
-/// The parts of two bodies that may be apart by no more than a distance where they are, m.
+/// The parts of two bodies that may be apart by no more than a distance where they are, m; of a mesh its facets.
 pub(crate) fn parts_within(a: &Body, b: &Body, distance: f64, list: &mut Vec<PartPair>) {
     list.clear();
     if has_parts(a) || has_parts(b) {
-        near_parts([a, b], |_, _, _| distance, list);
+        near_parts([a, b], None, |_, _, _| distance, list);
     } else {
         list.push(PartPair::default());
     }

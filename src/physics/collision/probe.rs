@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use super::manifold::PartPair;
 use super::narrow::contact_pair::{self, PairSearch};
-use super::parts::parts_within;
+use super::parts::{is_mesh, near_parts};
 use crate::physics::body::Body;
 use crate::physics::shape::{Collider, Geometry, Shape};
 use crate::physics::{Position, Rotation};
@@ -22,8 +22,9 @@ pub struct PlacedCollider<'a> {
 
 impl PlacedCollider<'_> {
     /// How deep two overlap, m, along the direction in which that is least (over a half-space: its
-    /// normal); 0 where they only touch. None: they are apart, or both are half-spaces, which no depth measures, or one
-    /// has a size or a pose that makes no sense.
+    /// normal; over a mesh: along normals of its triangles, what is over them); 0 where they only
+    /// touch. None: they are apart, or both are half-spaces, which no depth measures, or one has a
+    /// size or a pose that makes no sense.
     pub fn overlap(&self, other: &Self) -> Option<f64> {
         if !self.collider.is_valid() || !other.collider.is_valid() {
             return None;
@@ -41,12 +42,16 @@ impl PlacedCollider<'_> {
             std::mem::swap(&mut a, &mut b); // as in every pair of the broad phase
         }
         let (mut search, mut points, mut parts) = (PairSearch::default(), Vec::new(), Vec::new());
-        parts_within(&a, &b, 0.0, &mut parts);
+        near_parts([&a, &b], Some(&|_, _, _| 0.0), |_, _, _| 0.0, &mut parts);
+        let is_over_mesh = is_mesh(&a) || is_mesh(&b);
         let mut depth_of = |&parts: &PartPair| {
             points.clear();
             search.last = None;
             let overlap = contact_pair::touch([&a, &b], parts, 0.0, &mut search, &mut points)?;
-            (overlap.depth >= 0.0).then_some(overlap.depth)
+            // How far something reaches below a triangle's plane is more than how deep it is, where that is beside the triangle.
+            let deepest = points.iter().map(|point| point.depth).fold(f64::NEG_INFINITY, f64::max);
+            let depth = if is_over_mesh { overlap.depth.min(deepest) } else { overlap.depth };
+            (depth >= 0.0).then_some(depth)
         };
         parts.iter().filter_map(&mut depth_of).max_by(f64::total_cmp)
     }

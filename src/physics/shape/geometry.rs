@@ -130,6 +130,8 @@ impl StandIn {
 pub(crate) struct Parts {
     pub list: PartList,
     tree: BoxTree,
+    /// Of a mesh that has clusters, of these and of what is in none.
+    clustered: Option<BoxTree>,
     /// What holds all of them.
     bounds: BoundingBox,
     /// The least thickness of a part: radius of a ball that it holds, m; infinite for a mesh, which is a surface.
@@ -166,18 +168,26 @@ impl Parts {
     /// Of the triangles of a mesh.
     pub fn of_triangles(triangles: Triangles) -> Self {
         let boxes = (0..triangles.facet_count()).map(|facet| triangles.facet_bounds(facet)).collect();
-        Self::new(PartList::Triangles(Box::new(triangles)), boxes, f64::INFINITY)
+        let has_clusters = triangles.clustered().last().is_some_and(|&last| triangles.is_cluster(last));
+        let bounds = |&part: &u32| (part, triangles.facet_bounds(part));
+        let clustered = has_clusters.then(|| BoxTree::new(triangles.clustered().iter().map(bounds).collect()));
+        Self { clustered, ..Self::new(PartList::Triangles(Box::new(triangles)), boxes, f64::INFINITY) }
     }
 
     fn new(list: PartList, boxes: Vec<BoundingBox>, inner_radius: f64) -> Self {
         let bounds = boxes.iter().fold(BoundingBox::EMPTY, |all, one| all.union(one));
         let tree = BoxTree::new((0..).zip(boxes).collect());
-        Self { list, tree, bounds, inner_radius }
+        Self { list, tree, clustered: None, bounds, inner_radius }
     }
 
     /// The tree of the parts' boxes.
     pub fn tree(&self) -> &BoxTree {
         &self.tree
+    }
+
+    /// Likewise, of a mesh by clusters instead of the facets in them.
+    pub fn clustered(&self) -> &BoxTree {
+        self.clustered.as_ref().unwrap_or(&self.tree)
     }
 
     /// Whether they are the triangles of a mesh.

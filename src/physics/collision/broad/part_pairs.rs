@@ -14,7 +14,7 @@ use crate::physics::body::{Body, RigidBody};
 use crate::physics::collision::constants::{FAT_MARGIN, LASTING_SHARE, LONGEST_ARM, SPECULATIVE_MARGIN};
 use crate::physics::collision::gap::{Motion, own_reach, turning_speed, way_gained, way_of};
 use crate::physics::collision::manifold::{Pair, PartPair};
-use crate::physics::collision::parts::{has_parts, least_radius, near_parts};
+use crate::physics::collision::parts::{Way, has_parts, least_radius, near_parts};
 use crate::physics::collision::pose::Pose;
 use crate::physics::refill::Refill;
 
@@ -121,7 +121,11 @@ impl PartPairs {
         let looked = Seen::new(ends, in_step);
         let share = if looked.margin > 0.0 { FAT_MARGIN } else { SPECULATIVE_MARGIN };
         self.found.clear();
-        near_parts(ends, |body, place, radius| growth(body, place, radius, in_step, share), &mut self.found);
+        let growth = |body: &Body, place: &Vector3<f64>, radius| growth(body, place, radius, in_step, share);
+        let way = |body: &Body, place: &Vector3<f64>, radius| way_of(body, place, radius, in_step.h);
+        // Others find contacts anew in each step, and want the mesh itself.
+        let by_cluster = in_step.reach.is_none().then_some(&way as &Way);
+        near_parts(ends, by_cluster, growth, &mut self.found);
         self.found.sort_unstable();
         let Known { parts: known, seen } = &mut self.known[slot as usize];
         *seen = Some(looked);
@@ -249,7 +253,8 @@ mod tests {
                 let in_step = InStep { bodies: ends, joined, h, reach: None };
                 let mut found = Vec::new();
                 let growth = |body: &Body, place: &Vector3<f64>, radius| growth(body, place, radius, &in_step, share);
-                near_parts([&ends[0], &ends[1]], growth, &mut found);
+                let way = |body: &Body, place: &Vector3<f64>, radius| way_of(body, place, radius, h);
+                near_parts([&ends[0], &ends[1]], Some(&way), growth, &mut found);
                 found.sort_unstable();
                 (Seen::new([&ends[0], &ends[1]], &in_step), found)
             };

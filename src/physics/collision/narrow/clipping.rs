@@ -59,7 +59,13 @@ pub(crate) struct Clip<'t> {
     scale: &'t Scale,
 }
 
-impl Clip<'_> {
+impl<'t> Clip<'t> {
+    /// To a triangle of a mesh, for all that is within the gap.
+    pub fn to_triangle(triangle: u32, face: u32, normal: &Vector3<f64>, level: f64, scale: &'t Scale) -> Self {
+        let (reference_face, incident_face, normal, depth) = (triangle, face, *normal, -scale.gap);
+        Self { reference_is_b: false, reference_face, incident_face, normal, level, depth, scale }
+    }
+
     /// Cuts the incident face by the sides of the reference face, all in the axes of the
     /// reference shape, and collects what is below the reference plane or within the gap above.
     /// Whether anything was that touches, or if the shapes are apart, anything at all.

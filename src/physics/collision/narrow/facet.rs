@@ -8,7 +8,7 @@
 use nalgebra::Vector3;
 
 use super::clipping::{MAX_POINTS, keep_touching_spread};
-use super::{Frame, Overlap, PairSearch, Scale, triangle};
+use super::{Cuboid, Frame, Overlap, PairSearch, Scale, cluster, triangle};
 use crate::physics::contact::tangents;
 use crate::physics::shape::{SAME, Triangle, Triangles};
 use crate::physics::{BoundingBox, ContactPoint, Geometry};
@@ -16,8 +16,8 @@ use crate::physics::{BoundingBox, ContactPoint, Geometry};
 /// How far a point is beside the line of its neighbors at least to be a corner, as a share of the size.
 const OUTLINE_SLACK: f64 = 1e-7;
 
-/// Tests a facet and a shape of that bounding radius, placed in the mesh's axes, and adds the points where they touch in these
-/// axes. The normal points out of the facet.
+/// Tests a facet or cluster and a shape of that bounding radius, placed in the mesh's axes, and adds the points where they touch
+/// in these axes. The normal points out of the facet.
 pub(super) fn touch(
     (mesh, facet): (&Triangles, u32),
     shape: &Geometry,
@@ -32,6 +32,18 @@ pub(super) fn touch(
     }
     let first = points.len();
     let [low, high] = shape.reach(&shape_in_mesh.rotation)?;
+    if mesh.is_cluster(facet) {
+        let buffers = (&mut search.of_cluster, &mut search.clip);
+        let (cluster, placed) = ((mesh, facet), (shape_in_mesh, [low, high]));
+        let found = match shape {
+            Geometry::Cuboid { half } => {
+                cluster::touch(cluster, (&Cuboid { half: *half }, radius), placed, gap, buffers, points)
+            }
+            Geometry::Hull(hull) => cluster::touch(cluster, (&**hull, radius), placed, gap, buffers, points),
+            _ => unreachable!("others meet facets"),
+        };
+        return found.map_err(|apart| search.apart = apart).ok();
+    }
     let scale = Scale::new(radius, radius, gap);
     let center = &shape_in_mesh.center;
     let bounds = BoundingBox { low: center + low, high: center + high }.grown(scale.gap);

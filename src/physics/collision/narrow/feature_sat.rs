@@ -31,6 +31,7 @@
 
 use nalgebra::Vector3;
 
+use super::cluster::ClusterBuffers;
 use super::{ClipBuffers, Convex, Edge, Faced, Overlap, Polyhedron, Scale, ShapePair, first_max};
 use crate::physics::collision::constants::PARALLEL_SINE;
 use crate::physics::lanes::WIDTH;
@@ -145,6 +146,7 @@ pub(crate) struct PairSearch {
     pub is_sheet: bool,
     /// Points of a facet's triangles, along its own normal and along another, and a buffer.
     pub of_facet: [Vec<ContactPoint>; 3],
+    pub of_cluster: ClusterBuffers,
 }
 
 impl PairSearch {

@@ -8,6 +8,7 @@ pub(super) mod ball;
 mod boxes;
 mod capsule;
 pub(super) mod clipping;
+mod cluster;
 mod cone;
 mod cone_cone;
 mod cone_flank;
@@ -33,7 +34,6 @@ mod revolved;
 mod revolved_polyhedron;
 mod rim;
 mod shape_pair;
-mod smooth;
 pub(super) mod triangle;
 
 use across::{length_across, unit_across};

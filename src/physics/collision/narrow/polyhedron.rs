@@ -33,7 +33,7 @@ impl Frame {
 }
 
 /// The plane of a face.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Plane {
     /// Unit, outward.
     pub normal: Vector3<f64>,

@@ -3,8 +3,7 @@
 //! For what is tested the triangle is the front of a low pyramid behind it. Along the normal that the test finds, the mesh
 //! itself need not be foremost: beside a triangle that has a neighbor in the same plane, nothing is. Of such a normal the
 //! triangle's own is taken instead, and contact points are those over the triangle: where there are none, its neighbors
-//! have them. So no inner edge is ever felt (which normals there are: [`Triangle::admits`]). Where the surface is smooth, a
-//! polyhedron is tested along the triangle's normal alone ([`smooth`]).
+//! have them. So no inner edge is ever felt (which normals there are: [`Triangle::admits`]).
 //!
 //! While a fast body is on its way to a mesh, normals of the pyramid tell how far it can go ([`PairSearch::any_normal`]);
 //! where it arrives it is looked at again.
@@ -15,7 +14,7 @@ use super::clipping::keep_touching_spread;
 use super::place::Place;
 use super::{
     Cone, Convex, Cuboid, Cylinder, Edge, Frame, Overlap, PairSearch, Plane, Polyhedron, Scale, ShapePair, capsule,
-    feature_sat, revolved_polyhedron, smooth,
+    feature_sat, revolved_polyhedron,
 };
 use crate::physics::shape::Triangle;
 use crate::physics::{ContactPoint, FeatureId, Geometry};
@@ -143,24 +142,6 @@ pub(crate) fn touch(
         // Most of a mesh that is near something is.
         search.apart = height - reach;
         return None;
-    }
-    if triangle.is_smooth() && !search.is_exact && !search.is_sheet {
-        let front = &smooth::Front(triangle);
-        macro_rules! over_smooth {
-            ($b:expr) => {{
-                let pair = &ShapePair { a: front, b: $b, b_in_a: shape_in_triangle, scale };
-                let overlap = smooth::touch(pair, reach - height, search)?;
-                if !search.any_normal {
-                    keep_touching_spread(&mut search.clip.found, &overlap.normal, scale.size, points);
-                }
-                return Some(overlap);
-            }};
-        }
-        match shape {
-            Geometry::Cuboid { half } => over_smooth!(&Cuboid { half: *half }),
-            Geometry::Hull(hull) => over_smooth!(&**hull),
-            _ => {}
-        }
     }
     let pyramid = &Pyramid::new(triangle, search);
     macro_rules! tested {

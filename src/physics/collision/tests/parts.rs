@@ -4,10 +4,11 @@ use bevy::math::{DQuat, DVec3};
 use nalgebra::Vector3;
 
 use super::body;
+use crate::physics::Body;
 use crate::physics::collision::manifold::{ContactPoint, PartPair};
 use crate::physics::collision::narrow::contact_pair::{PairSearch, touch};
 use crate::physics::collision::narrow::triangle::nearest_on_triangle;
-use crate::physics::collision::parts::parts_within;
+use crate::physics::collision::parts::{Way, near_parts, parts_within};
 use crate::physics::shape::{Collider, CompoundChild, PartList, TriangleMesh};
 use crate::physics::testing::Random;
 
@@ -80,41 +81,96 @@ fn no_part_that_touches_a_facet_is_left_out_and_few_others_are_looked_at() {
     assert!(touching > 500 && looked_at < 25_000, "{looked_at} looked at, {touching} touch");
 }
 
-/// Over a smooth surface polyhedra are tested along the normals of triangles alone: against the exact test, which tries all.
+/// How far bodies move that do not.
+fn still(_: &Body, _: &Vector3<f64>, _: f64) -> f64 {
+    0.0
+}
+
+/// Over clusters polyhedra are tested along the normals of triangles alone: against the exact test of each, which tries all.
 #[test]
-fn over_a_smooth_surface_what_touches_is_as_deep_along_the_normals_of_triangles_alone() {
+fn over_a_cluster_what_touches_is_as_deep_along_the_normals_of_triangles_alone() {
     let mut random = Random::new(64);
-    let waves = |x: f64, z: f64| 0.1 * x.sin() * (1.5 * z).cos();
+    let waves = |x: f64, z: f64| 0.25 * x.sin() * (1.5 * z).cos();
     let ground = Collider::mesh(TriangleMesh::height_field([6.0, 6.0], [24, 24], waves).expect("a field"));
     let geometry = ground.geometry();
     let Some(PartList::Triangles(triangles)) = geometry.parts().map(|parts| &parts.list) else { panic!("a mesh") };
-    let smooth = (0..triangles.count()).filter(|&index| triangles.get(index).is_smooth()).count();
+    let clusters: Vec<u32> = triangles.clustered().iter().copied().filter(|&part| triangles.is_cluster(part)).collect();
+    let in_clusters: usize = clusters.iter().map(|&cluster| triangles.triangles_of(cluster).len()).sum();
     // All but those that have a corner at the border.
-    assert_eq!(smooth, 2 * 22 * 22);
+    assert_eq!(in_clusters, 2 * 22 * 22);
+    assert!((4..30).contains(&clusters.len()), "{} clusters", clusters.len());
     let below = body(&ground, Vector3::zeros(), Default::default());
-    let (mut near, mut points) = (Vec::new(), Vec::new());
-    let (mut touching, mut most_apart) = (0, 0.0_f64);
+    let (mut near, mut points, mut search) = (Vec::new(), Vec::new(), PairSearch::default());
+    let (mut touching, mut most_apart, mut lowest) = (0, 0.0_f64, f64::INFINITY);
     for case in 0..3000 {
         let mut position: Vector3<f64> = random.vector() * 1.5;
         position.y = 0.5 + 0.3 * position.y;
         let above = body(&solid(&mut random, [1, 5][case % 2]), position, random.rotation());
-        parts_within(&below, &above, 0.0, &mut near);
-        let mut deepest = |is_exact: bool| {
-            let mut search = PairSearch { is_exact, ..PairSearch::default() };
+        let mut deepest = |by_cluster: bool| {
+            search.is_exact = !by_cluster;
+            near.clear();
+            near_parts([&below, &above], by_cluster.then_some(&still as &Way), |_, _, _| 0.0, &mut near);
             points.clear();
             for &parts in &near {
                 search.last = None;
-                touch([&below, &above], parts, 0.0, &mut search, &mut points);
+                let first = points.len();
+                let found = touch([&below, &above], parts, 0.0, &mut search, &mut points);
+                if let Some(found) = found.filter(|_| by_cluster) {
+                    assert!((1..=4).contains(&(points.len() - first)));
+                    lowest = lowest.min(found.normal.y);
+                }
             }
             points.iter().map(|point| point.depth).fold(f64::NEG_INFINITY, f64::max)
         };
-        let [alone, all] = [false, true].map(&mut deepest);
+        let [alone, all] = [true, false].map(&mut deepest);
         if (1e-3..0.05).contains(&all) {
             touching += 1;
             most_apart = most_apart.max((alone - all).abs() / all);
         }
     }
     assert!(touching > 100 && most_apart < 0.05, "{touching} touch, apart by {most_apart}");
+    assert!(lowest > 0.9, "a normal {lowest} up");
+}
+
+/// What is known of the distance to a cluster never is more than it is.
+#[test]
+fn what_is_apart_from_a_cluster_is_so_by_as_much_as_told() {
+    let mut random = Random::new(65);
+    let waves = |x: f64, z: f64| 0.2 * x.sin() * (1.5 * z).cos();
+    let ground = Collider::mesh(TriangleMesh::height_field([6.0, 6.0], [24, 24], waves).expect("a field"));
+    let below = body(&ground, Vector3::zeros(), Default::default());
+    let (mut near, mut points, mut search) = (Vec::new(), Vec::new(), PairSearch::default());
+    let (mut told, mut sharp) = (0, 0);
+    for case in 0..6000 {
+        let mut position: Vector3<f64> = random.vector() * 1.5;
+        position.y = 0.9 + 0.5 * position.y;
+        let mut above = body(&solid(&mut random, [1, 5][case % 2]), position, random.rotation());
+        near.clear();
+        near_parts([&below, &above], Some(&still), |_, _, _| 0.5, &mut near);
+        for parts in std::mem::take(&mut near) {
+            search.last = None;
+            points.clear();
+            let found = touch([&below, &above], parts, 0.0, &mut search, &mut points);
+            let apart = search.apart;
+            if found.is_some() || apart <= 1e-6 {
+                continue;
+            }
+            // By less than that in any direction, nothing touches.
+            let at = above.position;
+            for _ in 0..4 {
+                above.position = at + random.direction() * (0.999 * apart);
+                points.clear();
+                let found = touch([&below, &above], parts, 0.0, &mut search, &mut points);
+                assert!(found.is_none(), "case {case}: {apart} {found:?}");
+                told += 1;
+            }
+            above.position = at - Vector3::y() * (2.0 * apart);
+            points.clear();
+            sharp += u32::from(touch([&below, &above], parts, 0.0, &mut search, &mut points).is_some());
+            above.position = at;
+        }
+    }
+    assert!(told > 4000 && sharp > 50, "{told} told, {sharp} touch where twice as far down");
 }
 
 /// A surface has normals of its own where edges meet; what is round, and overlaps it, finds one of them with some facet.
