@@ -148,6 +148,7 @@ fn what_cannot_be_filmed_is_said_in_one_line() {
         (&["scene.ron", "--out", "no/such/folder/a.png"], &["no/such/folder/a.png", "written"]),
         (&["scene.ron", "--out", "scene.ron/a"], &["scene.ron/a", "written"]),
         (&["scene.ron", "--fps", "0", "--out", "a.png"], &["--fps"]),
+        (&["scene.ron", "--out", "a.mp4"], &["a.mp4", ".gif"]),
     ] {
         assert_one_line(&film(folder, arguments), words);
     }

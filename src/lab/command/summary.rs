@@ -1,6 +1,7 @@
 //! The measurements of a run for a person to read.
 
 use crate::lab::{ExactCounts, JointLoadMax, LimitOvershoot, Metrics, MomentumMetrics};
+use crate::physics::SETTINGS;
 
 pub(super) fn of(metrics: &Metrics) -> String {
     let rows = rows(metrics);
@@ -14,6 +15,10 @@ fn rows(metrics: &Metrics) -> Vec<(String, String)> {
     let drift = energy
         .max_relative_drift
         .map_or_else(|| "nothing moved".into(), |drift| format!("strayed by {}", short(drift)));
+    let counts = [("substeps", settings.substeps), ("iterations", settings.iterations)];
+    let is_read = |name: &str| SETTINGS.iter().any(|setting| setting.name == name && setting.is_read(settings));
+    let counts = counts.into_iter().filter(|(name, _)| is_read(name));
+    let counts: Vec<String> = counts.map(|(name, count)| format!(", {name} {count}")).collect();
     let mut rows = vec![
         ("scene".into(), format!("{}{}", metrics.scene, parameters.concat())),
         (
@@ -23,11 +28,10 @@ fn rows(metrics: &Metrics) -> Vec<(String, String)> {
         (
             "run".into(),
             format!(
-                "{} steps of {} ms, substeps {}, iterations {}: {} s",
+                "{} steps of {} ms{}: {} s",
                 metrics.steps,
                 short(1e3 * settings.step()),
-                settings.substeps,
-                settings.iterations,
+                counts.concat(),
                 short(metrics.seconds)
             ),
         ),

@@ -37,7 +37,7 @@ pub enum RecordingError {
         version: String,
     },
     /// Its end is missing.
-    #[error("{}: ends in the middle: the last {steps} steps that are whole cannot be trusted to be all", path.display())]
+    #[error("{}: ends in the middle, after {steps} whole steps: what came then is lost; record it again", path.display())]
     Cut {
         /// The file.
         path: PathBuf,

@@ -264,7 +264,7 @@ fn of_setting(setting: &'static Setting, text: &str) -> Result<Assignment, VaryE
             let switch = text.parse().map_err(|_| VaryError(format!("{name}: '{text}' is neither true nor false")))?;
             Value::Switch(switch)
         }
-        Kind::Optional if text == "None" => Value::None,
+        Kind::Optional if ["none", "off"].iter().any(|none| text.eq_ignore_ascii_case(none)) => Value::None,
         Kind::Optional => number(name, text, "a number or None")?,
         Kind::Real => number(name, text, "a number")?,
         Kind::Whole => number(name, text, "a whole number")?,

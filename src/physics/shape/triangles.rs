@@ -15,8 +15,8 @@
 //!
 //! **Clusters.** Where the triangles about all three corners of one look nearly the same way, the surface is smooth there, and no
 //! normal of a contact at its sides and corners is far from its own. Smooth triangles that hang together and look nearly the same
-//! way are a cluster, at most [`CLUSTER`] of them, grown from the first in breadth: where that is all that is asked, one part instead
-//! of as many as there are triangles.
+//! way are a cluster, at most [`CLUSTER`] of them, grown from the first in breadth: for what meets clusters one part instead of
+//! as many as there are triangles.
 
 use std::f64::consts::{PI, TAU};
 

@@ -14,6 +14,9 @@ use crate::sandbox::screenshot::save_picture;
 /// How much time the choice of a frame's 256 colors may take, 1 (the best colors) to 30.
 const HASTE: i32 = 10;
 
+/// Of films and pictures that a name may end with as if such were written: it is no name of a folder.
+const OTHER_KINDS: [&str; 11] = ["mp4", "webm", "mkv", "mov", "avi", "apng", "webp", "jpg", "jpeg", "bmp", "svg"];
+
 /// What frames are written to. Files are there whole or not at all: what is begun has another name until it is done.
 pub(super) enum Reel {
     /// That plays for ever.
@@ -39,6 +42,9 @@ impl Reel {
             Ok(Self::Gif { file: draft, encoder, fps, frames: 0 })
         } else if ends_with("png") {
             Ok(Self::Picture(Draft::begin(path).map_err(CommandError::unwritable(path))?.0))
+        } else if let Some(kind) = OTHER_KINDS.iter().find(|kind| ends_with(kind)) {
+            let place = path.display();
+            Err(CommandError::Usage(format!("{place}: no .{kind} is written: name a .gif, a .png or a folder")))
         } else {
             fs::create_dir_all(path).map_err(CommandError::unwritable(path))?;
             Ok(Self::Folder { path: path.to_owned(), frames: 0 })

@@ -5,8 +5,9 @@ use bevy_egui::egui;
 
 use super::super::held::Drag;
 use super::super::probe::offer;
+use super::solver::CHANGED;
 use super::theme::Quantity;
-use crate::physics::{Quarantined, StepStats};
+use crate::physics::{Method, Quarantined, SolverSettings, StepStats};
 use crate::scene::{Probe, ProbePlot, ProbeSubject, Probes};
 
 /// How many quarantined bodies are named.
@@ -15,6 +16,7 @@ const NAMED: usize = 8;
 pub(super) fn show(
     InMut(ui): InMut<egui::Ui>,
     stats: Res<StepStats>,
+    settings: Res<SolverSettings>,
     drag: Res<Drag>,
     quarantined: Query<(Entity, Option<&Name>, &Quarantined)>,
     mut probes: ResMut<Probes>,
@@ -58,6 +60,12 @@ pub(super) fn show(
         ui.monospace(format!("{:>9}", Quantity::text(stats.step_seconds, "s")));
         ui.end_row();
     });
+    if settings.method == Method::Exact {
+        let text = format!("cut into {} parts, {} not settled", stats.cuts + settings.substeps, stats.unsettled);
+        let text = egui::RichText::new(text);
+        let text = if stats.unsettled > 0 { text.color(CHANGED) } else { text };
+        ui.label(text).on_hover_text("the last step: what is not settled does not obey the laws to 1e-8 m/s");
+    }
     let frozen = quarantined.iter().count();
     if frozen == 0 {
         return;

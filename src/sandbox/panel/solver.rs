@@ -258,7 +258,7 @@ fn row(ui: &mut egui::Ui, field: &Field, (name, preset): Preset, settings: &mut 
 }
 
 /// What is not as the preset has it.
-const CHANGED: egui::Color32 = egui::Color32::from_rgb(240, 176, 64);
+pub(super) const CHANGED: egui::Color32 = egui::Color32::from_rgb(240, 176, 64);
 /// Diameter of the dot before it, points.
 const DOT: f32 = 7.0;
 
@@ -282,14 +282,18 @@ fn presets(ui: &mut egui::Ui, (base, preset): Preset, settings: &mut SolverSetti
             }
         }
     });
-    if changed > 0 {
-        ui.horizontal(|ui| {
+    // There without a change, too, so that nothing below moves under the pointer with the first.
+    ui.horizontal(|ui| {
+        if changed == 0 {
+            ui.weak(format!("all as {base} has them"));
+        } else {
             ui.colored_label(CHANGED, format!("{base}, {changed} changed"));
-            if ui.small_button("⟲ all").on_hover_text(format!("all as {base} has them")).clicked() {
-                *settings = preset();
-            }
-        });
-    }
+        }
+        let all = ui.add_visible(changed > 0, egui::Button::new("⟲ all").small());
+        if all.on_hover_text(format!("all as {base} has them")).clicked() {
+            *settings = preset();
+        }
+    });
 }
 
 /// The widget for a value of a type that settings are made of.

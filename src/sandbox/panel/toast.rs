@@ -6,6 +6,7 @@ use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 use super::super::Notice;
 use super::entry::take_refused;
 use super::strip::STRIP_HEIGHT;
+use crate::sandbox::state::Covered;
 
 /// How long a notice stays, s.
 const SECONDS: f64 = 6.0;
@@ -18,6 +19,7 @@ fn show(
     mut contexts: EguiContexts,
     mut notice: ResMut<Notice>,
     clock: Res<Time<Real>>,
+    covered: Res<Covered>,
     mut until: Local<f64>,
 ) -> Result {
     let now = clock.elapsed_secs_f64();
@@ -36,8 +38,9 @@ fn show(
         Notice::Info(text) => (text, egui::Color32::from_gray(225)),
         Notice::Error(text) => (text, context.global_style().visuals.error_fg_color),
     };
+    let below = STRIP_HEIGHT + covered.bottom / context.zoom_factor();
     egui::Area::new(egui::Id::new("notice"))
-        .anchor(egui::Align2::LEFT_BOTTOM, [12.0, -12.0 - STRIP_HEIGHT])
+        .anchor(egui::Align2::LEFT_BOTTOM, [12.0, -12.0 - below])
         .interactable(false)
         .show(context, |ui| {
             egui::Frame::popup(ui.style()).show(ui, |ui| {

@@ -8,11 +8,14 @@ use super::paint::Painted;
 use super::scale::{Scale, shade};
 use crate::sandbox::axes::color32;
 use crate::sandbox::panel::{BESIDE_TOOLS, STRIP_HEIGHT};
+use crate::sandbox::state::Covered;
 
 /// Size of a scale's bar, points.
 const BAR: egui::Vec2 = egui::vec2(262.0, 12.0);
 /// Of what stands under it.
 const TEXT: f32 = 12.0;
+/// Between two marks' texts.
+const MARK_GAP: f32 = 4.0;
 /// What a notice under the legend takes, points.
 const NOTICE: f32 = 36.0;
 
@@ -20,12 +23,14 @@ pub(super) fn plugin(app: &mut App) {
     app.add_systems(EguiPrimaryContextPass, show);
 }
 
-fn show(mut contexts: EguiContexts, painted: Res<Painted>) -> Result {
+fn show(mut contexts: EguiContexts, painted: Res<Painted>, covered: Res<Covered>) -> Result {
     let Some(legend) = painted.legend() else { return Ok(()) };
+    let context = contexts.ctx_mut()?;
+    let below = STRIP_HEIGHT + covered.bottom / context.zoom_factor() + NOTICE;
     egui::Area::new(egui::Id::new("legend"))
-        .anchor(egui::Align2::LEFT_BOTTOM, [BESIDE_TOOLS, -12.0 - STRIP_HEIGHT - NOTICE])
+        .anchor(egui::Align2::LEFT_BOTTOM, [BESIDE_TOOLS, -12.0 - below])
         .interactable(false)
-        .show(contexts.ctx_mut()?, |ui| {
+        .show(context, |ui| {
             egui::Frame::popup(ui.style()).show(ui, |ui| {
                 ui.spacing_mut().item_spacing.y = 3.0;
                 ui.set_max_width(BAR.x + 24.0);
@@ -65,18 +70,19 @@ fn bar(ui: &mut egui::Ui, scale: &Scale) {
         ui.painter().rect_filled(part, 0.0, color32(shade((stripe as f32 + 0.5) / STRIPES as f32)));
     }
     let tint = ui.visuals().text_color();
-    for (share, text) in scale.marks() {
+    let mut free = rect.right();
+    // From the right: what has no room beside its neighbour is left out.
+    for (share, text) in scale.marks().into_iter().rev() {
         let length = if text.is_some() { 4.0 } else { 2.0 };
         ui.painter().vline(x(share), bar.bottom()..=bar.bottom() + length, egui::Stroke::new(1.0, tint));
-        if let Some(text) = text {
-            // At the ends as far as the edge.
-            let (align, shift) = match share {
-                0.0 => (egui::Align2::LEFT_TOP, -SIDE / 2.0),
-                share if share > 0.999 => (egui::Align2::RIGHT_TOP, SIDE / 2.0),
-                _ => (egui::Align2::CENTER_TOP, 0.0),
-            };
-            let below = egui::pos2(x(share) + shift, bar.bottom() + 5.0);
-            ui.painter().text(below, align, text, egui::FontId::proportional(TEXT), tint);
+        let Some(text) = text else { continue };
+        let text = ui.painter().layout_no_wrap(text, egui::FontId::proportional(TEXT), tint);
+        let width = text.size().x;
+        // At the ends as far as the edge.
+        let left = (x(share) - width / 2.0).clamp(rect.left(), rect.right() - width);
+        if left + width <= free {
+            ui.painter().galley(egui::pos2(left, bar.bottom() + 5.0), text, tint);
+            free = left - MARK_GAP;
         }
     }
 }

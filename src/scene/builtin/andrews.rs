@@ -11,7 +11,7 @@ pub(super) const ANDREWS: SceneInfo = SceneInfo {
     name: "andrews",
     title: "Andrews' squeezer",
     subject: Subject::Machines,
-    about: "Andrews' squeezer: seven plane bodies of some cm on ten hinges, a spring, a torque on the crank, no \
+    about: "seven plane bodies of some cm on ten hinges, a spring, a torque on the crank, no \
             collision",
     truth: "published angles at 0.03 s",
     parameters: &[],

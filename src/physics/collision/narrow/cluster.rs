@@ -22,8 +22,8 @@ use crate::physics::{BoundingBox, ContactPoint, FeatureId, Refill};
 /// the polyhedron touches none.
 const LOOK_BEYOND: f64 = 0.1;
 
-/// Cosine of the angle between the normal of a face and the way down to the cluster from which on its plane tells what is apart, and
-/// how many planes are asked.
+/// Cosine of the angle between the normal of a face and the way down to the cluster from which on its plane tells what is
+/// apart, and how many planes are asked.
 const LOOKS: f64 = 0.2;
 const MOST_PLANES: usize = 8;
 
