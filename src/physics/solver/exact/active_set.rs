@@ -5,7 +5,7 @@
 //! not lessen their number for some iterations, one alone changes, which ends wherever the matrix is positive definite
 //! (Júdice and Pires 1994, after Murty 1974).
 
-use super::constants::{ACTIVE_SET_ERROR, ACTIVE_SET_ITERATIONS, ACTIVE_SET_PATIENCE, NO_ACCELERATION, PROJECTED_TURN};
+use super::constants::{ACTIVE_SET_ERROR, ACTIVE_SET_ITERATIONS, ACTIVE_SET_PATIENCE, EVENT_TURN, NO_ACCELERATION};
 use super::mechanism::{InverseMass, Mechanism};
 use super::row_mode::RowMode;
 use super::rows::{MechanismRows, add_wrenches};
@@ -82,7 +82,7 @@ impl ActiveSet {
         for (index, row) in masked.iter_mut().enumerate().filter(|(_, row)| row.spring.is_none()) {
             row.bound = if self.given(index).is_some() { Bound::Within(0.0, 0.0) } else { Bound::None };
         }
-        self.system.assemble_rigid(mechanism, &mechanism.states, &masked, PROJECTED_TURN);
+        self.system.assemble_rigid(mechanism, &mechanism.states, &masked, EVENT_TURN);
         self.masked = masked;
     }
 

@@ -120,6 +120,10 @@ pub(super) const RESTING_SPEED: f64 = 1e-9;
 pub(super) const ACTIVE_SET_ITERATIONS: usize = 30;
 /// Of these, those in a row that do not lessen the number of contradictions before rows change one by one.
 pub(super) const ACTIVE_SET_PATIENCE: usize = 3;
+/// Turn, rad, that impacts and accelerations take levers to be resolved to. Where a loop is nearly at a singular pose, a
+/// row that a longer turn hides keeps a speed, so that its joint parts at each event, and events follow each other without
+/// end. Seen by: `a_limit_beside_a_loop_that_is_nearly_flat_takes_few_events`.
+pub(super) const EVENT_TURN: f64 = 1e-5;
 /// Error of λ or w that is none, as a share of the largest there is.
 pub(super) const ACTIVE_SET_ERROR: f64 = 1e-9;
 /// Acceleration of a row that is none, m/s² or rad/s²: what differences leave of users' velocity terms.
