@@ -1,5 +1,7 @@
 //! Bodies whose shape has parts: each part where it is, and which parts of two bodies are near each other.
 
+use std::ops::ControlFlow;
+
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::box_around::BoxAround;
@@ -181,6 +183,7 @@ fn parts_near(
         if mesh.is_cluster(part) || around.may_meet(mesh, part) {
             take(part);
         }
+        ControlFlow::Continue(())
     });
 }
 
@@ -201,6 +204,7 @@ fn solids_in(
         if solid.bounds().overlaps(&bounds.grown(own)) {
             take(part);
         }
+        ControlFlow::Continue(())
     });
 }
 

@@ -1,6 +1,7 @@
 //! The system parameter.
 
 use std::cmp::Ordering;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use bevy::ecs::system::SystemParam;
@@ -16,7 +17,7 @@ use super::meeting::meet;
 use super::ray::enter;
 use crate::physics::box_tree::Way;
 use crate::physics::collision::{PartPair, PlacedCollider, has_parts, parts_within, place_up_to, touch};
-use crate::physics::{Bodies, Body, BoundingBox, PairSearch, SolverSettings, StepStats, for_each_of};
+use crate::physics::{Bodies, Body, PairSearch, SolverSettings, StepStats, for_each_of};
 
 /// Rays that one thread takes at a time.
 const RAYS_A_CHUNK: usize = 64;
@@ -165,21 +166,19 @@ impl PhysicsQuery<'_> {
             parts_within(body, other, 0.0, &mut parts);
             parts.iter().any(|&parts| touch_in(other, parts))
         };
-        // How far matters: 0, and nothing any more once it is enough.
-        let mut look = |other: u32, most: f64| {
+        let mut look = |other: u32| {
             let other = &self.bodies.list[other as usize];
             let is_met = other.entity != body.entity && filter.admits(other) && touches(other);
-            if is_met && !take(other) { f64::NEG_INFINITY } else { most }
+            if is_met && !take(other) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let Some(bounds) = bounds else {
+        if let Some(bounds) = bounds {
+            if index.unbounded.iter().try_for_each(|&plane| look(plane)).is_continue() {
+                index.tree.overlapping(&bounds, look);
+            }
+        } else {
             // Of two half-spaces no depth tells.
-            index.tree.search(0.0, |_| 0.0, look);
-            return;
-        };
-        let distance = |other: &BoundingBox| if bounds.overlaps(other) { 0.0 } else { f64::INFINITY };
-        let unbounded = index.unbounded.iter();
-        let most = unbounded.fold(0.0, |most, &plane| if most < 0.0 { most } else { look(plane, most) });
-        index.tree.search(most, distance, look);
+            let _ = index.tree.items().try_for_each(look);
+        }
     }
 
     /// All bodies of the last step.

@@ -19,6 +19,7 @@
 //! as many as there are triangles.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::ControlFlow;
 
 use nalgebra::Vector3;
 
@@ -294,13 +295,10 @@ impl Triangles {
         distance: impl Fn(&BoundingBox) -> f64,
         mut look: impl FnMut(u32, f64) -> f64,
     ) {
-        let triangles = self.triangles_of(facet);
-        if triangles.len() > LIST
-            && let Ok(tree) = self.facets.trees.binary_search_by_key(&facet, |(of, _)| *of)
-        {
-            return self.facets.trees[tree].1.search(most, distance, look);
+        if let Some(tree) = self.tree_of(facet) {
+            return tree.search(most, distance, look);
         }
-        for &triangle in triangles {
+        for &triangle in self.triangles_of(facet) {
             let away = distance(&self.bounds(triangle));
             if away <= most && away < f64::INFINITY {
                 most = look(triangle, most);
@@ -309,12 +307,40 @@ impl Triangles {
     }
 
     /// Hands on the triangles of a facet whose boxes overlap one.
-    pub fn in_facet(&self, facet: u32, bounds: &BoundingBox, mut take: impl FnMut(u32)) {
-        let distance = |other: &BoundingBox| if bounds.overlaps(other) { 0.0 } else { f64::INFINITY };
-        self.search(facet, 0.0, distance, |triangle, most| {
-            take(triangle);
-            most
-        });
+    pub fn in_facet(&self, facet: u32, bounds: &BoundingBox, take: impl FnMut(u32)) {
+        self.in_facet_where(facet, bounds, |_| true, take);
+    }
+
+    /// The same of those whose boxes, and the boxes around them, are `admitted`.
+    pub fn in_facet_where(
+        &self,
+        facet: u32,
+        bounds: &BoundingBox,
+        mut admitted: impl FnMut(&BoundingBox) -> bool,
+        mut take: impl FnMut(u32),
+    ) {
+        if let Some(tree) = self.tree_of(facet) {
+            tree.overlapping_where(bounds, admitted, |triangle| {
+                take(triangle);
+                ControlFlow::Continue(())
+            });
+            return;
+        }
+        for &triangle in self.triangles_of(facet) {
+            let own = self.bounds(triangle);
+            if bounds.overlaps(&own) && admitted(&own) {
+                take(triangle);
+            }
+        }
+    }
+
+    /// The tree of a facet's triangles, if they are many.
+    fn tree_of(&self, facet: u32) -> Option<&BoxTree> {
+        if self.triangles_of(facet).len() <= LIST {
+            return None;
+        }
+        let tree = self.facets.trees.binary_search_by_key(&facet, |(of, _)| *of).ok()?;
+        Some(&self.facets.trees[tree].1)
     }
 
     /// The triangle that a facet is, if it is but one.

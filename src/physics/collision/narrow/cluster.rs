@@ -8,8 +8,6 @@
 //! A triangle is apart from the polyhedron by no less than by the height of its lowest corner over the plane of a face, by that of
 //! the polyhedron over the triangle's plane, or by the way that it is beyond one of the triangle's sides.
 
-use std::cell::Cell;
-
 use nalgebra::Vector3;
 
 use super::clipping::{Clip, ClipBuffers, keep_touching_spread};
@@ -96,29 +94,24 @@ impl<B: Polyhedron> Both<'_, B> {
         buffers: &mut ClusterBuffers,
         clip: &mut ClipBuffers,
     ) -> f64 {
-        let apart = Cell::new(most);
+        let mut apart = most;
         let mut planes = std::mem::take(&mut buffers.planes);
         self.find_planes(&mut planes);
-        let distance = |other: &BoundingBox| {
-            if !bounds.overlaps(other) {
-                return f64::INFINITY;
-            }
+        let is_within = |other: &BoundingBox| {
             let (middle, half) = ((other.low + other.high) / 2.0, (other.high - other.low) / 2.0);
-            for Plane { normal, offset } in &planes {
-                let over = normal.dot(&middle) - normal.abs().dot(&half) - offset;
-                if over > self.scale.gap {
-                    apart.set(apart.get().min(over));
-                    return f64::INFINITY;
+            let mut over =
+                planes.iter().map(|Plane { normal, offset }| normal.dot(&middle) - normal.abs().dot(&half) - offset);
+            match over.find(|over| *over > self.scale.gap) {
+                Some(over) => {
+                    apart = apart.min(over);
+                    false
                 }
+                None => true,
             }
-            0.0
         };
-        self.mesh.search(self.cluster, 0.0, distance, |triangle, most| {
-            buffers.find_points(self, triangle, clip);
-            most
-        });
+        self.mesh.in_facet_where(self.cluster, bounds, is_within, |triangle| buffers.find_points(self, triangle, clip));
         buffers.planes = planes;
-        apart.get()
+        apart
     }
 
     /// Planes of faces that look at the cluster, in the mesh's axes: most of it is above one of them.
