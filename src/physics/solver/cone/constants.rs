@@ -13,8 +13,12 @@ pub(super) const MOST_STEPS: u32 = 600;
 pub(super) const ENOUGH_RESIDUAL: f64 = 1e-8;
 /// Proximal points without a residual less by a tenth after which it falls no more.
 pub(super) const STALLED: u32 = 3;
-/// The same where it is not enough.
+/// The same where it is not enough,
 pub(super) const PATIENCE: u32 = 30;
+/// and above this residual, m/s: mostly there is no solution near, as where joints come straight between two that hold them.
+/// *speed*, `limbs` with a figure that is pulled by 800 N.
+pub(super) const FAR: f64 = 1e-2;
+pub(super) const FAR_PATIENCE: u32 = 8;
 /// Residual, m/s, above which a solve that did not end well begins once more, from what is wedged.
 pub(super) const WEDGED: f64 = 1e-4;
 

@@ -81,6 +81,11 @@ impl Iterate {
         false
     }
 
+    /// Whether some point has friction, without which nothing wedges.
+    pub(super) fn may_wedge(&self) -> bool {
+        self.points.iter().any(|point| matches!(point.law, Law::Friction(_)))
+    }
+
     /// λ such that nothing that comes together moves, but for a compliance: where a point would slip away under a load that
     /// its slip only raises (Painlevé 1895), no iterations from nothing find that.
     pub(super) fn wedge(&mut self, softness: f64) {

@@ -5,8 +5,9 @@
 //! point that is reached, the faster the fewer iterations that took, and grows after one that is not.
 
 use super::constants::{
-    ENOUGH_RESIDUAL, FIRST_SOFTNESS, GUESSED_SOFTNESS, LEAST_SOFTNESS, MOST_SOFTNESS, MOST_STEPS, PATIENCE,
-    PROXIMAL_ACCURACY, PROXIMAL_ITERATIONS, PROXIMAL_LOSS, PROXIMAL_POINTS, SOFTNESS_FALLS, SOFTNESS_RISE, STALLED,
+    ENOUGH_RESIDUAL, FAR, FAR_PATIENCE, FIRST_SOFTNESS, GUESSED_SOFTNESS, LEAST_SOFTNESS, MOST_SOFTNESS, MOST_STEPS,
+    PATIENCE, PROXIMAL_ACCURACY, PROXIMAL_ITERATIONS, PROXIMAL_LOSS, PROXIMAL_POINTS, SOFTNESS_FALLS, SOFTNESS_RISE,
+    STALLED,
 };
 use super::newton::NewtonBuffers;
 use super::{ConeEnd, Iterate};
@@ -50,7 +51,8 @@ impl Iterate {
                 self.outcome.end = ConeEnd::Late;
                 return false;
             }
-            if waited > PATIENCE || self.outcome.steps > most || is_enough {
+            let patience = if self.outcome.residual > FAR { FAR_PATIENCE } else { PATIENCE };
+            if waited > patience || self.outcome.steps > most || is_enough {
                 break;
             }
         }

@@ -110,7 +110,8 @@ impl ConeSolver {
         iterate.outcome.residual = f64::INFINITY;
         let is_guessed = iterate.impulses.iter().any(|impulse| *impulse != Vector3::zeros());
         let mut done = iterate.note().largest <= iterate.tolerance || iterate.proximal_points(buffers, is_guessed);
-        if !done && iterate.outcome.residual > WEDGED && iterate.outcome.end == ConeEnd::Bounded {
+        if !done && iterate.outcome.residual > WEDGED && iterate.outcome.end == ConeEnd::Bounded && iterate.may_wedge()
+        {
             iterate.wedge(FIRST_SOFTNESS);
             done = iterate.note().largest <= iterate.tolerance || iterate.proximal_points(buffers, false);
         }

@@ -155,6 +155,10 @@ pub(super) const MOST_FORECASTS: usize = 40;
 pub(super) const PROGRESS: f64 = 0.8;
 /// and forecasts in a row that are none better after which the step is too long for them.
 pub(super) const FORECAST_PATIENCE: u32 = 6;
+/// Error of rows, over the least so far, from which on a forecast throws bodies away, so that the step is too long,
+pub(super) const THROWN: f64 = 30.0;
+/// and the least such error, m or rad.
+pub(super) const LEAST_THROWN: f64 = 1e-3;
 /// |θ| at most with which forecasts are mixed: what two of them say is no more than a guess where contacts come and go.
 pub(super) const MOST_MIXED: f64 = 3.0;
 /// Error of a forecast, m, that is none.

@@ -22,7 +22,8 @@ use nalgebra::Vector3;
 
 use super::super::constants::{
     FLICKERING_ERROR, FLICKERING_STALLS, FORECAST_ERROR, FORECAST_PATIENCE, FORECAST_SHARE, FORECAST_TOLERANCE,
-    FORESEEN_SPEED, FORESEEN_SPEEDS, MOST_FORECASTS, PROGRESS, SETTLED, STALLED_ERROR, TOUCHING, UNFORESEEN, UNSOLVED,
+    FORESEEN_SPEED, FORESEEN_SPEEDS, LEAST_THROWN, MOST_FORECASTS, PROGRESS, SETTLED, STALLED_ERROR, THROWN, TOUCHING,
+    UNFORESEEN, UNSOLVED,
 };
 use super::super::mechanism::{InverseMass, MemberState, RowSpring, place_rows};
 use super::super::row_mode::RowLaw;
@@ -122,17 +123,25 @@ struct Progress {
     /// The least of errors and residuals, m, and forecasts in a row that made no less of it.
     least_of_both: f64,
     waited: u32,
+    /// The least error of rows, m, whatever was met.
+    least_of_rows: f64,
 }
 
 impl Progress {
-    const NONE: Self =
-        Self { least: f64::INFINITY, has_rows: false, stalls: 0, least_of_both: f64::INFINITY, waited: 0 };
+    const NONE: Self = Self {
+        least: f64::INFINITY,
+        has_rows: false,
+        stalls: 0,
+        least_of_both: f64::INFINITY,
+        waited: 0,
+        least_of_rows: f64::INFINITY,
+    };
 
     /// Takes in an error, m, infinite where points were met, whether rows came true, and how far, m, the residual of its solve
     /// leads. True where it is the least.
     fn note(&mut self, error: f64, has_rows: bool, missed: f64) -> bool {
         if error.is_infinite() {
-            *self = Self::NONE;
+            *self = Self { least_of_rows: self.least_of_rows, ..Self::NONE };
             return false;
         }
         self.stalls = if error < 0.5 * self.least { 0 } else { self.stalls + 1 };
@@ -145,6 +154,14 @@ impl Progress {
             (self.least, self.has_rows) = (error, has_rows);
         }
         is_least
+    }
+
+    /// Takes in the error of rows, m. Whether the forecast throws bodies away, as where joints come straight between two that
+    /// hold them: what it meets there says nothing, and none comes true after it.
+    fn is_thrown(&mut self, of_rows: f64) -> bool {
+        let is_thrown = of_rows > (THROWN * self.least_of_rows).max(LEAST_THROWN);
+        self.least_of_rows = self.least_of_rows.min(of_rows);
+        is_thrown
     }
 
     /// Whether no better forecast than the least is to be had, and that is good enough.
@@ -310,6 +327,9 @@ impl SmoothStep {
             }
             let is_met = self.mend(given, bodies, closed);
             let [of_points, of_rows] = self.largest_errors().map(|error| error * h);
+            if progress.is_thrown(of_rows) && !given.is_rough {
+                return false;
+            }
             let worst = if is_met { f64::INFINITY } else { of_points.max(of_rows) };
             let has_rows = of_rows < STALLED_ERROR;
             let residual = self.positions.residual;
@@ -534,6 +554,23 @@ mod tests {
             progress.has_stalled()
         };
         errors.iter().map(&mut ends_with).collect()
+    }
+
+    #[test]
+    fn a_forecast_that_throws_bodies_away_is_told_whatever_it_meets() {
+        let thrown = |errors: &[f64], meets: bool| -> Vec<bool> {
+            let mut progress = Progress::NONE;
+            let mut throws = |error: &f64| {
+                let is_thrown = progress.is_thrown(*error);
+                progress.note(if meets { f64::INFINITY } else { *error }, false, 0.0);
+                is_thrown
+            };
+            errors.iter().map(&mut throws).collect()
+        };
+        for meets in [false, true] {
+            assert_eq!(thrown(&[1e-3, 1e-2, 2.4], meets), [false, false, true]);
+            assert_eq!(thrown(&[2.0, 1e-13, 5e-4, 0.1], meets), [false, false, false, true]);
+        }
     }
 
     #[test]
