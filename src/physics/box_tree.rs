@@ -121,10 +121,9 @@ impl BoxTree {
         (place as u32, all)
     }
 
-    /// Halves items until there are no more than `of_a_child`, each lot a child of the node.
+    /// Halves items, of which there are some, until there are no more than `of_a_child`, each lot a child of the node.
     fn split(&mut self, items: &mut [(u32, BoundingBox)], of_a_child: usize, node: &mut Node) {
         match items {
-            [] => {}
             [(item, bounds)] => node.push(*item | ITEM, bounds),
             _ if items.len() <= of_a_child => {
                 let (child, bounds) = self.add(items);
@@ -212,7 +211,7 @@ impl BoxTree {
             }
             let node = &self.nodes[child as usize];
             let overlapping = node.overlapping(&with);
-            // Without branches: which of them overlap cannot be predicted.
+            // Without a branch for the boxes: which of them overlap cannot be predicted.
             for (slot, &child) in node.children.iter().enumerate() {
                 stack[depth] = child;
                 depth += usize::from(overlapping >> slot & 1 != 0 && admitted(&node.bounds(slot)));
