@@ -15,7 +15,7 @@ use super::rotation::{exponential, in_world};
 use super::row_mode::RowMode;
 use crate::physics::body::free_rotation::free_rotation;
 use crate::physics::constraint::row::{Twist, Wrench, bounded};
-use crate::physics::joint::{BodyState, Bound, JointDefinition, JointRow, SpringConstants};
+use crate::physics::joint::{BodyState, Bound, JointDefinition, JointRow, LawPart, SpringConstants};
 use crate::physics::solver::linear::Elimination;
 
 /// The properties of a body that do not change in a step. SI; world axes unless stated.
@@ -203,6 +203,8 @@ pub(crate) struct MechanismLink {
     pub rows: Range<usize>,
     /// Whether λ of some row may be bounded other than by a spring.
     pub may_be_bounded: bool,
+    /// Whether all its rows are limits.
+    only_limits: bool,
 }
 
 impl MechanismLink {
@@ -212,7 +214,8 @@ impl MechanismLink {
         definition.rows_at(&states.map(BodyState::from), time, &mut rows);
         let may_be_bounded =
             definition.function.is_some() || rows.iter().any(|row| matches!(row.bound, Bound::Within(..)));
-        Self { a, b, definition: definition.clone(), rows: 0..rows.len(), may_be_bounded }
+        let only_limits = has_only_limits(definition, rows.len());
+        Self { a, b, definition: definition.clone(), rows: 0..rows.len(), may_be_bounded, only_limits }
     }
 
     /// Takes in what of its joint changes from step to step: the numbers of its laws, and its turns. Whether the former
@@ -224,6 +227,7 @@ impl MechanismLink {
         };
         if !is_same {
             self.definition.laws.clone_from(&definition.laws);
+            self.only_limits = has_only_limits(definition, self.rows.len());
         }
         self.definition.turned = definition.turned;
         !is_same
@@ -259,6 +263,16 @@ impl MechanismLink {
         self.definition.is_driven()
     }
 
+    /// Adds its rows to those of the links before it.
+    fn place_rows(&self, states: &[MemberState], time: f64, rows: &mut Vec<JointRow<f64>>) {
+        let ends = self.ends().map(|member| BodyState::from(&states[member as usize]));
+        self.definition.rows_at(&ends, time, rows);
+        if rows.len() != self.rows.end {
+            // A constraint of a user's own that is not what it promised.
+            rows.resize(self.rows.end, JointRow::EMPTY);
+        }
+    }
+
     /// Ċ of its rows for the velocities in those states.
     pub fn rates<'r>(&self, rows: &'r [JointRow<f64>], states: &[MemberState]) -> impl Iterator<Item = f64> + use<'r> {
         let [a, b] = self.ends().map(|member| states[member as usize].twist());
@@ -291,6 +305,12 @@ impl MechanismLink {
     }
 }
 
+/// Whether all rows of a definition, of which there are so many, are limits.
+fn has_only_limits(definition: &JointDefinition, rows: usize) -> bool {
+    let laws = definition.laws.as_deref().unwrap_or_default();
+    laws.len() == rows && laws.iter().all(|law| matches!(law.part, LawPart::Limit { .. }))
+}
+
 /// Gives links their rows one after the other.
 pub(super) fn number_rows(links: &mut [MechanismLink]) {
     let mut end = 0;
@@ -303,14 +323,7 @@ pub(super) fn number_rows(links: &mut [MechanismLink]) {
 /// The rows of all links at those states and that time, s.
 pub(super) fn place_rows(links: &[MechanismLink], states: &[MemberState], time: f64, rows: &mut Vec<JointRow<f64>>) {
     rows.clear();
-    for link in links {
-        let ends = link.ends().map(|member| BodyState::from(&states[member as usize]));
-        link.definition.rows_at(&ends, time, rows);
-        if rows.len() != link.rows.end {
-            // A constraint of a user's own that is not what it promised.
-            rows.resize(link.rows.end, JointRow::EMPTY);
-        }
-    }
+    links.iter().for_each(|link| link.place_rows(states, time, rows));
 }
 
 /// A spring along up to three rows in place of rigid ones: λ = −m (s C + d Ċ) along each, with m the effective mass there
@@ -534,11 +547,20 @@ impl Mechanism {
         }
     }
 
-    /// The rows of all links at those states and that time, s, as their modes have them.
+    /// The rows of all links at those states and that time, s, as their modes have them. Limits that are open are left empty,
+    /// where a link has no others.
     pub fn place_rows(&self, states: &[MemberState], time: f64, rows: &mut Vec<JointRow<f64>>) {
-        place_rows(&self.links, states, time, rows);
-        for (row, mode) in rows.iter_mut().zip(&self.modes) {
-            mode.apply(row);
+        rows.clear();
+        for link in &self.links {
+            let modes = self.modes.get(link.rows.clone()).unwrap_or_default();
+            if link.only_limits && !modes.is_empty() && modes.iter().all(|mode| mode.is_at_bound()) {
+                rows.resize(link.rows.end, JointRow { bound: Bound::Within(0.0, 0.0), ..JointRow::EMPTY });
+                continue;
+            }
+            link.place_rows(states, time, rows);
+            for (row, mode) in rows[link.rows.clone()].iter_mut().zip(modes) {
+                mode.apply(row);
+            }
         }
     }
 

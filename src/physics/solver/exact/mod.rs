@@ -21,6 +21,7 @@ mod event_stepper;
 mod exact_group;
 mod free;
 mod gauss;
+mod held_links;
 mod lockstep;
 mod mechanism;
 mod projection;

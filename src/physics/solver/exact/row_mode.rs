@@ -89,6 +89,11 @@ impl RowLaw {
 }
 
 impl RowMode {
+    /// Whether λ is one of its bounds.
+    pub fn is_at_bound(self) -> bool {
+        matches!(self, Self::Lower | Self::Upper)
+    }
+
     /// Makes of a row one that holds, or one with a given λ.
     pub fn apply(self, row: &mut JointRow<f64>) {
         row.bound = match (self, RowLaw::of(row), row.bound) {

@@ -1,11 +1,13 @@
 //! The rows of a mechanism's joints at one pose: J, W = M̃⁻¹ and the factor of J W Jᵀ.
 //!
 //! Joints tell their rows ([`place_rows`](super::mechanism::place_rows)). The block of two joints is J₁ W J₂ᵀ over the
-//! members that they share.
+//! members that they share. Links all of whose λ are given, as of limits that are open, have no part in the factor
+//! ([`HeldLinks`]).
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::constants::{LOOSE, MULTIPLIER_ITERATIONS, MULTIPLIER_STALLED, SHIFTS};
+use super::held_links::HeldLinks;
 use super::mechanism::{InverseMass, Mechanism, MechanismLink, MemberState, RowSpring};
 use crate::physics::constraint::row::{RowPair, Twist, Wrench};
 use crate::physics::joint::JointRow;
@@ -26,7 +28,10 @@ pub(crate) struct MechanismRows {
     responses: Vec<RowPair<f64>>,
     /// The diagonal of J W Jᵀ, 1/kg or 1/(kg m²).
     mobility: Vec<f64>,
+    held: HeldLinks,
     factor: BlockLdl<f64, Triangular>,
+    /// The unknowns of the links that hold.
+    packed: Vec<f64>,
     residual: Vec<f64>,
     velocities: Vec<Twist<f64>>,
 }
@@ -50,26 +55,30 @@ impl MechanismRows {
         soften: impl Fn(&RowSpring, &Vector3<f64>) -> Matrix3<f64>,
     ) {
         self.set_jacobians(rows);
-        let Self { jacobians, given, inverse_masses, springs, responses, mobility, factor, .. } = self;
+        self.held.find(mechanism, rows);
+        let Self { jacobians, given, inverse_masses, springs, responses, mobility, held, factor, .. } = self;
+        let (elimination, couplings) = held.structure(mechanism);
         let share = (4.0 * turn * turn).clamp(SHIFTS[0], SHIFTS[1]);
-        factor.clear(&mechanism.elimination);
+        factor.clear(elimination);
         responses.clear();
+        responses.resize(jacobians.len(), JointRow::EMPTY.jacobian);
         springs.clear();
         mobility.clear();
-        for (place, link) in mechanism.links.iter().enumerate() {
+        mobility.resize(jacobians.len(), 0.0);
+        for (place, index, link) in held.links(mechanism) {
             let [a, b] = link.ends().map(|member| &inverse_masses[member as usize]);
             let (n, own) = (link.rows.len(), &jacobians[link.rows.clone()]);
-            let block = factor.diagonal_at(&mechanism.elimination, place);
+            let block = factor.diagonal_at(elimination, place);
             for (column, jacobian) in own.iter().enumerate() {
                 let (of_a, of_b) = (a.of(&jacobian.of_a()), b.of(&jacobian.of_b()));
                 for row in column..n {
                     block[column * n + row] = own[row].dot(&of_a, &of_b);
                 }
-                mobility.push(block[column * n + column]);
-                responses.push(RowPair::new(of_a, of_b));
+                mobility[link.rows.start + column] = block[column * n + column];
+                responses[link.rows.start + column] = RowPair::new(of_a, of_b);
             }
             if mechanism.gives {
-                for spring in RowSpring::of((place, link), rows) {
+                for spring in RowSpring::of((index, link), rows) {
                     let softness = soften(&spring, &spring.each(|row| mobility[row]));
                     let first = spring.rows.start - link.rows.start;
                     for column in 0..spring.rows.len() {
@@ -87,11 +96,10 @@ impl MechanismRows {
                 block[row * n + row] += 1.0;
             }
         }
-        for coupling in &mechanism.couplings {
-            let [rows, columns] =
-                [coupling.row, coupling.column].map(|(link, _)| mechanism.links[link as usize].rows.clone());
+        for coupling in couplings {
+            let [rows, columns] = [coupling.row, coupling.column].map(|(place, _)| held.rows(mechanism, place));
             let n = rows.len();
-            let block = factor.below_at(&mechanism.elimination, coupling.block as usize);
+            let block = factor.below_at(elimination, coupling.block as usize);
             for (column, response) in block.chunks_exact_mut(n).zip(&responses[columns]) {
                 let response = response.of(coupling.column.1);
                 for (entry, jacobian) in column.iter_mut().zip(&jacobians[rows.clone()]) {
@@ -99,7 +107,7 @@ impl MechanismRows {
                 }
             }
         }
-        factor.factor(&mechanism.elimination);
+        factor.factor(elimination);
     }
 
     /// Sets J alone: the factor stays.
@@ -160,8 +168,22 @@ impl MechanismRows {
 
     /// x ← (A + E)⁻¹ x, once: for iterations that come back with the residual.
     #[inline]
-    pub fn solve_once(&self, mechanism: &Mechanism, x: &mut [f64]) {
-        self.factor.solve(&mechanism.elimination, x);
+    pub fn solve_once(&mut self, mechanism: &Mechanism, x: &mut [f64]) {
+        let Self { held, factor, packed, .. } = self;
+        let (elimination, _) = held.structure(mechanism);
+        if held.are_all() {
+            factor.solve(elimination, x);
+            return;
+        }
+        packed.clear();
+        held.links(mechanism).for_each(|(.., link)| packed.extend_from_slice(&x[link.rows.clone()]));
+        factor.solve(elimination, &mut packed[..]);
+        let mut rest = &packed[..];
+        for (.., link) in held.links(mechanism) {
+            let own;
+            (own, rest) = rest.split_at(link.rows.len());
+            x[link.rows.clone()].copy_from_slice(own);
+        }
     }
 
     /// λ ← A⁻¹ b; where A may be singular, by iterations of the method of multipliers from zero, for as long as they get
@@ -213,7 +235,7 @@ impl MechanismRows {
         self.respond(mechanism, lambda, &mut velocities);
         residual.clear();
         residual.extend_from_slice(b);
-        for link in &mechanism.links {
+        for (.., link) in self.held.links(mechanism) {
             let [a, b] = link.ends().map(|member| &velocities[member as usize]);
             for (left, jacobian) in residual[link.rows.clone()].iter_mut().zip(&self.jacobians[link.rows.clone()]) {
                 *left -= jacobian.dot(a, b);

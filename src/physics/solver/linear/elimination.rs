@@ -4,6 +4,8 @@
 //! with the fewest neighbours left goes first, and its neighbours become neighbours of each other. A tree is eliminated
 //! from its leaves, without fill.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 use std::ops::Range;
 
 use super::layout::{Layout, MOST_ROWS, Mixed, Uniform};
@@ -75,10 +77,14 @@ impl Elimination {
         let mut place = vec![u32::MAX; count];
         let mut columns = Vec::with_capacity(count);
         let mut products = 0;
-        for step in 0..count as u32 {
-            let left = (0..count as u32).filter(|&node| place[node as usize] == u32::MAX);
-            let node = left.min_by_key(|&node| neighbours[node as usize].len())?;
-            place[node as usize] = step;
+        // By degree; of nodes whose degree has changed, older entries are passed over.
+        let entry = |node: u32, neighbours: &[Vec<u32>]| Reverse((neighbours[node as usize].len(), node));
+        let mut queue: BinaryHeap<_> = (0..count as u32).map(|node| entry(node, &neighbours)).collect();
+        while let Some(Reverse((degree, node))) = queue.pop() {
+            if place[node as usize] != u32::MAX || neighbours[node as usize].len() != degree {
+                continue;
+            }
+            place[node as usize] = columns.len() as u32;
             let column = std::mem::take(&mut neighbours[node as usize]);
             products += column.len() * (column.len() + 3) / 2;
             if products > most {
@@ -91,6 +97,7 @@ impl Elimination {
                     link(&mut neighbours, other, one);
                 }
             }
+            queue.extend(column.iter().map(|&node| entry(node, &neighbours)));
             columns.push(column);
         }
         let mut elimination = Self::of_columns(place, columns);

@@ -1,0 +1,98 @@
+//! The links of a mechanism that have a part in the factor of J W Jᵀ.
+//!
+//! Rows whose λ is given leave nothing to solve for. Most are of limits that are open: of a figure's links two thirds. As
+//! empty rows each would be coupled to all other links at its two bodies, and the factor would have several times the
+//! blocks. So links of such rows alone are left out, with an order of elimination of its own for those that remain.
+
+use std::ops::Range;
+
+use super::mechanism::{Coupling, Couplings, Mechanism, MechanismLink, links_at};
+use crate::physics::joint::JointRow;
+use crate::physics::solver::linear::Elimination;
+
+/// A link with what the choice depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct LinkPart {
+    ends: [u32; 2],
+    rows: u8,
+    is_held: bool,
+}
+
+/// Which links hold, and their structure where these are not all.
+#[derive(Clone, Debug, Default)]
+pub(super) struct HeldLinks {
+    parts: Vec<LinkPart>,
+    next: Vec<LinkPart>,
+    moving: usize,
+    are_some_left_out: bool,
+    /// The link at each place.
+    links: Vec<u32>,
+    elimination: Elimination,
+    couplings: Vec<Coupling>,
+}
+
+impl HeldLinks {
+    /// Chooses those with a row whose λ is not given.
+    pub fn find(&mut self, mechanism: &Mechanism, rows: &[JointRow<f64>]) {
+        let part = |link: &MechanismLink| LinkPart {
+            ends: link.ends(),
+            rows: link.rows.len() as u8,
+            is_held: rows[link.rows.clone()].iter().any(|row| row.given().is_none()),
+        };
+        self.next.clear();
+        self.next.extend(mechanism.links.iter().map(part));
+        if self.next == self.parts && self.moving == mechanism.moving {
+            return;
+        }
+        std::mem::swap(&mut self.next, &mut self.parts);
+        self.moving = mechanism.moving;
+        self.plan();
+    }
+
+    fn plan(&mut self) {
+        let held = (0..).zip(&self.parts).filter(|(_, part)| part.is_held);
+        let links: Vec<u32> = held.clone().map(|(link, _)| link).collect();
+        self.are_some_left_out = links.len() < self.parts.len();
+        if !self.are_some_left_out {
+            return;
+        }
+        let ends: Vec<[u32; 2]> = held.clone().map(|(_, part)| part.ends).collect();
+        let rows: Vec<u8> = held.map(|(_, part)| part.rows).collect();
+        let Couplings { order, elimination, list } = Couplings::of(&links_at(self.moving, &ends), &rows);
+        self.links.clear();
+        self.links.extend(order.iter().map(|&index| links[index as usize]));
+        (self.elimination, self.couplings) = (elimination, list);
+    }
+
+    /// Whether all links of the mechanism hold.
+    pub fn are_all(&self) -> bool {
+        !self.are_some_left_out
+    }
+
+    /// The order of elimination of those that hold, and which of them share members.
+    pub fn structure<'s>(&'s self, mechanism: &'s Mechanism) -> (&'s Elimination, &'s [Coupling]) {
+        if self.are_all() {
+            (&mechanism.elimination, &mechanism.couplings)
+        } else {
+            (&self.elimination, &self.couplings)
+        }
+    }
+
+    /// Those that hold, each with its place in that order and its index in the mechanism.
+    pub fn links<'s>(&'s self, mechanism: &'s Mechanism) -> impl Iterator<Item = (usize, usize, &'s MechanismLink)> {
+        let count = if self.are_all() { mechanism.links.len() } else { self.links.len() };
+        (0..count).map(|place| {
+            let index = self.index(place);
+            (place, index, &mechanism.links[index])
+        })
+    }
+
+    /// The rows of the link at a place, among those of all links.
+    pub fn rows(&self, mechanism: &Mechanism, place: u32) -> Range<usize> {
+        mechanism.links[self.index(place as usize)].rows.clone()
+    }
+
+    fn index(&self, place: usize) -> usize {
+        if self.are_all() { place } else { self.links[place] as usize }
+    }
+}
