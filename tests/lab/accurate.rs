@@ -158,3 +158,25 @@ fn a_step_too_long_is_cut_and_says_so() {
     assert!(cuts > 0);
     assert!(simulation.sample().bodies.iter().all(|body| body.position.is_finite()));
 }
+
+/// It hangs on strings that are almost straight, so that rows are nearly redundant.
+#[test]
+fn a_figure_on_strings_begins_without_many_cuts() {
+    let spec = scene("limbs", &[]);
+    let figure: Vec<usize> = (0..spec.bodies.len()).filter(|&body| spec.bodies[body].name.starts_with("ann")).collect();
+    assert!(figure.len() > 10);
+    let places_at = |hz: f64| {
+        let mut simulation = simulation(spec.clone(), hz);
+        let mut cuts = 0;
+        for _ in 0..(hz * 0.1).round() as u32 {
+            simulation.step();
+            cuts += simulation.world().resource::<StepStats>().cuts;
+        }
+        let bodies = simulation.sample().bodies;
+        (figure.iter().map(|&body| bodies[body].position).collect::<Vec<_>>(), cuts)
+    };
+    let ((places, cuts), (fine, _)) = (places_at(60.0), places_at(480.0));
+    assert!(cuts < 20, "{cuts} cuts");
+    let apart = places.iter().zip(&fine).map(|(one, other)| one.distance(*other)).fold(0.0, f64::max);
+    assert!(apart < 5e-4, "{apart} m from steps of an eighth");
+}

@@ -20,7 +20,13 @@ pub(super) const CHANGE_OVER_SQUARE: f64 = 1e-10;
 pub(super) const LEAST_CHANGE: f64 = 1e-18;
 /// Change in the last iteration, m or rad, from which on `gauss` has not converged although it got no smaller.
 pub(super) const GAUSS_UNCONVERGED: f64 = 1e-9;
-/// The same for `lockstep`.
+/// Share of a change that an iteration with a factor that is kept leaves, from which on λ creeps along rows that are nearly
+/// redundant,
+pub(super) const CREEPING_SHARE: f64 = 0.9;
+/// and change, m or rad, below which that is the end of the iterations. Seen by:
+/// `a_figure_on_strings_begins_without_many_cuts`.
+pub(super) const CREEPING_CHANGE: f64 = 1e-8;
+/// Change in the last iteration from which on `lockstep` has not converged.
 pub(super) const LOCKSTEP_UNCONVERGED: f64 = 1e-13;
 /// Change, m or rad, in an iteration up to which the next one keeps the factor of rows that may be redundant.
 pub(super) const KEEPS_FACTOR: f64 = 1e-6;

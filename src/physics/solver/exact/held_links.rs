@@ -96,3 +96,47 @@ impl HeldLinks {
         if self.are_all() { place } else { self.links[place] as usize }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::physics::joint::{Bound, Frame, JointDefinition, Laws};
+    use crate::physics::solver::exact::mechanism::MemberState;
+
+    /// A chain of four bodies.
+    fn chain() -> Mechanism {
+        let states = [MemberState::REST; 4];
+        let link = |ends: [u32; 2]| {
+            let frames = [Frame::at(Vector3::zeros()); 2];
+            let definition = JointDefinition { frames, translation: Laws::LOCKED, ..JointDefinition::default() };
+            MechanismLink::new(&definition, ends, ends.map(|end| &states[end as usize]), 0.0)
+        };
+        let links: Vec<MechanismLink> = [[0, 1], [1, 2], [2, 3]].map(link).into();
+        Mechanism::plan(4, false, &links).1
+    }
+
+    #[test]
+    fn a_link_whose_forces_are_given_couples_nothing() {
+        let mechanism = chain();
+        let mut rows = vec![JointRow::EMPTY; mechanism.rows()];
+        let mut held = HeldLinks::default();
+        held.find(&mechanism, &rows);
+        assert!(held.are_all() && held.structure(&mechanism).1.len() == 2);
+        let middle = mechanism.links.iter().position(|link| link.ends() == [1, 2]).expect("three links");
+        for given in [1, mechanism.links[middle].rows.len()] {
+            let own = &mut rows[mechanism.links[middle].rows.clone()];
+            own[..given].iter_mut().for_each(|row| row.bound = Bound::Within(0.0, 0.0));
+            held.find(&mechanism, &rows);
+            let is_left_out = given > 1;
+            let known: Vec<_> = held.links(&mechanism).map(|(place, index, _)| (place, index)).collect();
+            assert_eq!(known.iter().any(|(_, index)| *index == middle), !is_left_out);
+            assert!(known.iter().enumerate().all(|(at, (place, _))| at == *place));
+            assert_eq!(held.structure(&mechanism).1.len(), if is_left_out { 0 } else { 2 });
+        }
+        rows.iter_mut().for_each(|row| row.bound = Bound::None);
+        held.find(&mechanism, &rows);
+        assert!(held.are_all());
+    }
+}

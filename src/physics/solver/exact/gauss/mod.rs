@@ -26,7 +26,9 @@
 //!
 //! Rows that may be redundant are factored and solved from zero in each iteration, so that what is not unique depends on
 //! the pose alone, and the method of multipliers bounds what is hardly so, as in a loop that passes a flat pose. Where
-//! it shows that no row is nearly redundant, the last iterations keep the factor and correct λ.
+//! it shows that no row is nearly redundant, the last iterations keep the factor and correct λ. Where some row is so after
+//! all, each of them adds the same to λ along it, and would for hundreds of iterations: what that still changes of the motion
+//! is less than what the bound leaves out, so that it is an end of the iterations, too.
 //!
 //! A spring has rows of its own, λ + kC + cĊ = 0 in place of the second line; its softness
 //! 1/(k h² L_ii + c h a_ii) goes on the diagonal of J M̃⁻¹ Jᵀ. At its largest force the size of
@@ -37,8 +39,8 @@ mod coupling;
 use nalgebra::{Matrix3, SVector, UnitQuaternion, Vector3, Vector4};
 
 use super::constants::{
-    CHANGE_OVER_SQUARE, CLEAR, DIVERGED, ENOUGH_OF_A_CORRECTION, GAUSS_ITERATIONS, GAUSS_SOFT, GAUSS_UNCONVERGED,
-    KEEPS_FACTOR, LEAST_CHANGE, NORMAL, SLACK, UNRESOLVED,
+    CHANGE_OVER_SQUARE, CLEAR, CREEPING_CHANGE, CREEPING_SHARE, DIVERGED, ENOUGH_OF_A_CORRECTION, GAUSS_ITERATIONS,
+    GAUSS_SOFT, GAUSS_UNCONVERGED, KEEPS_FACTOR, LEAST_CHANGE, NORMAL, SLACK, UNRESOLVED,
 };
 use super::mechanism::{InverseMass, Mechanism, MemberState, RowSpring};
 use super::rotation::{exponential, exponential_less_one, inverse_dexp};
@@ -302,7 +304,11 @@ impl<const S: usize> Gauss<S> {
             share = change / before;
             let is_converged = count > 1 && (change * share / (1.0 - share).max(0.1) <= least || change == 0.0);
             // Rounding leaves a change that does not fall.
-            let is_stalled = count > 3 && share > 0.5 && change < GAUSS_UNCONVERGED;
+            let is_rounding = share > 0.5 && change < GAUSS_UNCONVERGED;
+            // With a factor that is kept, λ creeps along rows that are nearly redundant after all, by the same in each iteration.
+            let has_kept = mechanism.may_be_singular && !from_zero;
+            let creeps = has_kept && share > CREEPING_SHARE && change < CREEPING_CHANGE;
+            let is_stalled = count > 3 && (is_rounding || creeps);
             if is_converged || is_stalled {
                 self.finish(mechanism, h);
                 self.remember(h);
