@@ -33,6 +33,7 @@ mod linear {
     pub mod elimination;
     pub mod layout;
     pub mod ldl;
+    pub mod ordering;
     pub mod pivot;
 }
 

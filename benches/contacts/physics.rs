@@ -35,6 +35,7 @@ pub mod linear {
     mod layout;
     mod ldl;
     mod lu;
+    mod ordering;
     mod pivot;
 
     pub(crate) use elimination::Elimination;

@@ -1,14 +1,12 @@
 //! The symbolic half: the order of elimination, and which blocks of the factor are not zero.
 //!
-//! Block rows, one a node of a graph, are eliminated by least degree (Tinney & Walker 1967; George & Liu 1989): the node
-//! with the fewest neighbours left goes first, and its neighbours become neighbours of each other. A tree is eliminated
-//! from its leaves, without fill.
+//! Block rows, one a node of a graph, are eliminated in the order of [`ordering`](super::ordering). A node's neighbours
+//! become neighbours of each other as it goes.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 use std::ops::Range;
 
 use super::layout::{Layout, MOST_ROWS, Mixed, Uniform};
+use super::ordering::{self, Order};
 
 /// Order of elimination and the blocks of each column of the factor.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -68,39 +66,8 @@ impl Elimination {
     /// blocks.
     pub fn new(rows: &[u8], edges: impl Iterator<Item = [u32; 2]>, most: usize) -> Option<Self> {
         assert!(rows.iter().all(|&rows| (1..=MOST_ROWS).contains(&usize::from(rows))), "blocks have 1 to 6 rows");
-        let count = rows.len();
-        let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); count];
-        for [a, b] in edges {
-            link(&mut neighbours, a, b);
-            link(&mut neighbours, b, a);
-        }
-        let mut place = vec![u32::MAX; count];
-        let mut columns = Vec::with_capacity(count);
-        let mut products = 0;
-        // By degree; of nodes whose degree has changed, older entries are passed over.
-        let entry = |node: u32, neighbours: &[Vec<u32>]| Reverse((neighbours[node as usize].len(), node));
-        let mut queue: BinaryHeap<_> = (0..count as u32).map(|node| entry(node, &neighbours)).collect();
-        while let Some(Reverse((degree, node))) = queue.pop() {
-            if place[node as usize] != u32::MAX || neighbours[node as usize].len() != degree {
-                continue;
-            }
-            place[node as usize] = columns.len() as u32;
-            let column = std::mem::take(&mut neighbours[node as usize]);
-            products += column.len() * (column.len() + 3) / 2;
-            if products > most {
-                return None;
-            }
-            for (index, &one) in column.iter().enumerate() {
-                neighbours[one as usize].retain(|&other| other != node);
-                for &other in &column[..index] {
-                    link(&mut neighbours, one, other);
-                    link(&mut neighbours, other, one);
-                }
-            }
-            queue.extend(column.iter().map(|&node| entry(node, &neighbours)));
-            columns.push(column);
-        }
-        let mut elimination = Self::of_columns(place, columns);
+        let order = ordering::find(rows.len(), edges, most)?;
+        let mut elimination = Self::of_columns(order);
         elimination.sizes = match rows.first() {
             Some(3) if rows.iter().all(|&rows| rows == 3) => Sizes::Three,
             Some(6) | None if rows.iter().all(|&rows| rows == 6) => Sizes::Six,
@@ -109,7 +76,7 @@ impl Elimination {
         Some(elimination)
     }
 
-    fn of_columns(place: Vec<u32>, mut columns: Vec<Vec<u32>>) -> Self {
+    fn of_columns(Order { place, mut columns }: Order) -> Self {
         let mut elimination = Self { place, starts: vec![0], ..Self::default() };
         for column in &mut columns {
             column.iter_mut().for_each(|node| *node = elimination.place[*node as usize]);
@@ -225,12 +192,4 @@ fn starts(sizes: impl Iterator<Item = u32>) -> Vec<u32> {
         Some(*sum)
     });
     std::iter::once(0).chain(sums).collect()
-}
-
-/// Adds `b` to the neighbours of `a`.
-fn link(neighbours: &mut [Vec<u32>], a: u32, b: u32) {
-    let list = &mut neighbours[a as usize];
-    if !list.contains(&b) {
-        list.push(b);
-    }
 }

@@ -23,6 +23,7 @@ mod elimination;
 mod layout;
 mod ldl;
 mod lu;
+mod ordering;
 mod pivot;
 #[cfg(test)]
 mod tests;
