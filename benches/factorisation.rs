@@ -37,6 +37,13 @@ mod linear {
     pub mod pivot;
 }
 
+// Its tests do not run here, so that what they import is unused.
+#[allow(dead_code, unused_imports)]
+#[path = "../src/physics"]
+mod physics {
+    pub mod bit_set;
+}
+
 /// Added to the diagonal of J M⁻¹ Jᵀ, as the exact method does where loops make rows redundant.
 const SHIFT: f64 = 1e-6;
 /// Weight ρ of the rows of contacts over a body's mass, as in the direct method.

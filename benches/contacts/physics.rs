@@ -1,6 +1,8 @@
 //! Plumb's solver and factorisation, which stand on their own: compiled into this benchmark, so that nothing of them need be
 //! public. The folders' own `mod.rs` name tests too, which stand on more.
 
+#[path = "../../src/physics/bit_set.rs"]
+mod bit_set;
 #[path = "../../src/physics/refill.rs"]
 mod refill;
 #[path = "../../src/physics/solve_trace.rs"]

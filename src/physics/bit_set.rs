@@ -56,6 +56,19 @@ impl BitSet {
         self.words.iter().all(|&word| word == 0)
     }
 
+    /// Puts all of another in.
+    pub fn add(&mut self, other: &Self) {
+        if self.words.len() < other.words.len() {
+            self.words.resize(other.words.len(), 0);
+        }
+        self.words.iter_mut().zip(&other.words).for_each(|(word, other)| *word |= other);
+    }
+
+    /// How many are in it and in another.
+    pub fn common(&self, other: &Self) -> u32 {
+        self.words.iter().zip(&other.words).map(|(word, other)| (word & other).count_ones()).sum()
+    }
+
     /// All of it, ascending.
     pub fn iter(&self) -> impl Iterator<Item = u32> + Clone + '_ {
         ones(&self.words)
@@ -145,6 +158,11 @@ mod tests {
             assert_eq!(set.in_neither(&fives, 64..count.max(64)).collect::<Vec<_>>(), neither);
             assert_eq!((set.len() as usize, set.is_empty()), (present.len(), present.is_empty()));
             assert!((0..count + 99).all(|index| set.contains(index) == (index < count && in_it(index))));
+            let both = present.iter().filter(|&&index| fives.contains(index)).count();
+            assert_eq!((set.common(&fives), fives.common(&set)), (both as u32, both as u32));
+            let mut sum = BitSet::default();
+            [&fives, &set, &none].into_iter().for_each(|set| sum.add(set));
+            assert!((0..count).all(|index| sum.contains(index) == (in_it(index) || index.is_multiple_of(5))));
             present.iter().for_each(|&index| set.set(index, false));
             assert_eq!((set.len(), set.in_neither(&none, 0..count).count()), (0, count as usize));
         }

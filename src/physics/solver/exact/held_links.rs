@@ -24,7 +24,7 @@ pub(super) struct HeldLinks {
     parts: Vec<LinkPart>,
     next: Vec<LinkPart>,
     moving: usize,
-    are_some_left_out: bool,
+    are_all: bool,
     /// The link at each place.
     links: Vec<u32>,
     elimination: Elimination,
@@ -52,8 +52,8 @@ impl HeldLinks {
     fn plan(&mut self) {
         let held = (0..).zip(&self.parts).filter(|(_, part)| part.is_held);
         let links: Vec<u32> = held.clone().map(|(link, _)| link).collect();
-        self.are_some_left_out = links.len() < self.parts.len();
-        if !self.are_some_left_out {
+        self.are_all = links.len() == self.parts.len();
+        if self.are_all {
             return;
         }
         let ends: Vec<[u32; 2]> = held.clone().map(|(_, part)| part.ends).collect();
@@ -66,21 +66,17 @@ impl HeldLinks {
 
     /// Whether all links of the mechanism hold.
     pub fn are_all(&self) -> bool {
-        !self.are_some_left_out
+        self.are_all
     }
 
     /// The order of elimination of those that hold, and which of them share members.
     pub fn structure<'s>(&'s self, mechanism: &'s Mechanism) -> (&'s Elimination, &'s [Coupling]) {
-        if self.are_all() {
-            (&mechanism.elimination, &mechanism.couplings)
-        } else {
-            (&self.elimination, &self.couplings)
-        }
+        if self.are_all { (&mechanism.elimination, &mechanism.couplings) } else { (&self.elimination, &self.couplings) }
     }
 
     /// Those that hold, each with its place in that order and its index in the mechanism.
     pub fn links<'s>(&'s self, mechanism: &'s Mechanism) -> impl Iterator<Item = (usize, usize, &'s MechanismLink)> {
-        let count = if self.are_all() { mechanism.links.len() } else { self.links.len() };
+        let count = if self.are_all { mechanism.links.len() } else { self.links.len() };
         (0..count).map(|place| {
             let index = self.index(place);
             (place, index, &mechanism.links[index])
@@ -93,7 +89,7 @@ impl HeldLinks {
     }
 
     fn index(&self, place: usize) -> usize {
-        if self.are_all() { place } else { self.links[place] as usize }
+        if self.are_all { place } else { self.links[place] as usize }
     }
 }
 

@@ -3,12 +3,14 @@
 //! Two greedy rules of Tinney & Walker (1967): the node goes first whose neighbours lack the fewest links among each other
 //! (least fill), or the one with the fewest neighbours (least degree; George & Liu 1989). Both eliminate a tree from its
 //! leaves, without fill. Least fill makes half the products of the other in nets, and a tenth less in heaps, but looks at all
-//! neighbours of neighbours at each node: it is taken while the links fit in a small table of bits.
+//! neighbours of neighbours at each node: it is taken while a bit for each two nodes is little.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Nodes up to which the order is by least fill: the table has a bit for each two of them.
+use crate::physics::bit_set::BitSet;
+
+/// Nodes up to which the order is by least fill: there may be a bit for each two of them.
 const MOST_BY_FILL: usize = 4096;
 
 /// An order of elimination.
@@ -50,12 +52,8 @@ impl Progress {
     }
 }
 
-/// Links between nodes, a bit each.
-struct LinkTable {
-    /// Words of a node.
-    words: usize,
-    bits: Vec<u64>,
-}
+/// The neighbours of each node.
+struct Neighbours(Vec<BitSet>);
 
 /// What a node is chosen by: the least goes first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -66,78 +64,52 @@ struct Rank {
     node: u32,
 }
 
-impl LinkTable {
+impl Neighbours {
     fn new(count: usize, edges: impl Iterator<Item = [u32; 2]>) -> Self {
-        let words = count.div_ceil(64);
-        let mut table = Self { words, bits: vec![0; count * words] };
+        let mut sets = vec![BitSet::default(); count];
         for [a, b] in edges {
-            table.of_mut(a)[b as usize / 64] |= 1 << (b % 64);
-            table.of_mut(b)[a as usize / 64] |= 1 << (a % 64);
+            sets[a as usize].set(b, true);
+            sets[b as usize].set(a, true);
         }
-        table
-    }
-
-    fn of(&self, node: u32) -> &[u64] {
-        &self.bits[node as usize * self.words..][..self.words]
-    }
-
-    fn of_mut(&mut self, node: u32) -> &mut [u64] {
-        &mut self.bits[node as usize * self.words..][..self.words]
+        Self(sets)
     }
 
     fn rank(&self, node: u32) -> Rank {
-        let own = self.of(node);
-        let neighbours = own.iter().map(|word| word.count_ones()).sum::<u32>();
-        let common = |other: u32| -> u32 {
-            self.of(other).iter().zip(own).map(|(theirs, own)| (theirs & own).count_ones()).sum()
-        };
-        let links: u32 = nodes(own).map(common).sum();
+        let own = &self.0[node as usize];
+        let neighbours = own.len();
+        let links: u32 = own.iter().map(|other| self.0[other as usize].common(own)).sum();
         Rank { missing: (neighbours * neighbours.saturating_sub(1) - links) / 2, neighbours, node }
     }
 
-    /// Links the neighbours of a node to each other, and none to it any more. Adds their neighbours to `near`.
-    fn eliminate(&mut self, node: u32, near: &mut Vec<u64>) {
-        let own = self.of(node).to_vec();
-        near.clone_from(&own);
-        for one in nodes(&own) {
-            let theirs = self.of_mut(one);
-            theirs.iter_mut().zip(&own).for_each(|(theirs, own)| *theirs |= own);
-            for gone in [one, node] {
-                theirs[gone as usize / 64] &= !(1 << (gone % 64));
-            }
-            near.iter_mut().zip(&*theirs).for_each(|(near, theirs)| *near |= theirs);
+    /// Makes the neighbours of a node each other's, and no more its own. All whose ranks that may change: these and their
+    /// neighbours.
+    fn eliminate(&mut self, node: u32) -> BitSet {
+        let own = std::mem::take(&mut self.0[node as usize]);
+        let mut near = own.clone();
+        for one in own.iter() {
+            let theirs = &mut self.0[one as usize];
+            theirs.add(&own);
+            [one, node].into_iter().for_each(|gone| theirs.set(gone, false));
+            near.add(theirs);
         }
+        near
     }
 }
 
-/// The nodes whose bits are set.
-fn nodes(bits: &[u64]) -> impl Iterator<Item = u32> {
-    bits.iter().zip(0..).flat_map(|(&word, index)| {
-        let mut left = word;
-        std::iter::from_fn(move || {
-            let bit = (left != 0).then(|| left.trailing_zeros())?;
-            left &= left - 1;
-            Some(64 * index + bit)
-        })
-    })
-}
-
 fn least_fill(count: usize, edges: impl Iterator<Item = [u32; 2]>, most: usize) -> Option<Order> {
-    let mut table = LinkTable::new(count, edges);
-    let mut ranks: Vec<Rank> = (0..count as u32).map(|node| table.rank(node)).collect();
+    let mut neighbours = Neighbours::new(count, edges);
+    let mut ranks: Vec<Rank> = (0..count as u32).map(|node| neighbours.rank(node)).collect();
     // Of nodes whose rank has changed, older entries are passed over.
     let mut queue: BinaryHeap<_> = ranks.iter().copied().map(Reverse).collect();
     let mut progress = Progress::new(count, most);
-    let mut near = Vec::new();
     while let Some(Reverse(rank)) = queue.pop() {
         let node = rank.node;
         if progress.is_gone(node) || ranks[node as usize] != rank {
             continue;
         }
-        progress.add(node, nodes(table.of(node)).collect())?;
-        table.eliminate(node, &mut near);
-        for one in nodes(&near) {
-            let now = table.rank(one);
+        progress.add(node, neighbours.0[node as usize].iter().collect())?;
+        for one in neighbours.eliminate(node).iter() {
+            let now = neighbours.rank(one);
             if now != std::mem::replace(&mut ranks[one as usize], now) {
                 queue.push(Reverse(now));
             }
