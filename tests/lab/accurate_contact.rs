@@ -66,6 +66,23 @@ fn a_heap_of_balls_neither_overlaps_nor_loses_energy() {
     assert!(bouncing.error <= 1e-6, "{:e} J2", bouncing.error);
 }
 
+/// Each half of a step starts from forces that leave nothing over, so that a step at rest takes no factorisation: mostly, as
+/// rounding adds up.
+#[test]
+fn what_rests_is_seldom_solved_anew() {
+    for (name, parameters) in [("pyramid", &[("n", 8.0)][..]), ("arch", &[]), ("card_house", &[])] {
+        let mut simulation = simulation(scene(name, parameters), 60.0);
+        let mut solves = Vec::new();
+        for _ in 0..120 {
+            simulation.step();
+            let stats = simulation.world().resource::<StepStats>();
+            solves.push(stats.row_updates / u64::from(stats.rows.max(1)));
+        }
+        let late: u64 = solves[60..].iter().sum();
+        assert!(late <= 40, "{name}: {late} factorisations in 60 steps: {solves:?}");
+    }
+}
+
 /// Between edges of hulls some solves do not come to their end, and what they leave is not to fling bodies.
 #[test]
 fn what_is_not_settled_flings_nothing() {

@@ -218,6 +218,11 @@ pub(super) const MOST_LANDINGS: u32 = 1_000;
 pub(super) const MOST_TRIALS: usize = 80;
 /// Residual of a contact point that is asked for, m/s,
 pub(super) const TOLERANCE: f64 = 1e-10;
+/// the share of it that is asked for of velocities where no body is faster than that, m/s, and impulses of both halves of a
+/// step differ by no more: what is left over would add up from step to step until it has to be solved for again (*speed*,
+/// `pyramid`; `what_rests_is_seldom_solved_anew`),
+pub(super) const STILL_SHARE: f64 = 0.1;
+pub(super) const STILL_SPEED: f64 = 1e-6;
 /// and the one where the work of a step is spent.
 pub(super) const ROUGH_TOLERANCE: f64 = 1e-5;
 /// Residual, m/s, that is enough where points contradict each other.
@@ -226,6 +231,8 @@ pub(super) const SETTLED: f64 = 1e-8;
 pub(super) const WORTH_STALLING: f64 = 1e-5;
 /// Residual that is asked for in a first forecast, m/s,
 pub(super) const FORECAST_TOLERANCE: f64 = 1e-3;
+/// less by the square of the fastest speed up to this one, m/s,
+pub(super) const SLOW_SPEED: f64 = 1e-3;
 /// and share of a forecast's error, over the step, that is asked for in the next.
 pub(super) const FORECAST_SHARE: f64 = 0.02;
 /// Factorisations that a step may take here, whatever the number of points.

@@ -113,13 +113,16 @@ impl ExactGroup {
             (root..own.len()).filter(|&body| roots[body] as usize == root).map(|body| own[body]).collect()
         };
         let stalled = self.contact_groups.iter().map(ContactGroup::stalled).fold(0.0, f64::max);
-        self.contact_groups.clear();
+        // By the first of their bodies, ascending.
+        let mut kept: Vec<_> = self.contact_groups.drain(..).map(|group| (group.moving()[0], Some(group))).collect();
         for root in (0..own.len()).filter(|&root| roots[root] as usize == root && !left_alone[root]) {
             let is_own = |bodies: [u32; 2]| root_of(bodies) == Some(root as u32);
             let of_joint = |joint: &&u32| is_own([joints.list[**joint as usize].a, joints.list[**joint as usize].b]);
             let links = links.iter().filter(of_joint).copied().collect();
             let pairs: Vec<_> = pairs.iter().filter(|PairKey { pair, .. }| is_own([pair.a, pair.b])).copied().collect();
-            let group = ContactGroup::new(members_of(root), links, &pairs, bodies, joints, time);
+            let group = kept.binary_search_by_key(&own[root], |(first, _)| *first).ok();
+            let group = group.and_then(|place| kept[place].1.take()).unwrap_or_default();
+            let group = group.plan(members_of(root), links, &pairs, bodies, joints, time);
             self.contact_groups.push(group.after_stalled(stalled));
         }
         self.free.clear();

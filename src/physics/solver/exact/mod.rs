@@ -167,5 +167,5 @@ fn solve_exactly(
         let groups = list.iter().flat_map(ExactGroup::contact_groups);
         hard.take_in(stats.steps + 1, groups.flat_map(ContactGroup::hardest));
     }
-    graph.keep_forces(list.iter().flat_map(ExactGroup::contact_groups).flat_map(ContactGroup::last_forces));
+    graph.keep_forces(list.iter().flat_map(ExactGroup::contact_groups).flat_map(ContactGroup::next_forces));
 }

@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 use super::super::bodies::{links_of, member, place_in, put, state_of};
 use super::super::constants::{
     ENERGY_GAINED, FIRST_GROWTH, GROWTH_AFTER_CUT, LANDED, LEAST_BOUNCE, LEAST_GROWTH, MISSED, MOST_LANDINGS,
-    MOST_TRIALS, NO_ENERGY, ROUGH_STEP, ROUGH_TOLERANCE, SHORTEST_STEP, TOLERANCE, TOUCHING,
+    MOST_TRIALS, NO_ENERGY, ROUGH_STEP, ROUGH_TOLERANCE, SHORTEST_STEP, STILL_SPEED, TOLERANCE, TOUCHING,
 };
 use super::super::mechanism::{MechanismLink, Member, MemberState, number_rows};
 use super::super::stepper::StepEffort;
@@ -45,6 +45,8 @@ struct PointLoad {
     impulse: Vector3<f64>,
     /// Force of the last solve that had the point, N on B.
     last: Vector3<f64>,
+    /// The force that the next step starts from, N on B: see [`start_of_next`].
+    next: Vector3<f64>,
     /// The point in that solve.
     point: GapPoint,
 }
@@ -145,8 +147,10 @@ impl Stride {
 }
 
 impl ContactGroup {
-    /// Of those bodies that move, joints and pairs, by their indices in the world.
-    pub fn new(
+    /// Of those bodies that move, joints and pairs, by their indices in the world; with the buffers of another, and where that
+    /// was of the same bodies its order of elimination.
+    pub fn plan(
+        mut self,
         moving: Vec<u32>,
         joints: Vec<u32>,
         pairs: &[PairKey],
@@ -154,18 +158,23 @@ impl ContactGroup {
         all_joints: &Joints,
         time: f64,
     ) -> Self {
-        let mut bodies = moving;
-        let moving = bodies.len();
-        let mut place = |body: u32| place_in(&mut bodies, moving, body);
+        self.bodies = moving;
+        let moving = self.bodies.len();
+        self.moving = moving;
+        let mut place = |body: u32| place_in(&mut self.bodies, moving, body);
         let pair = |&key: &PairKey| {
             // What their surfaces are like is taken in with the state.
             let ends = [place(key.pair.a), place(key.pair.b)];
             ReachablePair { key, ends, surface: SurfaceMaterial::default() }
         };
-        let pairs = pairs.iter().map(pair).collect();
-        let (joints, mut links) = links_of(&joints, all_joints, all_bodies, time, place);
-        number_rows(&mut links);
-        Self { bodies, moving, joints, links, pairs, ..Self::default() }
+        self.pairs.clear();
+        self.pairs.extend(pairs.iter().map(pair));
+        (self.joints, self.links) = links_of(&joints, all_joints, all_bodies, time, place);
+        number_rows(&mut self.links);
+        // Of other joints and points these say nothing.
+        self.gaps = JointGaps::default();
+        (self.smooth.velocities.stalled, self.impacts.solver.stalled) = (0.0, 0.0);
+        self
     }
 
     /// Residual, m/s, that its solves for positions lately could not get below.
@@ -310,7 +319,7 @@ impl ContactGroup {
         let Self { members, moving, links, pairs, points, states, impacts, loads, joint_loads, .. } = self;
         let view = GroupView { members, moving: *moving, links };
         impacts.pass(view, time, pairs, points, least, may_bounce, states, |held, solver| {
-            add_up(links, held, solver, loads, joint_loads, None);
+            add_up(links, held, solver, loads, joint_loads, |_, _| None);
         });
     }
 
@@ -460,13 +469,18 @@ impl ContactGroup {
 
     /// Makes the end of the smooth step the state.
     fn commit(&mut self, h: f64) {
-        let Self { smooth, states, loads, joint_loads, links, effort, .. } = self;
+        let Self { smooth, states, members, moving, loads, joint_loads, links, effort, .. } = self;
         effort.jammed += smooth.jammed;
         effort.unsettled += u32::from(!smooth.is_settled());
         states.clone_from(&smooth.end);
-        for (solver, held) in [(&smooth.positions, &smooth.held.list), (&smooth.velocities, &smooth.held_at_end)] {
-            add_up(links, held, solver, loads, joint_loads, Some(0.5 * h));
-        }
+        let (rate, SmoothStep { positions, held, .. }) = (2.0 / h, &*smooth);
+        add_up(links, &held.list, positions, loads, joint_loads, |_, impulse| Some([impulse * rate; 2]));
+        add_up(links, &smooth.held_at_end, &smooth.velocities, loads, joint_loads, |point, impulse| {
+            let first = held.position(point).map_or(impulse, |known| &positions.impulses.contacts[known]);
+            let moving = point.ends.into_iter().map(|end| end as usize).filter(|end| end < moving);
+            let lighter = moving.map(|end| members[end].mass).fold(f64::INFINITY, f64::min);
+            Some([impulse * rate, start_of_next(first, impulse, lighter) * rate])
+        });
         for (sum, load) in joint_loads.iter_mut().zip(&smooth.spring_loads) {
             *sum = sum.plus(load, h);
         }
@@ -523,33 +537,44 @@ impl ContactGroup {
         forces
     }
 
-    /// The last forces on each pair's points.
-    pub fn last_forces(&self) -> impl Iterator<Item = (PairKey, impl Iterator<Item = (FeatureId, Vector3<f64>)>)> {
+    /// The forces on each pair's points that the next step starts from.
+    pub fn next_forces(&self) -> impl Iterator<Item = (PairKey, impl Iterator<Item = (FeatureId, Vector3<f64>)>)> {
         self.pairs.iter().enumerate().map(move |(index, pair)| {
-            let last = move |point: &GapPoint| self.loads.get(&(index as u32, point.feature)).map(|load| load.last);
+            let next = move |point: &GapPoint| self.loads.get(&(index as u32, point.feature)).map(|load| load.next);
             let points = self.smooth.points.of(index).iter();
-            let points = points.map(move |point| (point.feature, last(point).unwrap_or_else(Vector3::zeros)));
+            let points = points.map(move |point| (point.feature, next(point).unwrap_or_else(Vector3::zeros)));
             (pair.key, points)
         })
     }
 }
 
-/// Adds the impulses of a solve to the loads. Those of a solve over a time, s, are the last forces, too.
+/// What the next step starts from, of the impulses of both halves of a smooth step on a body of that mass, kg: their mean,
+/// where they differ by as little as those of something that rests.
+///
+/// That would never come to rest by the second alone: it makes good what the first misses, v½, and as the first of the next
+/// step it would miss −v½.
+fn start_of_next(first: &Vector3<f64>, second: &Vector3<f64>, mass: f64) -> Vector3<f64> {
+    if (first - second).norm() <= STILL_SPEED * mass { (first + second) * 0.5 } else { *second }
+}
+
+/// Adds the impulses of a solve to the loads. Of a solve over a time `forces` are the last, and what the next step starts
+/// from, N.
 fn add_up(
     links: &[MechanismLink],
     held: &[GapPoint],
     solver: &GroupSolver,
     loads: &mut PointLoads,
     joint_impulses: &mut [Wrench<f64>],
-    time: Option<f64>,
+    forces: impl Fn(&GapPoint, &Vector3<f64>) -> Option<[Vector3<f64>; 2]>,
 ) {
     for (point, impulse) in held.iter().zip(&solver.impulses.contacts) {
-        let nothing = || PointLoad { impulse: Vector3::zeros(), last: Vector3::zeros(), point: point.clone() };
+        let zero = Vector3::zeros();
+        let nothing = || PointLoad { impulse: zero, last: zero, next: zero, point: point.clone() };
         let load = loads.entry((point.pair, point.feature)).or_insert_with(nothing);
         load.impulse += impulse;
         load.point.clone_from(point);
-        if let Some(time) = time {
-            load.last = impulse / time;
+        if let Some(forces) = forces(point, impulse) {
+            [load.last, load.next] = forces;
         }
     }
     joint_impulses.iter_mut().zip(solver.loads(links)).for_each(|(sum, impulse)| *sum = sum.plus(&impulse, 1.0));

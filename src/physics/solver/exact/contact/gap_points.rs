@@ -68,6 +68,13 @@ impl GapPoints {
         Self { starts: vec![0, list.len() as u32], list }
     }
 
+    /// Leaves none of so many pairs.
+    pub fn clear(&mut self, pairs: usize) {
+        self.list.clear();
+        self.starts.clear();
+        self.starts.resize(pairs + 1, 0);
+    }
+
     pub fn of(&self, pair: usize) -> &[GapPoint] {
         &self.list[self.starts[pair] as usize..self.starts[pair + 1] as usize]
     }

@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::super::constants::{
-    LATE_FACTORISATIONS, LATE_SOLVE, MOST_FACTORISATIONS, MOST_POINT_FACTORISATIONS, SETTLED, SLIDING, TOUCHING,
-    WORTH_STALLING,
+    LATE_FACTORISATIONS, LATE_SOLVE, MOST_FACTORISATIONS, MOST_POINT_FACTORISATIONS, SETTLED, SLIDING, TOLERANCE,
+    TOUCHING, WORTH_STALLING,
 };
 use super::super::mechanism::{InverseMass, MechanismLink, Member, MemberState, place_rows};
 use super::super::row_mode::RowLaw;
@@ -257,7 +257,7 @@ impl GroupSolver {
             hardest.end(&self.bodies, &self.contacts, &self.joints, &self.bias, told);
         }
         match outcome.end {
-            ConeEnd::Enough => self.stalled = SETTLED,
+            ConeEnd::Enough if outcome.residual > TOLERANCE => self.stalled = SETTLED,
             ConeEnd::Bounded if outcome.residual < WORTH_STALLING => self.stalled = outcome.residual,
             _ if outcome.steps > 0 => self.stalled *= 0.5,
             _ => {}

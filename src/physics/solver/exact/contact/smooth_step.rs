@@ -22,8 +22,8 @@ use nalgebra::Vector3;
 
 use super::super::constants::{
     FLICKERING_ERROR, FLICKERING_STALLS, FORECAST_ERROR, FORECAST_PATIENCE, FORECAST_SHARE, FORECAST_TOLERANCE,
-    FORESEEN_SPEED, FORESEEN_SPEEDS, LEAST_THROWN, MOST_FORECASTS, PROGRESS, SETTLED, STALLED_ERROR, THROWN, TOUCHING,
-    UNFORESEEN, UNSOLVED,
+    FORESEEN_SPEED, FORESEEN_SPEEDS, LEAST_THROWN, MOST_FORECASTS, PROGRESS, SETTLED, SLOW_SPEED, STALLED_ERROR,
+    STILL_SHARE, STILL_SPEED, THROWN, TOUCHING, UNFORESEEN, UNSOLVED,
 };
 use super::super::mechanism::{InverseMass, MemberState, RowSpring, place_rows};
 use super::super::row_mode::RowLaw;
@@ -221,6 +221,8 @@ impl SmoothStep {
         self.end.extend_from_slice(start);
         self.spring_loads.clear();
         self.spring_loads.resize(given.view.links.len(), Wrench::zero());
+        // Where no forecast is flown there are none: those found last may be of other pairs.
+        self.points.clear(given.pairs.len());
         self.kick(given, given.time);
         self.kicked.clone_from(&self.end);
         self.foresee_limits(given);
@@ -234,9 +236,16 @@ impl SmoothStep {
         self.positions.impulses.contacts.clear();
         self.positions.impulses.contacts.extend(held.iter().map(|point| start_force(point) * (0.5 * given.h)));
         self.positions.start_from(given.view, given.loads, 0.5 * given.h);
-        self.hold_places(given, bodies, search);
+        let moving = start.iter().zip(&*bodies).take(given.view.moving);
+        let speeds = moving.map(|(state, body)| state.linear.norm() + state.angular.norm() * body.radius);
+        let fastest = speeds.fold(0.0, f64::max);
+        // What is slow comes as foreseen, and no second forecast would bring what the first solve leaves.
+        let share = if fastest <= SLOW_SPEED { fastest * fastest } else { 1.0 };
+        let tolerance = share * FORECAST_TOLERANCE;
+        self.hold_places(given, bodies, search, tolerance);
         self.kick(given, given.time + given.h);
-        self.hold_velocities(given);
+        let share = if fastest <= STILL_SPEED { STILL_SHARE } else { 1.0 };
+        self.hold_velocities(given, share * given.tolerance);
         self.is_true &= self.velocities.residual * given.closing <= UNSOLVED;
     }
 
@@ -293,17 +302,23 @@ impl SmoothStep {
         }));
     }
 
-    fn hold_places(&mut self, given: &SmoothTerms, bodies: &mut [Body], search: &mut PointSearch) {
+    fn hold_places(&mut self, given: &SmoothTerms, bodies: &mut [Body], search: &mut PointSearch, tolerance: f64) {
         // An error that cannot be closed, as of a chain that is stretched too far, is left as it is.
         let is_open = self.held.list.iter().any(|point| point.gap < -STALLED_ERROR)
             || rigid(&self.positions.rows).any(|(row, told)| overlap(self.positions.laws[row], told) > STALLED_ERROR);
-        self.is_true = self.forecast(given, bodies, search, 1.0)
-            || is_open && !given.is_rough && self.forecast(given, bodies, search, 0.0);
+        self.is_true = self.forecast(given, bodies, search, (1.0, tolerance))
+            || is_open && !given.is_rough && self.forecast(given, bodies, search, (0.0, tolerance));
     }
 
     /// Solves for positions until the forecast is what free motion makes of it. `closed` is the share of the errors at
-    /// the start that is closed. Whether the forecast came true.
-    fn forecast(&mut self, given: &SmoothTerms, bodies: &mut [Body], search: &mut PointSearch, closed: f64) -> bool {
+    /// the start that is closed, and the first solve is to a residual of `tolerance`, m/s. Whether the forecast came true.
+    fn forecast(
+        &mut self,
+        given: &SmoothTerms,
+        bodies: &mut [Body],
+        search: &mut PointSearch,
+        (closed, tolerance): (f64, f64),
+    ) -> bool {
         let h = given.h;
         self.gains.clear();
         self.gains.extend(self.held.list.iter().map(|point| given.point_gain(point, closed)));
@@ -313,7 +328,7 @@ impl SmoothStep {
         self.mixing.forget();
         // No solve need be better than its forecast: of points that are redundant, a forecast that is wrong makes points that
         // contradict each other, which only hundreds of iterations bring to the last digits.
-        let mut tolerance = if given.is_rough { given.tolerance } else { given.tolerance.max(FORECAST_TOLERANCE) };
+        let mut tolerance = if given.is_rough { given.tolerance } else { given.tolerance.max(tolerance) };
         let (mut progress, mut is_last) = (Progress::NONE, false);
         let mut enough = 0.0;
         for count in 1..=MOST_FORECASTS {
@@ -496,7 +511,7 @@ impl SmoothStep {
         [largest(0..known), largest(known..self.counts.len())]
     }
 
-    fn hold_velocities(&mut self, given: &SmoothTerms) {
+    fn hold_velocities(&mut self, given: &SmoothTerms, tolerance: f64) {
         let Self { velocities, positions, held: before, held_at_end: held, end, points, gains, row_gains, .. } = self;
         held.clear();
         let is_held = |point: &&GapPoint| !given.free[point.pair as usize] && point.gap <= TOUCHING;
@@ -514,7 +529,7 @@ impl SmoothStep {
         velocities.impulses.contacts.clear();
         velocities.impulses.contacts.extend(held.iter().map(start_force));
         velocities.row_impulses.clone_from(&positions.row_impulses);
-        velocities.solve(end, gains, row_gains, given.tolerance, 0.0);
+        velocities.solve(end, gains, row_gains, tolerance, 0.0);
     }
 }
 
