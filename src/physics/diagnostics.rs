@@ -66,7 +66,8 @@ fn measure(
     let mut sum = Diagnostics::default();
     let g = Vector3::from(gravity.0);
     let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
-    for body in bodies.list.iter().filter(|body| body.is_dynamic()) {
+    let unfixed = bodies.fixed.in_neither(&bodies.fixed, 0..bodies.list.len() as u32);
+    for body in unfixed.map(|index| &bodies.list[index as usize]).filter(|body| body.is_dynamic()) {
         // Body axes, where the inertia is diagonal; about a locked axis nothing turns.
         let spin = body.rotation.inverse() * body.angular;
         let inertia = body.inverse_inertia_body.map(f64::recip);

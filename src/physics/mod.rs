@@ -58,7 +58,7 @@ mod write_back;
 
 pub(crate) use bit_set::BitSet;
 pub(crate) use body::{
-    BirthCounter, Bodies, Body, BodySlot, PoseHistory, Presence, bits, rotation_by, world_inverse_inertia,
+    BirthCounter, Bodies, Body, BodySlot, GatheredWith, PoseHistory, Presence, bits, rotation_by, world_inverse_inertia,
 };
 pub use body::{
     CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass, ObserveContacts,

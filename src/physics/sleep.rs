@@ -22,7 +22,7 @@ use nalgebra::Vector3;
 
 use super::island::find_islands;
 use super::{
-    BitSet, Bodies, Body, BodySlot, ContactGraph, GONE, Islands, Joints, Keep, NearPairs, PhysicsSchedule,
+    BitSet, Bodies, Body, ContactGraph, GONE, GatheredWith, Islands, Joints, Keep, NearPairs, PhysicsSchedule,
     PhysicsSystems, Presence, Refill, RigidBody, Sleeping, SolverSettings, StepStats, contacts_last,
 };
 
@@ -61,8 +61,8 @@ pub(crate) struct Sleep {
     disturbed: Vec<u32>,
     /// Bodies that woke in this step, and then those that fell asleep.
     marks: Vec<(Entity, bool)>,
-    /// Whether somebody woke in this step.
-    pub has_woken: bool,
+    /// Whether somebody woke or fell asleep in this step.
+    pub has_changed: bool,
     /// Kinematic bodies, and the bodies that joints hold to them: as of these versions of bodies and joints.
     kinematic: Vec<u32>,
     held: Vec<(u32, u32)>,
@@ -376,7 +376,7 @@ fn fall_asleep(
 /// Puts the component on those that fell asleep and takes it from those that woke, at the end of the step.
 fn mark_sleepers(mut sleep: ResMut<Sleep>, bodies: Res<Bodies>, mut stats: ResMut<StepStats>, mut commands: Commands) {
     stats.sleeping = bodies.asleep.len();
-    sleep.has_woken = sleep.marks.iter().any(|&(_, sleeps)| !sleeps);
+    sleep.has_changed = !sleep.marks.is_empty();
     if sleep.marks.is_empty() {
         return;
     }
@@ -390,9 +390,9 @@ fn mark_sleepers(mut sleep: ResMut<Sleep>, bodies: Res<Bodies>, mut stats: ResMu
                 body.remove::<Sleeping>()
             };
             // No reason to gather the body: nobody else did it.
-            if let Some(mut slot) = body.get_mut::<BodySlot>().filter(|slot| slot.gathered_with != BodySlot::TO_GATHER)
-            {
-                slot.gathered_with = Presence(slot.gathered_with).with_sleeping(sleeps).0;
+            let gathered_with = body.get_mut::<GatheredWith>();
+            if let Some(mut gathered_with) = gathered_with.filter(|with| **with != GatheredWith::NOTHING) {
+                gathered_with.0 = Presence(gathered_with.0).with_sleeping(sleeps).0;
             }
         }
     });

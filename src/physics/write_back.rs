@@ -9,12 +9,11 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::columns::{self, set_if_other};
 use super::joint::{LawAxis, LawPart, nearest_turn};
 use super::{
-    Bodies, Body, BodyQuarantined, BodySlot, BodyState, JointAxis, JointCoordinate, JointDefinition, JointLoad,
-    JointSlot, Joints, PhysicsSchedule, PhysicsSystems, PoseHistory, Position, QuarantineReason, RigidBody, Rotation,
-    Sleep, Sleeping, SolverSettings, StepStats, Velocity, set_aside,
+    Bodies, Body, BodyQuarantined, BodySlot, BodyState, GatheredWith, JointAxis, JointCoordinate, JointDefinition,
+    JointLoad, JointSlot, Joints, PhysicsSchedule, PhysicsSystems, PoseHistory, Position, QuarantineReason, RigidBody,
+    Rotation, Sleep, Sleeping, SolverSettings, StepStats, Velocity, set_aside,
 };
 
 pub(super) fn plugin(app: &mut App) {
@@ -28,20 +27,23 @@ pub(super) fn plugin(app: &mut App) {
     );
 }
 
+/// Rows of tables that are walked in the time that it takes to find one body by its entity. Noticed by the clock alone
+/// (`large_world`).
+const ROWS_OF_FINDING: usize = 16;
+
 /// What a step writes of each body.
 #[derive(QueryData)]
-#[query_data(mutable, contiguous(mutable))]
+#[query_data(mutable)]
 pub(super) struct StateQuery {
     entity: Entity,
-    slot: &'static mut BodySlot,
+    slot: &'static BodySlot,
+    gathered_with: &'static mut GatheredWith,
     position: &'static mut Position,
     rotation: &'static mut Rotation,
     velocity: &'static mut Velocity,
     history: &'static mut PoseHistory,
     sleeping: Has<Sleeping>,
 }
-
-type StateTable<'w, 's> = StateQueryContiguousItem<'w, 's>;
 
 fn is_finite(body: &Body) -> bool {
     // Without a branch for each number.
@@ -64,52 +66,66 @@ pub(super) fn write_bodies(
 ) {
     stats.count_step(&settings);
     bodies.written_back = Some(ticks.this_run());
+    let mut write = |mut item: StateQueryItem, body: &mut Body| {
+        if is_finite(body) {
+            write_state(&mut item, body);
+            return;
+        }
+        restore_state(&mut item, body);
+        stats.quarantined += 1;
+        set_aside(item.entity, QuarantineReason::NotFinite, &mut commands, &mut quarantine);
+    };
+    // Among many that do not move, the few that do are looked for; where some just fell asleep, these still change.
+    if !sleep.has_changed && bodies.awake().count() * ROWS_OF_FINDING < bodies.list.len() {
+        let Bodies { list, fixed, asleep, .. } = &mut *bodies;
+        for index in asleep.in_neither(fixed, 0..list.len() as u32) {
+            let body = &mut list[index as usize];
+            if let Some(item) = query.get_mut(body.entity).ok().filter(|item| item.slot.index == index) {
+                write(item, body);
+            }
+        }
+        return;
+    }
     let Bodies { list, fixed, .. } = &mut *bodies;
-    for mut table in query.contiguous_iter_mut().expect("gathered from tables") {
+    for item in &mut query {
+        let index = item.slot.index;
         // Who woke in this step is still among those that sleep.
-        if table.sleeping && !sleep.has_woken {
+        if fixed.contains(index) || item.sleeping && !sleep.has_changed {
             continue;
         }
-        for row in 0..table.entity.len() {
-            let entity = table.entity[row];
-            let slot = table.slot.as_ref()[row];
-            if fixed.contains(slot.index) {
-                continue;
-            }
-            // Whoever became a body since the step began waits for the next.
-            let Some(body) = list.get_mut(slot.index as usize).filter(|body| body.entity == entity) else { continue };
-            if is_finite(body) {
-                write_state(&mut table, row, body);
-                continue;
-            }
-            restore_state(&mut table, row, body);
-            stats.quarantined += 1;
-            set_aside(entity, QuarantineReason::NotFinite, &mut commands, &mut quarantine);
+        // Whoever became a body since the step began waits for the next.
+        if let Some(body) = list.get_mut(index as usize).filter(|body| body.entity == item.entity) {
+            write(item, body);
         }
     }
 }
 
 /// What did not change in any bit is not marked as changed.
-fn write_state(table: &mut StateTable, row: usize, body: &Body) {
-    let previous = (table.position.as_ref()[row].0, table.rotation.as_ref()[row].0);
-    table.history.bypass_change_detection()[row].previous = Some(previous);
-    set_if_other(&mut table.position, row, Position(body.position.into()), |position| position.0.to_array());
-    set_if_other(&mut table.rotation, row, Rotation(body.rotation.into()), |rotation| rotation.0.to_array());
+fn write_state(item: &mut StateQueryItem, body: &Body) {
+    item.history.bypass_change_detection().previous = Some((item.position.0, item.rotation.0));
+    set_if_other(&mut item.position, Position(body.position.into()), |position| position.0.to_array());
+    set_if_other(&mut item.rotation, Rotation(body.rotation.into()), |rotation| rotation.0.to_array());
     let velocity = Velocity { linear: body.linear.into(), angular: body.angular.into() };
-    set_if_other(&mut table.velocity, row, velocity, |Velocity { linear: v, angular: w }| {
-        [v.x, v.y, v.z, w.x, w.y, w.z]
-    });
+    set_if_other(&mut item.velocity, velocity, |Velocity { linear: v, angular: w }| [v.x, v.y, v.z, w.x, w.y, w.z]);
+}
+
+/// Writes what is made of those numbers, if that changes any bit of it.
+fn set_if_other<T, const N: usize>(component: &mut Mut<T>, value: T, numbers: impl Fn(&T) -> [f64; N]) {
+    let bits = |value: &T| numbers(value).map(f64::to_bits);
+    if bits(component) != bits(&value) {
+        **component = value;
+    }
 }
 
 /// Back to the pose before the step, at rest; to be gathered again whatever becomes of it.
-fn restore_state(table: &mut StateTable, row: usize, body: &mut Body) {
-    let (position, rotation) = (table.position.as_ref()[row].0, table.rotation.as_ref()[row].0);
-    table.history.bypass_change_detection()[row].previous = Some((position, rotation));
-    table.slot.bypass_change_detection()[row].gathered_with = BodySlot::TO_GATHER;
+fn restore_state(item: &mut StateQueryItem, body: &mut Body) {
+    let (position, rotation) = (item.position.0, item.rotation.0);
+    item.history.bypass_change_detection().previous = Some((position, rotation));
+    *item.gathered_with.bypass_change_detection() = GatheredWith::NOTHING;
     body.position = position.into();
     body.rotation = UnitQuaternion::new_normalize(rotation.into());
     (body.linear, body.angular) = (Vector3::zeros(), Vector3::zeros());
-    columns::set(&mut table.velocity, row, Velocity::default());
+    *item.velocity = Velocity::default();
 }
 
 pub(super) fn write_joint_loads(joints: Res<Joints>, mut loads: Query<(Entity, &JointSlot, &mut JointLoad)>) {

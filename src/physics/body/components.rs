@@ -10,14 +10,14 @@ use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{BirthCounter, BodySlot, PoseHistory, RenderOrigin};
+use super::{BirthCounter, BodySlot, GatheredWith, PoseHistory, RenderOrigin};
 
 /// Whether the solver moves a body. Adding it makes an entity a body.
 ///
 /// A body that has no [`Position`] takes its pose from its `Transform`.
 #[derive(Component, Reflect, Serialize, Deserialize, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Debug, Default, PartialEq)]
-#[require(Transform, Velocity, PoseHistory, BodySlot)]
+#[require(Transform, Velocity, PoseHistory, BodySlot, GatheredWith)]
 #[component(on_add = enter_world)]
 pub enum RigidBody {
     /// Moved by forces, contacts and joints.
@@ -35,6 +35,9 @@ fn enter_world(mut world: DeferredWorld, context: HookContext) {
     let born = world.get_resource_mut::<BirthCounter>().map_or(0, |mut counter| counter.next());
     if let Some(mut slot) = world.get_mut::<BodySlot>(context.entity) {
         *slot = BodySlot { born, ..default() };
+    }
+    if let Some(mut gathered_with) = world.get_mut::<GatheredWith>(context.entity) {
+        *gathered_with = GatheredWith::NOTHING;
     }
     let body = world.entity(context.entity);
     let transform = body.get::<Transform>().copied().unwrap_or_default();

@@ -18,4 +18,4 @@ pub use pose_history::RenderOrigin;
 pub(crate) use pose_history::{PoseHistory, bits};
 use rotation::is_isotropic;
 pub(crate) use rotation::{rotation_by, world_inverse_inertia};
-pub(crate) use slot::{BirthCounter, BodySlot, Presence};
+pub(crate) use slot::{BirthCounter, BodySlot, GatheredWith, Presence};

@@ -7,20 +7,29 @@ use bevy::prelude::*;
 pub(crate) struct BodySlot {
     /// Index; `u32::MAX` until the body's first step.
     pub index: u32,
-    /// The optional components that it was last gathered with.
-    pub gathered_with: u32,
     /// Bodies are packed in this order, which no change of components disturbs.
     pub born: u64,
 }
 
-impl BodySlot {
-    /// As `gathered_with`, of a body that must be gathered whatever was or was not written to it.
-    pub const TO_GATHER: u32 = u32::MAX;
-}
-
 impl Default for BodySlot {
     fn default() -> Self {
-        Self { index: u32::MAX, gathered_with: Self::TO_GATHER, born: 0 }
+        Self { index: u32::MAX, born: 0 }
+    }
+}
+
+/// The optional components that a body was last gathered with, as [`Presence`] has them. Apart from the slot: it is read of
+/// every body in every step.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct GatheredWith(pub u32);
+
+impl GatheredWith {
+    /// Of a body without a place, and of one that must be gathered whatever was or was not written to it.
+    pub const NOTHING: Self = Self(u32::MAX);
+}
+
+impl Default for GatheredWith {
+    fn default() -> Self {
+        Self::NOTHING
     }
 }
 
@@ -61,7 +70,7 @@ impl Presence {
     }
 
     /// Whether the body lost its density.
-    pub fn lost_density(self, before: u32) -> bool {
-        before != BodySlot::TO_GATHER && before & !self.0 & Self::DENSITY != 0
+    pub fn lost_density(self, before: GatheredWith) -> bool {
+        before != GatheredWith::NOTHING && before.0 & !self.0 & Self::DENSITY != 0
     }
 }

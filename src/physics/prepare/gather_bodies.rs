@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use super::gather_body::{Terms, freeze, gather_body, teleport};
 use super::table::{BodyQuery, BodyTable, Watch};
 use crate::physics::{
-    Bodies, Body, BodyQuarantined, BodySlot, ContactGraph, Gravity, Joints, LaggedContacts, NearPairs,
+    Bodies, Body, BodyQuarantined, BodySlot, ContactGraph, GatheredWith, Gravity, Joints, LaggedContacts, NearPairs,
     QuarantineReason, Refill, RenderOrigin, RigidBody, Sleep, Sleeping, SolverSettings, StepStats, set_aside,
 };
 
@@ -18,6 +18,8 @@ const IN_TABLES: &str = "a disabling component stored as a sparse set hides bodi
 pub(super) struct Gathering {
     /// Bodies without a place in the list.
     new: Vec<(u64, Entity)>,
+    /// Of each table: whether optional components came to some row of it, or went.
+    regrouped: Vec<bool>,
     /// Rows of the table at hand that others wrote to.
     stale: Vec<bool>,
 }
@@ -50,11 +52,12 @@ pub(super) fn gather_bodies(
     mut gathering: Local<Gathering>,
     ticks: SystemChangeTick,
 ) {
-    let Gathering { new, stale } = &mut *gathering;
+    let Gathering { new, regrouped, stale } = &mut *gathering;
     let bodies = &mut *bodies;
     bodies.renewed.clear();
-    if !is_list_complete(&known.query, bodies, new) {
+    if !is_list_complete(&mut known.query, bodies, regrouped) {
         update_list(&mut known, bodies, new);
+        regrouped.fill(true);
     }
     stats.bodies = bodies.list.len() as u32;
     stats.quarantined = 0;
@@ -63,10 +66,10 @@ pub(super) fn gather_bodies(
     let watch = Watch { last_run, this_run: ticks.this_run(), written_back };
     let terms = Terms { gravity: gravity.0, drag: settings.drag };
     let all = summed.0.replace(terms) != Some(terms);
-    for mut table in known.query.contiguous_iter_mut().expect(IN_TABLES) {
+    for (mut table, &regrouped) in known.query.contiguous_iter_mut().expect(IN_TABLES).zip(&*regrouped) {
         if all {
             stale.reset(table.entity.len(), true);
-        } else if !table.find_stale(&watch, stale) {
+        } else if !table.find_stale(&watch, regrouped, stale) {
             continue;
         }
         for row in (0..stale.len()).filter(|&row| stale[row]) {
@@ -110,7 +113,7 @@ fn gather_row(
         (body.kind, body.layers, body.is_sensor, body.material, body.changes, place)
     };
     let before = known(body);
-    body.mass_is_stale |= presence.lost_density(slot.gathered_with);
+    body.mass_is_stale |= presence.lost_density(table.gathered_with.as_ref()[row]);
     let verdict = gather_body(table, row, watch, body, terms, commands);
     let reason = table.quarantined.map(|column| column[row].reason).or(verdict.err());
     if reason.is_some() {
@@ -121,8 +124,8 @@ fn gather_row(
         table.history.bypass_change_detection()[row].previous = None;
     }
     // Looked at again in the next step, even if somebody lets it go without mending it.
-    let gathered_with = if reason.is_some() { BodySlot::TO_GATHER } else { presence.0 };
-    table.slot.bypass_change_detection()[row].gathered_with = gathered_with;
+    let gathered_with = if reason.is_some() { GatheredWith::NOTHING } else { GatheredWith(presence.0) };
+    table.gathered_with.bypass_change_detection()[row] = gathered_with;
     bodies.fixed.set(slot.index, body.kind == RigidBody::Static);
     bodies.version += u64::from(body.kind != before.0);
     if known(body) != before {
@@ -131,25 +134,32 @@ fn gather_row(
     reason
 }
 
-/// Whether the list holds exactly the bodies that there are. Collects those without a place.
-fn is_list_complete(query: &Query<BodyQuery>, bodies: &Bodies, new: &mut Vec<(u64, Entity)>) -> bool {
-    new.clear();
-    let mut placed = 0;
-    for table in query.contiguous_iter().expect(IN_TABLES) {
-        let here = table.slot.iter().filter(|slot| slot.index != u32::MAX).count();
-        placed += here;
-        if here < table.slot.len() {
-            let rows = table.slot.iter().zip(table.entity).filter(|(slot, _)| slot.index == u32::MAX);
-            new.extend(rows.map(|(slot, &entity)| (slot.born, entity)));
-        }
+/// Whether the list holds exactly the bodies that there are; and of each table, whether it is `regrouped`. Of many bodies the
+/// caches hold little: no slot is read of what was gathered before with the same components, which has a place.
+fn is_list_complete(query: &mut Query<BodyQuery>, bodies: &Bodies, regrouped: &mut Vec<bool>) -> bool {
+    regrouped.clear();
+    let (mut placed, mut count) = (0, 0);
+    for table in query.contiguous_iter_mut().expect(IN_TABLES) {
+        let present = GatheredWith(table.presence().0);
+        let slots: &[BodySlot] = table.slot.as_ref();
+        // Without a branch, for the vectorizer.
+        let other = table.gathered_with.as_ref().iter().fold(false, |other, with| other | (*with != present));
+        count += slots.len();
+        placed += if other { slots.iter().filter(|slot| slot.index != u32::MAX).count() } else { slots.len() };
+        regrouped.push(other);
     }
     // A body that leaves loses its place, so that nobody has another's.
-    new.is_empty() && placed == bodies.list.len()
+    placed == count && placed == bodies.list.len()
 }
 
 /// Drops bodies that are gone and appends new ones in the order in which they became bodies.
-fn update_list(known: &mut Known, bodies: &mut Bodies, new: &mut [(u64, Entity)]) {
+fn update_list(known: &mut Known, bodies: &mut Bodies, new: &mut Vec<(u64, Entity)>) {
     bodies.version += 1;
+    new.clear();
+    for table in known.query.contiguous_iter().expect(IN_TABLES) {
+        let rows = table.slot.iter().zip(table.entity).filter(|(slot, _)| slot.index == u32::MAX);
+        new.extend(rows.map(|(slot, &entity)| (slot.born, entity)));
+    }
     let is_at = |body: &Body, index| known.query.get(body.entity).is_ok_and(|item| item.slot.index == index);
     let seen: Vec<bool> = (0..).zip(&bodies.list).map(|(index, body)| is_at(body, index)).collect();
     if seen.contains(&false) {
@@ -158,7 +168,8 @@ fn update_list(known: &mut Known, bodies: &mut Bodies, new: &mut [(u64, Entity)]
     new.sort_unstable();
     for &(_, entity) in new.iter() {
         if let Ok(mut body) = known.query.get_mut(entity) {
-            *body.slot = BodySlot { index: bodies.list.len() as u32, gathered_with: BodySlot::TO_GATHER, ..*body.slot };
+            body.slot.index = bodies.list.len() as u32;
+            *body.gathered_with = GatheredWith::NOTHING;
             bodies.renewed.push(bodies.list.len() as u32);
             bodies.list.push(Body::new(entity));
         }
@@ -194,6 +205,7 @@ fn forget_place(entity: Entity, commands: &mut Commands) {
     commands.entity(entity).queue_silenced(|mut entity: EntityWorldMut| {
         if let Some(mut slot) = entity.get_mut::<BodySlot>() {
             slot.index = u32::MAX;
+            entity.insert(GatheredWith::NOTHING);
         }
         entity.remove::<Sleeping>();
     });

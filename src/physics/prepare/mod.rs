@@ -28,10 +28,10 @@ use gather_joints::{PackedFor, attachments_changed, gather_joints, joints_change
 
 use crate::physics::{
     BallJoint, BirthCounter, Bodies, BodySlot, Collider, CollisionLayers, Damping, Density, DistanceJoint,
-    ExternalForce, FixedJoint, GenericJoint, GravityScale, HingeJoint, Inertia, JoinedPairs, JointCoordinate,
-    JointDefinition, JointFriction, JointLimits, JointLoad, JointMotor, JointSlot, Joints, Keep, LockedAxes, Mass,
-    ObserveContacts, PhysicsSchedule, PhysicsSystems, PoseHistory, Position, Quarantined, ReportCollisions, RigidBody,
-    Rotation, Sleeping, SliderJoint, SurfaceMaterial, Velocity,
+    ExternalForce, FixedJoint, GatheredWith, GenericJoint, GravityScale, HingeJoint, Inertia, JoinedPairs,
+    JointCoordinate, JointDefinition, JointFriction, JointLimits, JointLoad, JointMotor, JointSlot, Joints, Keep,
+    LockedAxes, Mass, ObserveContacts, PhysicsSchedule, PhysicsSystems, PoseHistory, Position, Quarantined,
+    ReportCollisions, RigidBody, Rotation, Sleeping, SliderJoint, SurfaceMaterial, Velocity,
 };
 pub use add_joint::AddConstraint;
 
@@ -94,6 +94,7 @@ fn keep(app: &mut App) {
         .keep_component::<Quarantined>()
         .keep_result::<Sleeping>()
         .keep_result::<BodySlot>()
+        .keep_result::<GatheredWith>()
         .keep_transforms()
         .keep_result::<PoseHistory>();
     app.keep_component::<JointDefinition>()

@@ -15,9 +15,9 @@ use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 
 use crate::physics::{
-    BodySlot, Collider, CollisionLayers, Damping, Density, ExternalForce, GravityScale, Inertia, LockedAxes, Mass,
-    PoseHistory, Position, Presence, Quarantined, Refill, ReportCollisions, RigidBody, Rotation, Sensor, Sleeping,
-    SurfaceMaterial, Velocity,
+    BodySlot, Collider, CollisionLayers, Damping, Density, ExternalForce, GatheredWith, GravityScale, Inertia,
+    LockedAxes, Mass, PoseHistory, Position, Presence, Quarantined, Refill, ReportCollisions, RigidBody, Rotation,
+    Sensor, Sleeping, SurfaceMaterial, Velocity,
 };
 
 #[derive(QueryData)]
@@ -26,6 +26,7 @@ pub(super) struct BodyQuery {
     pub entity: Entity,
     pub kind: Ref<'static, RigidBody>,
     pub slot: &'static mut BodySlot,
+    pub gathered_with: &'static mut GatheredWith,
     pub position: &'static mut Position,
     pub rotation: &'static mut Rotation,
     pub velocity: &'static mut Velocity,
@@ -109,8 +110,8 @@ impl BodyTable<'_, '_> {
         Presence((0..).zip(present).map(|(bit, present)| u32::from(present) << bit).sum())
     }
 
-    /// Flags the rows to gather. Returns whether there is one.
-    pub fn find_stale(&self, watch: &Watch, stale: &mut Vec<bool>) -> bool {
+    /// Flags the rows to gather. Returns whether there is one. `regrouped`: optional components came to some row, or went.
+    pub fn find_stale(&self, watch: &Watch, regrouped: bool, stale: &mut Vec<bool>) -> bool {
         let rows = self.entity.len();
         // What is quarantined is looked at every step: it may have been mended, and it is counted.
         let all = self.quarantined.is_some() || self.parent;
@@ -118,12 +119,11 @@ impl BodyTable<'_, '_> {
         if all {
             return true;
         }
-        let Presence(present) = self.presence();
-        let slots: &[BodySlot] = self.slot.as_ref();
-        let mut any = slots.iter().fold(false, |any, slot| any | (slot.gathered_with != present));
-        if any {
-            for (stale, slot) in stale.iter_mut().zip(slots) {
-                *stale |= slot.gathered_with != present;
+        let mut any = regrouped;
+        if regrouped {
+            let present = GatheredWith(self.presence().0);
+            for (stale, with) in stale.iter_mut().zip(self.gathered_with.as_ref()) {
+                *stale |= *with != present;
             }
         }
         let required = [
