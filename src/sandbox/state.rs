@@ -2,6 +2,7 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
+use bevy_egui::egui;
 
 use crate::scene::{SceneSpec, SpawnedScene};
 
@@ -201,6 +202,13 @@ pub(super) struct Covered {
     pub right: f32,
     /// By the plots, of the height.
     pub bottom: f32,
+}
+
+impl Covered {
+    /// The same in points of the interface: by the panel, of the width, and by the plots, of the height.
+    pub fn in_points(&self, context: &egui::Context) -> [f32; 2] {
+        [self.right, self.bottom].map(|pixels| pixels / context.zoom_factor())
+    }
 }
 
 /// Whether the plots are on view.

@@ -72,6 +72,13 @@ fn help_and_version_are_no_errors() {
 }
 
 #[test]
+fn bad_usage_names_the_help_that_tells_better() {
+    refuses(&["--no-such"], &["'--no-such'", "see 'plumb --help'"]);
+    refuses(&["run", "stack", "--no-such"], &["'--no-such'", "see 'plumb run --help'"]);
+    refuses(&["chart"], &["required", "see 'plumb chart --help'"]);
+}
+
+#[test]
 fn json_has_every_key_and_no_other() {
     let metrics = json(&["run", "rods", "-p", "n=2", "--seconds", "0.5", "--hz", "240", "--json"]);
     let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>().join(" ");

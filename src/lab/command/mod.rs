@@ -25,7 +25,7 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 
 pub use arguments::{Filming, MonkeyRun, Open};
 pub use outcome::{CommandError, Outcome, print};
@@ -60,13 +60,14 @@ impl Command {
     /// # Errors
     /// Bad usage, or a scene or settings that make no sense.
     pub fn from_arguments(arguments: impl IntoIterator<Item = OsString>) -> Result<Option<Self>, CommandError> {
-        let arguments = match Arguments::try_parse_from(arguments) {
+        let given: Vec<OsString> = arguments.into_iter().collect();
+        let arguments = match Arguments::try_parse_from(&given) {
             Ok(arguments) => arguments,
             Err(error) if !error.use_stderr() => {
                 print(&error.render().to_string())?;
                 return Ok(None);
             }
-            Err(error) => return Err(CommandError::Usage(first_paragraph(&error.render().to_string()))),
+            Err(error) => return Err(CommandError::Usage(complaint(&error.render().to_string(), &given))),
         };
         let Some(subcommand) = arguments.subcommand else {
             return Ok(Some(Self::OfSandbox(Box::new(OfSandbox::Open(arguments.open.resolve()?)))));
@@ -119,9 +120,12 @@ pub fn size_compute_pool() {
     });
 }
 
-/// Clap explains itself in paragraphs; the first says what is wrong.
-fn first_paragraph(message: &str) -> String {
+/// Clap explains itself in paragraphs; the first says what is wrong. The help is that of the subcommand that was `given`.
+fn complaint(message: &str, given: &[OsString]) -> String {
     let lines = message.lines().take_while(|line| !line.trim().is_empty()).map(str::trim);
     let line = lines.collect::<Vec<_>>().join(" ");
-    format!("{}; see 'plumb --help'", line.strip_prefix("error: ").unwrap_or(&line))
+    let subcommand = given.get(1).and_then(|name| name.to_str());
+    let subcommand = subcommand.filter(|name| Arguments::command().find_subcommand(name).is_some());
+    let helped = subcommand.map_or_else(|| "plumb".to_owned(), |name| format!("plumb {name}"));
+    format!("{}; see '{helped} --help'", line.strip_prefix("error: ").unwrap_or(&line))
 }

@@ -31,7 +31,8 @@ pub(super) fn show(context: &egui::Context, world: &mut World) -> Result<f32> {
         return Ok(0.0);
     }
     let screen = context.content_rect();
-    let right = screen.right() - world.resource::<Covered>().right / context.zoom_factor() - MARGIN;
+    let [panel, _] = world.resource::<Covered>().in_points(context);
+    let right = screen.right() - panel - MARGIN;
     let bottom = screen.bottom() - STRIP_HEIGHT;
     let PlotsHeight(height) = *world.resource::<PlotsHeight>();
     let height = height.clamp(*HEIGHTS.start(), *HEIGHTS.end());

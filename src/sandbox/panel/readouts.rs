@@ -5,8 +5,7 @@ use bevy_egui::egui;
 
 use super::super::held::Drag;
 use super::super::probe::offer;
-use super::solver::CHANGED;
-use super::theme::Quantity;
+use super::theme::{CHANGED, Quantity};
 use crate::physics::{Method, Quarantined, SolverSettings, StepStats};
 use crate::scene::{Probe, ProbePlot, ProbeSubject, Probes};
 

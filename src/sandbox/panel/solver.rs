@@ -10,6 +10,7 @@ use bevy::reflect::enums::{DynamicEnum, Enum};
 use bevy::reflect::{GetPath, PartialReflect, ReflectMut, ReflectRef};
 use bevy_egui::egui;
 
+use super::theme::CHANGED;
 use crate::physics::{SETTINGS, Setting, SolverSettings};
 
 /// How a setting is shown. What it is and who reads it, [`SETTINGS`] knows.
@@ -257,8 +258,6 @@ fn row(ui: &mut egui::Ui, field: &Field, (name, preset): Preset, settings: &mut 
     });
 }
 
-/// What is not as the preset has it.
-pub(super) const CHANGED: egui::Color32 = egui::Color32::from_rgb(240, 176, 64);
 /// Diameter of the dot before it, points.
 const DOT: f32 = 7.0;
 

@@ -43,7 +43,8 @@ pub(super) fn show(
 ) -> Result {
     let (Some(history), Some(_)) = (history, scene) else { return Ok(()) };
     let context = contexts.ctx_mut()?;
-    let width = context.content_rect().width() - covered.right / context.zoom_factor() - 2.0 * MARGIN;
+    let [panel, _] = covered.in_points(context);
+    let width = context.content_rect().width() - panel - 2.0 * MARGIN;
     let (head, reach) = head_and_reach(&stats, Some(&history));
     let head = shown.step.unwrap_or(head);
     egui::Area::new(egui::Id::new("strip")).anchor(egui::Align2::LEFT_BOTTOM, [MARGIN, -MARGIN]).constrain(false).show(

@@ -19,6 +19,9 @@ pub mod palette {
     pub const PURPLE: [u8; 3] = [204, 121, 167];
 }
 
+/// What is not as the preset has it, or did not get where it was to.
+pub(super) const CHANGED: egui::Color32 = egui::Color32::from_rgb(240, 176, 64);
+
 /// Sets egui's style, and what it takes for a click, once, at the first pass.
 pub fn apply(mut contexts: EguiContexts, mut done: Local<bool>) -> Result {
     if *done {

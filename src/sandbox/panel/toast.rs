@@ -6,6 +6,7 @@ use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 use super::super::Notice;
 use super::entry::take_refused;
 use super::strip::STRIP_HEIGHT;
+use super::toolbar::BESIDE_TOOLS;
 use crate::sandbox::state::Covered;
 
 /// How long a notice stays, s.
@@ -38,9 +39,9 @@ fn show(
         Notice::Info(text) => (text, egui::Color32::from_gray(225)),
         Notice::Error(text) => (text, context.global_style().visuals.error_fg_color),
     };
-    let below = STRIP_HEIGHT + covered.bottom / context.zoom_factor();
+    let [_, plots] = covered.in_points(context);
     egui::Area::new(egui::Id::new("notice"))
-        .anchor(egui::Align2::LEFT_BOTTOM, [12.0, -12.0 - below])
+        .anchor(egui::Align2::LEFT_BOTTOM, [BESIDE_TOOLS, -12.0 - STRIP_HEIGHT - plots])
         .interactable(false)
         .show(context, |ui| {
             egui::Frame::popup(ui.style()).show(ui, |ui| {

@@ -103,9 +103,9 @@ pub(super) fn show(
     }
     let context = contexts.ctx_mut()?;
     let entries = &*ENTRIES;
-    let plots = covered.bottom / context.zoom_factor();
+    let [panel, plots] = covered.in_points(context);
     let room = context.content_rect().height() - TOP - STRIP_HEIGHT - plots - 3.0 * MARGIN;
-    let beside = context.content_rect().width() - covered.right / context.zoom_factor() - 4.0 * MARGIN;
+    let beside = context.content_rect().width() - panel - 4.0 * MARGIN;
     let size = (room / entries.len().div_ceil(COLUMNS) as f32 - SPACING).clamp(SMALL_BUTTON, BUTTON);
     let [most_rows, most_columns] = [room, beside].map(|room| ((room / (size + SPACING)) as usize).max(1));
     // Rather over the plots than over the panel.

@@ -26,7 +26,8 @@ pub(super) fn plugin(app: &mut App) {
 fn show(mut contexts: EguiContexts, painted: Res<Painted>, covered: Res<Covered>) -> Result {
     let Some(legend) = painted.legend() else { return Ok(()) };
     let context = contexts.ctx_mut()?;
-    let below = STRIP_HEIGHT + covered.bottom / context.zoom_factor() + NOTICE;
+    let [_, plots] = covered.in_points(context);
+    let below = STRIP_HEIGHT + plots + NOTICE;
     egui::Area::new(egui::Id::new("legend"))
         .anchor(egui::Align2::LEFT_BOTTOM, [BESIDE_TOOLS, -12.0 - below])
         .interactable(false)

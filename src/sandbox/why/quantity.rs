@@ -6,7 +6,7 @@ use bevy::prelude::*;
 
 use super::color_by::ColorBy;
 use super::legend::{Chip, Key, Legend};
-use super::scale::{Rgb, Scale, category, mix};
+use super::scale::{Rgb, Scale, categories, category, mix};
 use crate::physics::{BodyDetails, SolverSettings, StepStats, body_details, contact_details, joint_details};
 use crate::sandbox::any_joint::{IsJoint, WholeJoint};
 use crate::sandbox::panel::{Quantity, name_of};
@@ -143,19 +143,22 @@ fn island(world: &World) -> Colors {
             bodies.insert(body.body, GRAY);
             continue;
         };
-        bodies.insert(body.body, of_island(root));
         let place = *places.entry(root).or_insert(sizes.len());
         if place == sizes.len() {
             sizes.push((root, 0, body.is_asleep));
         }
         sizes[place].1 += 1;
     }
+    // Each by the body that stands for it, the oldest first.
+    let colors = categories(sizes.iter().map(|(root, ..)| root.index().index()));
+    let color_of = |root: &Entity| colors[places[root]];
+    bodies.extend(details.iter().filter_map(|body| Some((body.body, color_of(&body.island?)))));
     sizes.sort_by_key(|(_, size, _)| std::cmp::Reverse(*size));
     let chips = sizes.iter().take(NAMED).map(|(root, size, is_asleep)| {
         let name = name_of(world.get::<Name>(*root), *root);
         let others = if *size > 1 { format!(" and {} more", size - 1) } else { String::new() };
         let asleep = if *is_asleep { ", asleep" } else { "" };
-        Chip { color: of_island(*root), text: format!("{name}{others}{asleep}") }
+        Chip { color: color_of(root), text: format!("{name}{others}{asleep}") }
     });
     let mut chips: Vec<_> = chips.collect();
     chips.push(Chip { color: GRAY, text: "touches nothing, or does not move".into() });
@@ -167,11 +170,6 @@ fn island(world: &World) -> Colors {
         (count, more) => vec![format!("{count} islands, {more} of them not named here")],
     };
     Colors { bodies, legend: Legend { title: "island", key: Key::Chips(chips), notes }, ..default() }
-}
-
-/// The color of an island: that of the body that stands for it.
-fn of_island(root: Entity) -> Rgb {
-    category(root.index().index())
 }
 
 fn graph_color(world: &World) -> Colors {

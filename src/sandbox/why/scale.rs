@@ -53,6 +53,26 @@ pub fn category(number: u32) -> Rgb {
     [5.0, 3.0, 1.0].map(|offset| (255.0 * channel(offset)).round() as u8)
 }
 
+/// Colors that stand for numbers, one after the other: each number's own, unless it is too near to that of one of the last
+/// few, and then the next that is not.
+pub fn categories(numbers: impl IntoIterator<Item = u32>) -> Vec<Rgb> {
+    /// Over all channels: by less, two shades of a hue could be one.
+    const APART: u32 = 70;
+    const LAST: usize = 10;
+    /// Each moves the hue by a golden share again.
+    const TRIED: u32 = 12;
+    let apart =
+        |one: &Rgb, other: &Rgb| one.iter().zip(other).map(|(one, other)| u32::from(one.abs_diff(*other))).sum::<u32>();
+    let mut colors: Vec<Rgb> = Vec::new();
+    for number in numbers {
+        let last = &colors[colors.len().saturating_sub(LAST)..];
+        let is_free = |color: &Rgb| last.iter().all(|other| apart(color, other) > APART);
+        let color = (0..TRIED).map(|shift| category(number.wrapping_add(shift))).find(is_free);
+        colors.push(color.unwrap_or_else(|| category(number)));
+    }
+    colors
+}
+
 /// A range of numbers and how it is divided.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
@@ -140,6 +160,22 @@ mod tests {
         {
             assert!((scale.share(value) - share).abs() < 1e-6, "{value}: {}", scale.share(value));
         }
+    }
+
+    #[test]
+    fn numbers_whose_colors_are_alike_get_others() {
+        // Fibonacci numbers are golden shares of each other, nearly: 610 turns of the hue end where they began.
+        let alike = [7, 617, 1227, 8, 618];
+        let colors = categories(alike);
+        assert_eq!(colors[0], category(7));
+        for (place, one) in colors.iter().enumerate() {
+            for other in &colors[place + 1..] {
+                let apart: u32 = (0..3).map(|channel| u32::from(one[channel].abs_diff(other[channel]))).sum();
+                assert!(apart > 70, "{colors:?}");
+            }
+        }
+        assert_eq!(categories(0..8), (0..8).map(category).collect::<Vec<_>>(), "those that differ have their own");
+        assert_eq!(categories(vec![3; 40]).len(), 40);
     }
 
     #[test]
