@@ -14,7 +14,10 @@ use crate::physics::{Refill, Residuals};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ConeSolver {
     iterate: Iterate,
+    /// The pairs of bodies that the order of elimination is for, ascending,
     edges: Vec<[u32; 2]>,
+    /// and those that the points at hand couple.
+    coupled: Vec<[u32; 2]>,
     buffers: NewtonBuffers,
 }
 
@@ -22,7 +25,7 @@ impl ConeSolver {
     /// Sets bodies and points. Indices of bodies are into `bodies`; the structure is made anew only where their pairs
     /// are others than before.
     pub fn set(&mut self, bodies: &[ConeBody], contacts: &[ConeContact], joints: &[ConeJoint]) {
-        let Self { edges, iterate: Iterate { points, elimination, roots, .. }, .. } = self;
+        let Self { edges, coupled, iterate: Iterate { points, elimination, roots, .. }, .. } = self;
         roots.refill(
             bodies
                 .iter()
@@ -30,8 +33,13 @@ impl ConeSolver {
         );
         points.refill(contacts.iter().map(|contact| ConePoint::of_contact(contact, roots)));
         points.extend(joints.iter().map(|joint| ConePoint::of_joint(joint, roots)));
-        if elimination.count() != bodies.len() || !points.iter().filter_map(ConePoint::edge).eq(edges.iter().copied()) {
-            edges.refill(points.iter().filter_map(ConePoint::edge));
+        // Whatever the order of the points, and however many a pair has.
+        coupled.refill(points.iter().filter_map(ConePoint::edge).map(|[a, b]| [a.min(b), a.max(b)]));
+        coupled.dedup();
+        coupled.sort_unstable();
+        coupled.dedup();
+        if elimination.count() != bodies.len() || coupled != edges {
+            std::mem::swap(edges, coupled);
             let found = Elimination::new(&vec![6; bodies.len()], edges.iter().copied(), usize::MAX);
             *elimination = found.expect("no bound on the work");
         }
