@@ -218,9 +218,8 @@ pub(super) const MOST_LANDINGS: u32 = 1_000;
 pub(super) const MOST_TRIALS: usize = 80;
 /// Residual of a contact point that is asked for, m/s,
 pub(super) const TOLERANCE: f64 = 1e-10;
-/// the share of it that is asked for of velocities where no body is faster than that, m/s, and impulses of both halves of a
-/// step differ by no more: what is left over would add up from step to step until it has to be solved for again (*speed*,
-/// `pyramid`; `what_rests_is_seldom_solved_anew`),
+/// the share of it that is asked for of velocities where no body is faster than that, m/s: what is left over would add up from
+/// step to step until it has to be solved for again (*speed*, `pyramid`; `what_rests_is_seldom_solved_anew`),
 pub(super) const STILL_SHARE: f64 = 0.1;
 pub(super) const STILL_SPEED: f64 = 1e-6;
 /// and the one where the work of a step is spent.

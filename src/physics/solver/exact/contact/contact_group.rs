@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 use super::super::bodies::{links_of, member, place_in, put, state_of};
 use super::super::constants::{
     ENERGY_GAINED, FIRST_GROWTH, GROWTH_AFTER_CUT, LANDED, LEAST_BOUNCE, LEAST_GROWTH, MISSED, MOST_LANDINGS,
-    MOST_TRIALS, NO_ENERGY, ROUGH_STEP, ROUGH_TOLERANCE, SHORTEST_STEP, STILL_SPEED, TOLERANCE, TOUCHING,
+    MOST_TRIALS, NO_ENERGY, ROUGH_STEP, ROUGH_TOLERANCE, SHORTEST_STEP, TOLERANCE, TOUCHING,
 };
 use super::super::mechanism::{MechanismLink, Member, MemberState, number_rows};
 use super::super::stepper::StepEffort;
@@ -45,7 +45,9 @@ struct PointLoad {
     impulse: Vector3<f64>,
     /// Force of the last solve that had the point, N on B.
     last: Vector3<f64>,
-    /// The force that the next step starts from, N on B: see [`start_of_next`].
+    /// The force that the next step starts from, N on B: the last, but the mean of both halves of a smooth step at rest. What
+    /// rests would never come to rest by the second half alone: that makes good what the first misses, v½, and as the first of
+    /// the next step it would miss −v½.
     next: Vector3<f64>,
     /// The point in that solve.
     point: GapPoint,
@@ -469,17 +471,16 @@ impl ContactGroup {
 
     /// Makes the end of the smooth step the state.
     fn commit(&mut self, h: f64) {
-        let Self { smooth, states, members, moving, loads, joint_loads, links, effort, .. } = self;
+        let Self { smooth, states, loads, joint_loads, links, effort, .. } = self;
         effort.jammed += smooth.jammed;
         effort.unsettled += u32::from(!smooth.is_settled());
         states.clone_from(&smooth.end);
         let (rate, SmoothStep { positions, held, .. }) = (2.0 / h, &*smooth);
         add_up(links, &held.list, positions, loads, joint_loads, |_, impulse| Some([impulse * rate; 2]));
         add_up(links, &smooth.held_at_end, &smooth.velocities, loads, joint_loads, |point, impulse| {
-            let first = held.position(point).map_or(impulse, |known| &positions.impulses.contacts[known]);
-            let moving = point.ends.into_iter().map(|end| end as usize).filter(|end| end < moving);
-            let lighter = moving.map(|end| members[end].mass).fold(f64::INFINITY, f64::min);
-            Some([impulse * rate, start_of_next(first, impulse, lighter) * rate])
+            let first =
+                held.position(point).filter(|_| smooth.is_still).map(|known| &positions.impulses.contacts[known]);
+            Some([impulse * rate, first.map_or(*impulse, |first| (first + impulse) * 0.5) * rate])
         });
         for (sum, load) in joint_loads.iter_mut().zip(&smooth.spring_loads) {
             *sum = sum.plus(load, h);
@@ -546,15 +547,6 @@ impl ContactGroup {
             (pair.key, points)
         })
     }
-}
-
-/// What the next step starts from, of the impulses of both halves of a smooth step on a body of that mass, kg: their mean,
-/// where they differ by as little as those of something that rests.
-///
-/// That would never come to rest by the second alone: it makes good what the first misses, v½, and as the first of the next
-/// step it would miss −v½.
-fn start_of_next(first: &Vector3<f64>, second: &Vector3<f64>, mass: f64) -> Vector3<f64> {
-    if (first - second).norm() <= STILL_SPEED * mass { (first + second) * 0.5 } else { *second }
 }
 
 /// Adds the impulses of a solve to the loads. Of a solve over a time `forces` are the last, and what the next step starts

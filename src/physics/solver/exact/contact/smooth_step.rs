@@ -89,6 +89,8 @@ pub(super) struct SmoothStep {
     foreseen: Vec<bool>,
     /// Whether the forecast came true.
     pub is_true: bool,
+    /// Whether nothing moved at the start.
+    pub is_still: bool,
     /// The gains of points and rows that were solved for last.
     flown: (Vec<f64>, Vec<f64>),
     kept: KeptForecast,
@@ -239,12 +241,13 @@ impl SmoothStep {
         let moving = start.iter().zip(&*bodies).take(given.view.moving);
         let speeds = moving.map(|(state, body)| state.linear.norm() + state.angular.norm() * body.radius);
         let fastest = speeds.fold(0.0, f64::max);
+        self.is_still = fastest <= STILL_SPEED;
         // What is slow comes as foreseen, and no second forecast would bring what the first solve leaves.
         let share = if fastest <= SLOW_SPEED { fastest * fastest } else { 1.0 };
         let tolerance = share * FORECAST_TOLERANCE;
         self.hold_places(given, bodies, search, tolerance);
         self.kick(given, given.time + given.h);
-        let share = if fastest <= STILL_SPEED { STILL_SHARE } else { 1.0 };
+        let share = if self.is_still { STILL_SHARE } else { 1.0 };
         self.hold_velocities(given, share * given.tolerance);
         self.is_true &= self.velocities.residual * given.closing <= UNSOLVED;
     }
