@@ -75,7 +75,7 @@ fn help_and_version_are_no_errors() {
 fn bad_usage_names_the_help_that_tells_better() {
     refuses(&["--no-such"], &["'--no-such'", "see 'plumb --help'"]);
     refuses(&["run", "stack", "--no-such"], &["'--no-such'", "see 'plumb run --help'"]);
-    refuses(&["chart"], &["required", "see 'plumb chart --help'"]);
+    refuses(&["export", "stack", "--seed", "1"], &["'--seed'", "see 'plumb export --help'"]);
 }
 
 #[test]
