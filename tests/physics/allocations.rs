@@ -194,7 +194,7 @@ fn memory_by_body_contact_and_joint_is_bounded() {
     let of_tree_joint = bytes_per_body(held) - of_body - of_fixed;
     let of_loop_joint = (bytes_per_body(looped) - 2.0 * of_body) / 2.0;
     for (what, bytes, at_most) in [
-        ("body", of_body, 2200.0),
+        ("body", of_body, 2250.0),
         ("fixed body", of_fixed, 1600.0),
         ("contact, an island at rest of its own", of_contact, 9400.0),
         ("joint of a tree", of_tree_joint, 4350.0),
