@@ -37,7 +37,7 @@ pub(crate) use lag::LaggedContacts;
 pub(crate) use manifold::{ContactPoint, Contacts, FeatureId, Manifold, Overlap, Pair, PairKey, PartPair};
 pub(crate) use narrow::contact_pair::{PairSearch, touch};
 pub(crate) use narrow::place_at_any::{place_at_part, place_up_to};
-pub(crate) use parts::{box_of, has_parts, parts_within};
+pub(crate) use parts::{has_parts, parts_within};
 pub use probe::PlacedCollider;
 pub(crate) use slots::graph::{ContactGraph, GONE};
 pub(crate) use slots::record::{ContactGeometry, ContactState, GEOMETRY, IMPACT, POINTS};

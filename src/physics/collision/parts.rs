@@ -209,9 +209,8 @@ fn solids_in(
 }
 
 /// A box that holds a body's shape where it is; none of a half-space, and of what has no shape.
-pub(crate) fn box_of(body: &Body) -> Option<BoundingBox> {
-    let [low, high] = body.geometry.as_ref()?.reach(&body.rotation.to_rotation_matrix().into_inner())?;
-    Some(BoundingBox { low: body.position + low, high: body.position + high })
+fn box_of(body: &Body) -> Option<BoundingBox> {
+    body.geometry.as_ref()?.bounds_at(&body.position, &body.rotation.to_rotation_matrix().into_inner())
 }
 
 /// The parts of two bodies that may be apart by no more than a distance where they are, m; of a mesh its facets.

@@ -1,6 +1,7 @@
 //! How deep two placed colliders overlap, outside a step.
 
 use bevy::prelude::*;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::manifold::PartPair;
 use super::narrow::contact_pair::{self, PairSearch};
@@ -56,17 +57,17 @@ impl PlacedCollider<'_> {
         parts.iter().filter_map(&mut depth_of).max_by(f64::total_cmp)
     }
 
-    /// None: its rotation is none.
-    pub(crate) fn body(&self) -> Option<Body> {
-        let mut body = Body::new(Entity::PLACEHOLDER);
-        body.position = self.position.0.into();
-        body.rotation = nalgebra::UnitQuaternion::new_normalize(self.rotation.0.into());
-        if !self.rotation.0.normalize().is_normalized() {
-            return None;
-        }
-        body.geometry = Some(self.collider.geometry());
-        body.radius = self.collider.bounding_radius();
-        Some(body)
+    /// Where its body would be, and how it is turned. None: its rotation is none.
+    pub(crate) fn pose(&self) -> Option<(Vector3<f64>, UnitQuaternion<f64>)> {
+        let length = self.rotation.0.length();
+        let rotation = || UnitQuaternion::new_unchecked((self.rotation.0 / length).into());
+        (length > 0.0 && length.is_finite()).then(|| (self.position.0.into(), rotation()))
+    }
+
+    fn body(&self) -> Option<Body> {
+        let (position, rotation) = self.pose()?;
+        let (geometry, radius) = (Some(self.collider.geometry()), self.collider.bounding_radius());
+        Some(Body { position, rotation, geometry, radius, ..Body::new(Entity::PLACEHOLDER) })
     }
 }
 

@@ -5,6 +5,9 @@
 //! nearly as good they prefer the faces, so that neither their normal nor their place is that of the first touch, and where
 //! edges cross at a small angle no sequence of projections leads there.
 //!
+//! A ball and what is round about a point or a segment: in closed form, as a ray that enters what is larger by the ball
+//! ([`ray`](super::ray)).
+//!
 //! All others: by conservative advancement, as of bodies that move fast ([`time_of_impact`](crate::physics::collision)).
 //! Shapes that are apart by s along a unit n from the one that moves to the other come together along n by n·d for each
 //! metre, and by no more along any way. So it is moved on by s/(n·d) and looked at again; where n·d ≤ 0 they are apart
@@ -12,13 +15,22 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::clear_way::{Clear, Outline, Solid, clear_way};
+use super::asker::Asker;
+use super::clear_way::{Clear, clear_way};
 use super::first_touch::{Touch, first_touch};
 use super::meeting::meet;
+use super::ray::{Entry, enter_ball, enter_capsule};
+use super::solid::{At, Outline, Solid, solid_of};
 use crate::physics::box_tree::Way;
 use crate::physics::collision::{Overlap, PartPair, place_at_part, touch};
-use crate::physics::shape::{PartList, Parts};
+use crate::physics::shape::Parts;
 use crate::physics::{Body, ContactPoint, Geometry, PairSearch};
+
+/// Cheap steps before an exact look at most, which takes as long as some ten of them: more tell little that it does not,
+const STEPS_TO_ADVANCE: u32 = 12;
+
+/// and before two bounds are sought that meet, whose own steps are as cheap.
+const STEPS_TO_TOUCH: u32 = 4;
 
 /// Looks at most; what grazes takes many.
 const LOOKS: usize = 64;
@@ -44,10 +56,11 @@ pub(super) struct Impact {
 }
 
 /// A shape on its way along a unit direction.
-pub(super) struct Caster {
-    mover: Body,
+pub(super) struct Caster<'a> {
+    mover: &'a Asker,
     direction: Vector3<f64>,
-    advanced: Advanced,
+    /// Made for the first exact look.
+    advanced: Option<Advanced>,
 }
 
 /// The shape where it is looked at, with buffers.
@@ -57,18 +70,17 @@ struct Advanced {
     points: Vec<ContactPoint>,
 }
 
-impl Caster {
-    pub fn new(mover: Body, direction: Vector3<f64>) -> Self {
-        let advanced = Advanced { at: mover.clone(), search: PairSearch::default(), points: Vec::new() };
-        Self { mover, direction, advanced }
+impl<'a> Caster<'a> {
+    pub fn new(mover: &'a Asker, direction: Vector3<f64>) -> Self {
+        Self { mover, direction, advanced: None }
     }
 
     /// Where it first touches the other, within `most`, m.
     pub fn cast(&mut self, other: &Body, most: f64) -> Option<Impact> {
-        let Self { mover, direction, advanced } = self;
+        let (mover, direction) = (self.mover, self.direction);
         let mut first: Option<Impact> = None;
-        parts_on_the_way([mover, other], direction, most, &mut |parts, most| {
-            let nearer = advanced.cast([mover, other], parts, direction, most);
+        parts_on_the_way(mover, other, &direction, most, &mut |parts, most| {
+            let nearer = self.cast_part(other, parts, most);
             if let Some(nearer) = nearer.filter(|it| first.is_none_or(|first| it.distance < first.distance)) {
                 first = Some(nearer);
             }
@@ -76,19 +88,54 @@ impl Caster {
         });
         first
     }
+
+    /// Where those parts of the two first touch.
+    fn cast_part(&mut self, other: &Body, parts: PartPair, most: f64) -> Option<Impact> {
+        let Self { mover, direction, advanced } = self;
+        let solids = [mover.solid(parts.a, &other.position), solid_of(other, parts.b, &other.position)];
+        let [Some(of_mover), Some(of_other)] = solids else {
+            let clear = Clear { distance: 0.0, within: f64::INFINITY };
+            return Advanced::of(advanced, mover).advance(mover, other, parts, direction, clear, most);
+        };
+        match round_way(&of_mover, &of_other, direction) {
+            RoundWay::Past => return None,
+            RoundWay::Touch(impact) => {
+                let at = Impact { point: impact.point + other.position, ..impact };
+                return (at.distance <= most).then_some(at);
+            }
+            RoundWay::Unknown | RoundWay::Overlapping => {}
+        }
+        let is_any_flat = of_mover.is_polyhedron() || of_other.is_polyhedron();
+        let is_advanced = !is_any_flat || of_mover.is_round() || of_other.is_round();
+        let steps = if is_advanced { STEPS_TO_ADVANCE } else { STEPS_TO_TOUCH };
+        let clear = clear_way(&of_mover, &of_other, direction, most, steps)?;
+        if is_advanced {
+            return Advanced::of(advanced, mover).advance(mover, other, parts, direction, clear, most);
+        }
+        if clear.distance == 0.0
+            && meet(&of_mover, &of_other) != Some(false)
+            && let Some(impact) = Advanced::of(advanced, mover).at_start(other, parts)
+        {
+            return Some(impact);
+        }
+        let mut impact = on_the_way(of_mover, of_other, direction, clear.distance, most)?;
+        impact.point += other.position;
+        Some(impact)
+    }
 }
 
 /// Hands on the pairs of parts whose boxes meet on the way, the nearer first as far as one tree tells, and how far matters;
 /// what is handed on to tells how far matters from then on.
 fn parts_on_the_way(
-    [mover, other]: [&Body; 2],
+    mover: &Asker,
+    other: &Body,
     direction: &Vector3<f64>,
     most: f64,
     look: &mut dyn FnMut(PartPair, f64) -> f64,
 ) {
-    let (Some(of_mover), Some(of_other)) = (&mover.geometry, &other.geometry) else { return };
-    let whole = |body: &Body| (body.position, body.rotation.to_rotation_matrix().into_inner());
-    let (at_mover, at_other) = (whole(mover), whole(other));
+    let Some(of_other) = &other.geometry else { return };
+    let (of_mover, at_mover) = (&mover.geometry, (mover.position, mover.axes));
+    let at_other = (other.position, other.rotation.to_rotation_matrix().into_inner());
     match (of_mover.parts(), of_other.parts()) {
         (None, None) => {
             look(PartPair::default(), most);
@@ -114,9 +161,6 @@ fn parts_on_the_way(
         }
     }
 }
-
-/// Where something is, and its axes.
-type At = (Vector3<f64>, Matrix3<f64>);
 
 /// A convex solid where it is.
 struct Thing<'g> {
@@ -163,34 +207,24 @@ fn each_solid((parts, (position, axes)): (&Parts, At), most: f64, mut look: impl
 }
 
 impl Advanced {
-    /// Where those parts of the two first touch.
-    fn cast(
+    /// The shape at the start, made where there is none yet.
+    fn of<'a>(advanced: &'a mut Option<Self>, mover: &Asker) -> &'a mut Self {
+        let new = || Self { at: mover.body().clone(), search: PairSearch::default(), points: Vec::new() };
+        let advanced = advanced.get_or_insert_with(new);
+        advanced.at.position = mover.position;
+        advanced
+    }
+
+    /// Where those parts of the two first touch, by conservative advancement from where the way is clear to.
+    fn advance(
         &mut self,
-        [mover, other]: [&Body; 2],
+        mover: &Asker,
+        other: &Body,
         parts: PartPair,
         direction: &Vector3<f64>,
+        clear: Clear,
         most: f64,
     ) -> Option<Impact> {
-        let solids = [solid_of(mover, parts.a, &other.position), solid_of(other, parts.b, &other.position)];
-        let clear = match solids {
-            [Some(of_mover), Some(of_other)] => {
-                let clear = clear_way(&of_mover, &of_other, direction, most)?;
-                let is_any_flat = of_mover.is_polyhedron() || of_other.is_polyhedron();
-                if is_any_flat && !of_mover.is_round() && !of_other.is_round() {
-                    if clear.distance == 0.0
-                        && meet(&of_mover, &of_other) != Some(false)
-                        && let Some(impact) = self.at_start([mover, other], parts)
-                    {
-                        return Some(impact);
-                    }
-                    let mut impact = on_the_way(of_mover, of_other, direction, clear.distance, most)?;
-                    impact.point += other.position;
-                    return Some(impact);
-                }
-                clear
-            }
-            _ => Clear { distance: 0.0, within: f64::INFINITY },
-        };
         let Self { at, search, points } = self;
         let Clear { mut distance, mut within } = clear;
         let margin = MARGIN * mover.radius;
@@ -229,12 +263,57 @@ impl Advanced {
     }
 
     /// Where those parts of the two touch from the start.
-    fn at_start(&mut self, [mover, other]: [&Body; 2], parts: PartPair) -> Option<Impact> {
-        let Self { search, points, .. } = self;
-        let overlap = touch_along_any([mover, other], parts, 0.0, search, points)?;
-        let point = common_point([mover, other], parts, deepest(points)?);
+    fn at_start(&mut self, other: &Body, parts: PartPair) -> Option<Impact> {
+        let Self { at, search, points } = self;
+        let overlap = touch_along_any([at, other], parts, 0.0, search, points)?;
+        let point = common_point([at, other], parts, deepest(points)?);
         Some(Impact { distance: 0.0, point, normal: -overlap.normal })
     }
+}
+
+/// How a ball and a ball or a capsule come together.
+enum RoundWay {
+    /// Other shapes: nothing is told.
+    Unknown,
+    Past,
+    /// From where they are: along which they move apart first is not told.
+    Overlapping,
+    Touch(Impact),
+}
+
+/// Where a ball and a ball or a capsule first touch, in closed form: the ball's middle enters what is larger by its radius.
+fn round_way(mover: &Solid, other: &Solid, direction: &Vector3<f64>) -> RoundWay {
+    let (Outline::Solid(of_mover), Outline::Solid(of_other)) = (&mover.shape, &other.shape) else {
+        return RoundWay::Unknown;
+    };
+    let between = mover.position - other.position;
+    let into = |radius: f64, half: f64, axes: &Matrix3<f64>, from: Vector3<f64>, along: Vector3<f64>| {
+        let entry = enter_capsule(radius, half, &axes.tr_mul(&from), &axes.tr_mul(&along))?;
+        Some(Entry { normal: axes * entry.normal, ..entry })
+    };
+    // Out of the other, and whether the other is the ball.
+    let (entry, ball) = match (of_mover, of_other) {
+        (Geometry::Sphere { radius: own }, Geometry::Sphere { radius }) => {
+            (enter_ball(own + radius, &between, direction), Some(radius))
+        }
+        (Geometry::Capsule { radius: own, half, .. }, Geometry::Sphere { radius }) => {
+            let entry = into(own + radius, *half, &mover.axes, -between, -direction);
+            (entry.map(|entry| Entry { normal: -entry.normal, ..entry }), Some(radius))
+        }
+        (Geometry::Sphere { radius: own }, Geometry::Capsule { radius, half, .. }) => {
+            (into(own + radius, *half, &other.axes, between, *direction), None)
+        }
+        _ => return RoundWay::Unknown,
+    };
+    let Some(Entry { distance, normal }) = entry else { return RoundWay::Past };
+    if distance == 0.0 {
+        return RoundWay::Overlapping;
+    }
+    let point = match ball {
+        Some(radius) => other.position + normal * *radius,
+        None => mover.position + direction * distance - normal * mover.radius,
+    };
+    RoundWay::Touch(Impact { distance, point, normal })
 }
 
 /// Where a solid first touches another that it does not touch from the start, nor before it has come that far, m; the point
@@ -267,31 +346,6 @@ fn touch_along_any(
     let overlap = touch(bodies, parts, gap, search, points);
     (search.any_normal, search.is_sheet) = (false, false);
     overlap
-}
-
-/// A body's shape, or that part of it, from a place; none of a half-space and of a facet of many triangles.
-pub(super) fn solid_of<'b>(body: &'b Body, part: u32, from: &Vector3<f64>) -> Option<Solid<'b>> {
-    let (position, axes) = (body.position - from, body.rotation.to_rotation_matrix().into_inner());
-    let geometry = body.geometry.as_ref()?;
-    match geometry.parts().map(|parts| &parts.list) {
-        None => {
-            let shape = Outline::Solid(geometry);
-            body.radius.is_finite().then_some(Solid { shape, position, axes, radius: body.radius })
-        }
-        Some(PartList::Solids(solids)) => {
-            let solid = &solids[part as usize];
-            let position = position + axes * solid.position;
-            let axes = axes * solid.rotation.to_rotation_matrix().into_inner();
-            Some(Solid { shape: Outline::Solid(&solid.geometry), position, axes, radius: solid.radius })
-        }
-        Some(PartList::Triangles(mesh)) => {
-            let corners = mesh.corners_of(mesh.only_triangle(part)?);
-            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-            let corners = corners.map(|corner| corner - middle);
-            let radius = corners.iter().map(Vector3::norm).fold(0.0, f64::max);
-            Some(Solid { shape: Outline::Corners(corners), position: position + axes * middle, axes, radius })
-        }
-    }
 }
 
 /// A point of both bodies' parts, which touch, near one where a contact point is, which may be beside a side of a face by a

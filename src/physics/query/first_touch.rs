@@ -20,7 +20,7 @@
 
 use nalgebra::Vector3;
 
-use super::clear_way::Solid;
+use super::solid::Solid;
 use crate::physics::contact::tangents;
 
 /// Steps at most: of two polyhedra it takes 7 to rounding, where one is curved 10 to 50.

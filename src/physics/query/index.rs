@@ -1,13 +1,14 @@
 //! The bodies as the last step left them, in a tree of boxes, which is made when somebody first asks.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::ops::Deref;
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
+use nalgebra::{Matrix3, Vector3};
 
 use crate::physics::box_tree::BoxTree;
-use crate::physics::collision;
-use crate::physics::{Body, BoundingBox};
+use crate::physics::{Body, BoundingBox, Geometry};
 
 /// Part of its radius by which a body's box is larger than the body, as rounding might else leave something out.
 const SLACK: f64 = 1e-9;
@@ -17,21 +18,35 @@ type Version = (Tick, u64, usize);
 
 /// The index of the bodies as they were at some version.
 #[derive(Resource, Default)]
-pub(crate) struct QueryIndex(Mutex<Option<(Version, Arc<Index>)>>);
+pub(crate) struct QueryIndex(RwLock<Option<(Version, Index)>>);
 
 impl QueryIndex {
-    /// The index of these bodies, which have that version.
-    pub(super) fn of(&self, bodies: &[Body], version: Version) -> Arc<Index> {
+    /// The index of these bodies, which have that version, for reading. While somebody reads it none else has another version:
+    /// the bodies are lent to all who ask. So no closure of a filter that asks on waits for itself.
+    pub(super) fn of(&self, bodies: &[Body], version: Version) -> IndexGuard<'_> {
         // Nothing is left half done where making one panics.
-        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        match &*known {
-            Some((then, index)) if *then == version => index.clone(),
-            _ => {
-                let index = Arc::new(Index::new(bodies));
-                *known = Some((version, index.clone()));
-                index
-            }
+        let known = self.0.read().unwrap_or_else(PoisonError::into_inner);
+        if known.as_ref().is_some_and(|(then, _)| *then == version) {
+            return IndexGuard(known);
         }
+        drop(known);
+        let mut known = self.0.write().unwrap_or_else(PoisonError::into_inner);
+        // Another thread may have been first.
+        if known.as_ref().is_none_or(|(then, _)| *then != version) {
+            *known = Some((version, Index::new(bodies)));
+        }
+        IndexGuard(RwLockWriteGuard::downgrade(known))
+    }
+}
+
+/// An index that is lent for reading.
+pub(super) struct IndexGuard<'i>(RwLockReadGuard<'i, Option<(Version, Index)>>);
+
+impl Deref for IndexGuard<'_> {
+    type Target = Index;
+
+    fn deref(&self) -> &Index {
+        &self.0.as_ref().expect("it was made before it was lent").1
     }
 }
 
@@ -61,6 +76,16 @@ impl Index {
 }
 
 /// A box that holds a body's shape for certain; none of a half-space, and of what has no shape.
-pub(super) fn box_of(body: &Body) -> Option<BoundingBox> {
-    collision::box_of(body).map(|bounds| bounds.grown(SLACK * body.radius))
+fn box_of(body: &Body) -> Option<BoundingBox> {
+    let place = (body.position, body.rotation.to_rotation_matrix().into_inner());
+    box_at(body.geometry.as_ref()?, place, body.radius)
+}
+
+/// The same of a shape where it is, its axes as columns, of that bounding radius.
+pub(super) fn box_at(
+    geometry: &Geometry,
+    (position, axes): (Vector3<f64>, Matrix3<f64>),
+    radius: f64,
+) -> Option<BoundingBox> {
+    geometry.bounds_at(&position, &axes).map(|bounds| bounds.grown(SLACK * radius))
 }

@@ -8,7 +8,7 @@
 
 use nalgebra::Vector3;
 
-use super::clear_way::Solid;
+use super::solid::Solid;
 
 /// Steps at most: of polyhedra it takes some 3 to 8.
 const STEPS: u32 = 24;
@@ -173,7 +173,7 @@ mod tests {
     use nalgebra::UnitQuaternion;
 
     use super::*;
-    use crate::physics::query::clear_way::Outline;
+    use crate::physics::query::solid::Outline;
     use crate::physics::testing::Random;
     use crate::physics::{Collider, Geometry};
 

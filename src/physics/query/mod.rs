@@ -7,15 +7,18 @@
 //!
 //! | | |
 //! | --- | --- |
+//! | [`asker`] | the shape that is asked with |
 //! | [`ray`] | closed forms of a ray and each shape |
 //! | [`cast`] | a shape on its way |
 //! | [`first_touch`] | where it first touches a solid: two bounds that meet |
+//! | [`solid`] | convex solids where they are |
 //! | [`clear_way`] | how far it certainly touches nothing |
 //! | [`meeting`] | whether two solids meet |
 //! | [`box_tree`](super::box_tree) | which bodies are looked at |
 //! | [`sensor`] | colliders that only report, which ask after each step |
 
 mod answers;
+mod asker;
 mod cast;
 mod clear_way;
 mod filter;
@@ -25,6 +28,7 @@ mod meeting;
 mod physics_query;
 mod ray;
 mod sensor;
+mod solid;
 
 pub use answers::{CastHit, PointHit, Ray, RayHit};
 pub use filter::QueryFilter;

@@ -1,8 +1,8 @@
 //! The system parameter.
 
+use std::cell::LazyCell;
 use std::cmp::Ordering;
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
 use bevy::ecs::system::SystemParam;
 use bevy::math::DVec3;
@@ -10,11 +10,13 @@ use bevy::prelude::*;
 use nalgebra::Vector3;
 
 use super::answers::{CastHit, Hit, PointHit, Ray, RayHit};
-use super::cast::{Caster, solid_of};
+use super::asker::Asker;
+use super::cast::Caster;
 use super::filter::QueryFilter;
-use super::index::{Index, QueryIndex, box_of};
+use super::index::{Index, IndexGuard, QueryIndex};
 use super::meeting::meet;
 use super::ray::enter;
+use super::solid::solid_of;
 use crate::physics::box_tree::Way;
 use crate::physics::collision::{PartPair, PlacedCollider, has_parts, parts_within, place_up_to, touch};
 use crate::physics::{Bodies, Body, PairSearch, SolverSettings, StepStats, for_each_of};
@@ -111,8 +113,8 @@ impl PhysicsQuery<'_> {
 
     /// Whether a shape overlaps or touches a body; one of them.
     pub fn overlap(&self, shape: &PlacedCollider, filter: &QueryFilter) -> Option<Entity> {
-        let (body, mut found) = (shape.body()?, None);
-        self.touching(&body, filter, |other| {
+        let (asker, mut found) = (Asker::new(shape)?, None);
+        self.touching(&asker, filter, |other| {
             found = Some(other.entity);
             false
         });
@@ -121,32 +123,37 @@ impl PhysicsQuery<'_> {
 
     /// All bodies that a shape overlaps or touches, in the order of their entities.
     pub fn overlap_all(&self, shape: &PlacedCollider, filter: &QueryFilter) -> Vec<Entity> {
-        let Some(body) = shape.body() else { return Vec::new() };
-        let mut found: Vec<Entity> = self.touched_by(&body, filter).into_iter().map(|other| other.entity).collect();
+        let Some(asker) = Asker::new(shape) else { return Vec::new() };
+        let mut found = Vec::new();
+        self.touching(&asker, filter, |other| {
+            found.push(other.entity);
+            true
+        });
         found.sort_unstable();
         found
     }
 
     /// The bodies that one overlaps or touches, itself left out.
     pub(super) fn touched_by<'q>(&'q self, body: &Body, filter: &QueryFilter) -> Vec<&'q Body> {
-        let mut found = Vec::new();
-        self.touching(body, filter, |other| {
+        let (Some(asker), mut found) = (Asker::of(body), Vec::new()) else { return Vec::new() };
+        self.touching(&asker, filter, |other| {
             found.push(other);
             true
         });
         found
     }
 
-    /// Hands the bodies that one overlaps or touches to `take`, itself left out, which tells whether to go on.
-    fn touching<'q>(&'q self, body: &Body, filter: &QueryFilter, mut take: impl FnMut(&'q Body) -> bool) {
-        let (index, bounds) = (self.index(), box_of(body));
+    /// Hands the bodies that a shape overlaps or touches to `take`, its own left out, which tells whether to go on.
+    fn touching<'q>(&'q self, asker: &Asker, filter: &QueryFilter, mut take: impl FnMut(&'q Body) -> bool) {
+        let (index, bounds) = (self.index(), asker.bounds());
         // A triangle is touched whatever normal its mesh has there.
         let (mut search, mut points, mut parts) = (None, Vec::new(), Vec::new());
-        let is_compound = has_parts(body);
-        let whole = if is_compound { None } else { solid_of(body, 0, &body.position) };
+        let is_compound = asker.geometry.parts().is_some();
+        let whole = LazyCell::new(|| if is_compound { None } else { asker.solid(0, &asker.position) });
         let mut touch_in = |other: &Body, parts: PartPair| {
-            let part = if is_compound { solid_of(body, parts.a, &body.position) } else { None };
-            if let (Some(one), Some(two)) = (whole.as_ref().or(part.as_ref()), solid_of(other, parts.b, &body.position))
+            let part = if is_compound { asker.solid(parts.a, &asker.position) } else { None };
+            if let (Some(one), Some(two)) =
+                (whole.as_ref().or(part.as_ref()), solid_of(other, parts.b, &asker.position))
                 && let Some(are_met) = meet(one, &two)
             {
                 // A triangle has a front alone.
@@ -156,19 +163,19 @@ impl PhysicsQuery<'_> {
                 search.get_or_insert_with(|| PairSearch { any_normal: true, is_sheet: true, ..PairSearch::default() });
             points.clear();
             search.last = None;
-            let found = touch([body, other], parts, 0.0, search, &mut points);
+            let found = touch([asker.body(), other], parts, 0.0, search, &mut points);
             found.is_some_and(|overlap| overlap.depth >= 0.0)
         };
         let mut touches = |other: &Body| {
             if !is_compound && !has_parts(other) {
                 return touch_in(other, PartPair::default());
             }
-            parts_within(body, other, 0.0, &mut parts);
+            parts_within(asker.body(), other, 0.0, &mut parts);
             parts.iter().any(|&parts| touch_in(other, parts))
         };
         let mut look = |other: u32| {
             let other = &self.bodies.list[other as usize];
-            let is_met = other.entity != body.entity && filter.admits(other) && touches(other);
+            let is_met = other.entity != asker.entity && filter.admits(other) && touches(other);
             if is_met && !take(other) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         if let Some(bounds) = bounds {
@@ -186,7 +193,7 @@ impl PhysicsQuery<'_> {
         &self.bodies.list
     }
 
-    fn index(&self) -> Arc<Index> {
+    fn index(&self) -> IndexGuard<'_> {
         let version = (self.bodies.last_changed(), self.stats.steps, self.bodies.list.len());
         self.index.of(&self.bodies.list, version)
     }
@@ -249,10 +256,12 @@ impl PhysicsQuery<'_> {
         filter: &QueryFilter,
         take: &mut Take<CastHit>,
     ) {
-        let Some(mover) = shape.body().filter(|body| body.position.iter().all(|part| part.is_finite())) else { return };
-        let (Some(bounds), Some(direction)) = (box_of(&mover), direction.try_normalize()) else { return };
+        let Some(mover) = Asker::new(shape).filter(|mover| mover.position.iter().all(|part| part.is_finite())) else {
+            return;
+        };
+        let (Some(bounds), Some(direction)) = (mover.bounds(), direction.try_normalize()) else { return };
         let (index, unit) = (self.index(), Vector3::from(direction));
-        let (start, mut caster) = (mover.position, Caster::new(mover, unit));
+        let (start, mut caster) = (mover.position, Caster::new(&mover, unit));
         let mut look = |index: u32, most: f64| {
             let other = &self.bodies.list[index as usize];
             if !filter.admits(other) {

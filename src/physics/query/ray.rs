@@ -91,7 +91,8 @@ fn inside(direction: &Vector3<f64>) -> Entry {
     Entry { distance: 0.0, normal: -direction }
 }
 
-fn enter_ball(radius: f64, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Entry> {
+/// Into a ball about the origin.
+pub(super) fn enter_ball(radius: f64, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Entry> {
     if origin.norm_squared() <= radius * radius {
         return Some(inside(direction));
     }
@@ -105,8 +106,8 @@ fn enter_ball(radius: f64, origin: &Vector3<f64>, direction: &Vector3<f64>) -> O
     Some(Entry { distance, normal: (origin + direction * distance) / radius })
 }
 
-/// Into the cylinder between the ends of the segment, or one of the balls there.
-fn enter_capsule(radius: f64, half: f64, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Entry> {
+/// Into a capsule about a segment of twice `half` along y: the cylinder between its ends, or one of the balls there.
+pub(super) fn enter_capsule(radius: f64, half: f64, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Entry> {
     let beside = origin - Vector3::y() * origin.y.clamp(-half, half);
     if beside.norm_squared() <= radius * radius {
         return Some(inside(direction));

@@ -24,16 +24,7 @@ impl Geometry {
                 let apex = Vector3::new(0.0, 0.75 * height, 0.0);
                 (if is_apex { apex } else { turned(*radius, -0.25 * height) }, 0.0)
             }
-            Self::Hull(hull) => {
-                let mut farthest = (f64::NEG_INFINITY, Vector3::zeros());
-                for vertex in &hull.vertices {
-                    let along = vertex.dot(direction);
-                    if along > farthest.0 {
-                        farthest = (along, *vertex);
-                    }
-                }
-                (farthest.1, 0.0)
-            }
+            Self::Hull(hull) => (hull.farthest(direction), 0.0),
         })
     }
 }

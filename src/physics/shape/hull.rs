@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
+use wide::f64x4;
 
 use super::edge_lanes::EdgeLanes;
 use crate::physics::VectorSet;
@@ -16,7 +17,7 @@ pub(super) const VERTEX_EPSILON: f64 = 1e-2;
 /// angle at which two edges give different axes, far above rounding.
 const PARALLEL_EPSILON: f64 = 1e-9;
 
-/// Vertices that [`Hull::reach`] looks at together.
+/// Vertices that [`Hull::reach`] and [`Hull::farthest`] look at together.
 const LANES: usize = 4;
 
 /// A convex polyhedron in body axes, about the centre of mass.
@@ -103,6 +104,22 @@ impl Hull {
             }
         }
         farthest.into_iter().fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The vertex that is farthest along a direction.
+    pub fn farthest(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        let direction: [f64x4; 3] = direction.data.0[0].map(f64x4::splat);
+        let (mut farthest, mut which) = (f64x4::splat(f64::NEG_INFINITY), f64x4::ZERO);
+        for (index, lanes) in self.lanes.iter().enumerate() {
+            let [x, y, z] = lanes.map(f64x4::from);
+            let along = x * direction[0] + y * direction[1] + z * direction[2];
+            let is_farther = along.simd_gt(farthest);
+            farthest = is_farther.select(along, farthest);
+            which = is_farther.select(f64x4::splat(index as f64), which);
+        }
+        let (farthest, which) = (farthest.to_array(), which.to_array());
+        let lane = (1..LANES).fold(0, |first, lane| if farthest[lane] > farthest[first] { lane } else { first });
+        self.lanes[which[lane] as usize].map(|axis| axis[lane]).into()
     }
 }
 

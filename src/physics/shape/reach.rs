@@ -3,8 +3,15 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::Geometry;
+use crate::physics::BoundingBox;
 
 impl Geometry {
+    /// A box that holds it where it is, m, its axes as columns; none of a half-space.
+    pub fn bounds_at(&self, position: &Vector3<f64>, axes: &Matrix3<f64>) -> Option<BoundingBox> {
+        let [low, high] = self.reach(axes)?;
+        Some(BoundingBox { low: position + low, high: position + high })
+    }
+
     /// The least and the greatest coordinates of its points from its centre of mass, m, by the axes of its body as columns;
     /// none of a half-space.
     pub fn reach(&self, axes: &Matrix3<f64>) -> Option<[Vector3<f64>; 2]> {
