@@ -189,7 +189,7 @@ fn the_measure_knows_joints_and_bounds() {
 
 #[test]
 fn a_run_writes_its_hardest_problems_and_is_the_same_without() {
-    let plan = Plan::new("card_house", &[], SolverSettings::accurate(), Some(0.1)).unwrap();
+    let plan = Plan::new("car", &[], SolverSettings::accurate(), Some(0.1)).unwrap();
     let mut simulations = [true, false].map(|keeps| {
         let mut simulation = Simulation::new(plan.scene.clone(), plan.settings);
         if keeps {
@@ -206,14 +206,14 @@ fn a_run_writes_its_hardest_problems_and_is_the_same_without() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path().join("new").display().to_string();
     let output = std::process::Command::new(env!("CARGO_BIN_EXE_plumb"))
-        .args(["run", "card_house", "--preset", "accurate", "--seconds", "0.1", "--problems", &at])
+        .args(["run", "car", "--preset", "accurate", "--seconds", "0.1", "--problems", &at])
         .output()
         .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let files = contact_problem_files(Path::new(&at)).unwrap();
     assert!((3..=10).contains(&files.len()), "{files:?}");
     for HardProblem { step, iterations, problem, .. } in kept.list() {
-        let path = Path::new(&at).join(format!("card_house-{step:05}-{iterations}.txt"));
+        let path = Path::new(&at).join(format!("car-{step:05}-{iterations}.txt"));
         assert_eq!(&read_contact_problem(&path).unwrap(), problem, "{}", path.display());
     }
 }

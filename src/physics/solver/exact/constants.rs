@@ -216,6 +216,9 @@ pub(super) const LEAST_GROWTH: f64 = 1.25;
 pub(super) const MOST_LANDINGS: u32 = 1_000;
 /// Smooth steps tried to find the time of one landing.
 pub(super) const MOST_TRIALS: usize = 80;
+/// Share of the largest number of a row by which it may differ from that which a solver is set to. Loads of twenty bodies on each
+/// other are the impulses of some m/s in a step, so that what comes of it is at most a tenth of what rests may miss.
+pub(super) const SAME_ROWS: f64 = 1e-12;
 /// Residual of a contact point that is asked for, m/s,
 pub(super) const TOLERANCE: f64 = 1e-10;
 /// the share of it that is asked for of velocities where no body is faster than that, m/s: what is left over would add up from

@@ -72,6 +72,8 @@ impl ExactGroup {
         next.pairs.clear();
         let found = islands.manifolds(self.group).iter().map(|&found| &contacts.manifolds[found as usize]);
         next.pairs.extend(found.map(Manifold::key));
+        // They were found along x: columns on each other come in an order that rounding changes.
+        next.pairs.sort_unstable_by_key(|key| (key.pair.a, key.pair.b, key.parts));
         next.versions = (bodies.version, joints.version);
         next.locked = next.bodies.iter().any(|&body| is_locked(&bodies.list[body as usize]));
         if self.next != self.plan {

@@ -9,7 +9,6 @@
 //! [`SHORTEST_STEP`] goes by the forecast at its start alone, and so does all that is left of a step that has taken its
 //! share of work ([`GroupSolver::is_spent`]), or has come to its deadline. All are reported.
 
-use bevy::platform::collections::HashMap;
 use nalgebra::Vector3;
 
 use super::super::bodies::{links_of, member, place_in, put, state_of};
@@ -24,6 +23,7 @@ use super::group_solver::{GroupSolver, GroupView};
 use super::impacts::{Impacts, approach};
 use super::joint_gaps::JointGaps;
 use super::limit_rows::LimitRows;
+use super::point_loads::{PointLoad, PointLoads};
 use super::smooth_step::{SmoothStep, SmoothTerms, place};
 use crate::physics::HardProblem;
 use crate::physics::body::{Bodies, Body, SurfaceMaterial};
@@ -34,24 +34,6 @@ use crate::physics::joint::{Joint, Joints};
 use crate::physics::settings::FrictionModel;
 use crate::physics::solve_trace::Residuals;
 use crate::physics::solver::cone::Deadline;
-
-/// The load of each contact point, by pair and feature.
-type PointLoads = HashMap<(u32, FeatureId), PointLoad>;
-
-/// What a contact point carries.
-#[derive(Clone, Debug)]
-struct PointLoad {
-    /// Over the step, N·s on B; then its mean, N.
-    impulse: Vector3<f64>,
-    /// Force of the last solve that had the point, N on B.
-    last: Vector3<f64>,
-    /// The force that the next step starts from, N on B: the last, but the mean of both halves of a smooth step at rest. What
-    /// rests would never come to rest by the second half alone: that makes good what the first misses, v½, and as the first of
-    /// the next step it would miss −v½.
-    next: Vector3<f64>,
-    /// The point in that solve.
-    point: GapPoint,
-}
 
 /// A contact point with the force through it.
 pub(crate) struct PointForce {
@@ -226,7 +208,7 @@ impl ContactGroup {
             solver.keep_hardest(terms.keeps_hardest);
             solver.end_by(terms.deadline);
         }
-        self.loads.clear();
+        self.loads.clear(self.pairs.len());
         let last_loads = std::mem::take(&mut self.joint_loads);
         self.joint_loads.resize(last_loads.len(), Wrench::zero());
         for part in 0..terms.parts {
@@ -235,7 +217,7 @@ impl ContactGroup {
         }
         let step = terms.h * f64::from(terms.parts);
         self.joint_loads.iter_mut().for_each(|load| *load = Wrench::zero().plus(load, 1.0 / step));
-        self.loads.values_mut().for_each(|load| load.impulse /= step);
+        self.loads.list.iter_mut().for_each(|load| load.impulse /= step);
         let Self { smooth, impacts, residuals, effort, .. } = self;
         residuals.clear();
         effort.unsettled += std::mem::take(&mut impacts.failures);
@@ -521,17 +503,17 @@ impl ContactGroup {
             force: load.map_or_else(Vector3::zeros, |load| load.impulse),
             last_force: is_last.then(|| load.map_or_else(Vector3::zeros, |load| load.last)),
         };
-        let is_gone = |&(pair, feature): &(u32, FeatureId)| points.position(pair, feature).is_none();
-        let mut gone: Vec<_> = self.loads.iter().filter(|&(at, _)| is_gone(at)).collect();
-        gone.sort_unstable_by_key(|(at, _)| **at);
+        let is_gone = |load: &&PointLoad| points.position(load.point.pair, load.point.feature).is_none();
+        let mut gone: Vec<_> = self.loads.list.iter().filter(is_gone).collect();
+        gone.sort_unstable_by_key(|load| (load.point.pair, load.point.feature));
         let mut gone = gone.into_iter().peekable();
         let mut forces = Vec::new();
         for (index, free) in (0..).zip(&self.free) {
             for point in points.of(index as usize) {
                 let is_held = !free && point.gap <= TOUCHING;
-                forces.push(force(index, point, self.loads.get(&(index, point.feature)), is_held));
+                forces.push(force(index, point, self.loads.get(index, point.feature), is_held));
             }
-            while let Some((_, load)) = gone.next_if(|((pair, _), _)| *pair == index) {
+            while let Some(load) = gone.next_if(|load| load.point.pair == index) {
                 forces.push(force(index, &load.point, Some(load), false));
             }
         }
@@ -541,7 +523,7 @@ impl ContactGroup {
     /// The forces on each pair's points that the next step starts from.
     pub fn next_forces(&self) -> impl Iterator<Item = (PairKey, impl Iterator<Item = (FeatureId, Vector3<f64>)>)> {
         self.pairs.iter().enumerate().map(move |(index, pair)| {
-            let next = move |point: &GapPoint| self.loads.get(&(index as u32, point.feature)).map(|load| load.next);
+            let next = move |point: &GapPoint| self.loads.get(index as u32, point.feature).map(|load| load.next);
             let points = self.smooth.points.of(index).iter();
             let points = points.map(move |point| (point.feature, next(point).unwrap_or_else(Vector3::zeros)));
             (pair.key, points)
@@ -560,14 +542,7 @@ fn add_up(
     forces: impl Fn(&GapPoint, &Vector3<f64>) -> Option<[Vector3<f64>; 2]>,
 ) {
     for (point, impulse) in held.iter().zip(&solver.impulses.contacts) {
-        let zero = Vector3::zeros();
-        let nothing = || PointLoad { impulse: zero, last: zero, next: zero, point: point.clone() };
-        let load = loads.entry((point.pair, point.feature)).or_insert_with(nothing);
-        load.impulse += impulse;
-        load.point.clone_from(point);
-        if let Some(forces) = forces(point, impulse) {
-            [load.last, load.next] = forces;
-        }
+        loads.add(point, impulse, forces(point, impulse));
     }
     joint_impulses.iter_mut().zip(solver.loads(links)).for_each(|(sum, impulse)| *sum = sum.plus(&impulse, 1.0));
 }

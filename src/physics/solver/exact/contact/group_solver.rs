@@ -10,6 +10,7 @@ use super::super::mechanism::{InverseMass, MechanismLink, Member, MemberState, p
 use super::super::row_mode::RowLaw;
 use super::gap_points::{GapPoint, point_velocity};
 use super::hardest_solve::HardestSolve;
+use super::posed_rows::PosedRows;
 use crate::physics::HardProblem;
 use crate::physics::constraint::row::Wrench;
 use crate::physics::joint::JointRow;
@@ -30,9 +31,9 @@ pub(super) struct GroupView<'a> {
 #[derive(Clone, Default)]
 pub(super) struct GroupSolver {
     solver: ConeSolver,
-    bodies: Vec<ConeBody>,
-    contacts: Vec<ConeContact>,
-    joints: Vec<ConeJoint>,
+    /// What the solver is set to, and what was set before or is being made.
+    posed: PosedRows,
+    next: PosedRows,
     /// The rows of all links at the poses taken in; the solver has those that are no springs.
     pub rows: Vec<JointRow<f64>>,
     /// The laws of these.
@@ -81,23 +82,21 @@ impl GroupSolver {
             };
             of(1) - of(0)
         };
-        self.bodies.clear();
-        self.bodies.extend(view.members.iter().zip(states).take(view.moving).map(|(member, state)| {
+        self.next.clear();
+        self.next.bodies.extend(view.members.iter().zip(states).take(view.moving).map(|(member, state)| {
             let InverseMass { linear, angular } = member.inverse_mass_at(state);
             ConeBody { inverse_mass: linear, inverse_inertia: angular }
         }));
-        self.contacts.clear();
         self.given.contacts.clear();
         for point in points {
             let GapPoint { ends, arms, normal, friction, .. } = point;
             let bodies = ends.map(moves);
-            self.contacts.push(ConeContact { bodies, arms: *arms, normal: *normal, friction: *friction });
+            self.next.contacts.push(ConeContact { bodies, arms: *arms, normal: *normal, friction: *friction });
             self.given.contacts.push(still(*ends, arms));
         }
         place_rows(view.links, states, time, &mut self.rows);
         self.laws.clear();
         self.laws.extend(self.rows.iter().map(RowLaw::of));
-        self.joints.clear();
         self.given.joints.clear();
         self.axes.clear();
         self.arms.clear();
@@ -105,7 +104,12 @@ impl GroupSolver {
             self.arms.push(link.arm_b(states));
             self.add_joints(link, link.ends().map(moves), states, &bounds);
         }
-        self.solver.set(&self.bodies, &self.contacts, &self.joints);
+        // What rests has the rows that it had.
+        if !self.next.are_as(&self.posed) {
+            std::mem::swap(&mut self.posed, &mut self.next);
+            let PosedRows { bodies, contacts, joints } = &self.posed;
+            self.solver.set(bodies, contacts, joints);
+        }
     }
 
     /// Adds the joints that a link is to the solver: up to three rows each, of one unit, or one that has bounds.
@@ -126,16 +130,16 @@ impl GroupSolver {
                 if upper == 0.0 && lower < 0.0 { (-1.0, (0.0, -lower)) } else { (1.0, (lower, upper)) };
             if count % 3 == 0 || unit != only_turns || !is_rigid {
                 (count, unit) = (0, only_turns);
-                self.joints.push(ConeJoint { bodies, jacobians: [PointJacobian::zeros(); 2], bounds });
+                self.next.joints.push(ConeJoint { bodies, jacobians: [PointJacobian::zeros(); 2], bounds });
                 self.axes.push(([None; 3], sign));
                 self.given.joints.push(Vector3::zeros());
             }
-            let last = self.joints.len() - 1;
+            let last = self.next.joints.len() - 1;
             self.axes[last].0[count] = Some(index as u32);
             self.given.joints[last][count] = row.time_rate * sign;
             for end in 0..2 {
                 let own = row.jacobian.of(end);
-                let mut jacobian = self.joints[last].jacobians[end].row_mut(count);
+                let mut jacobian = self.next.joints[last].jacobians[end].row_mut(count);
                 jacobian.fixed_columns_mut::<3>(0).tr_copy_from(&(own.linear * sign));
                 jacobian.fixed_columns_mut::<3>(3).tr_copy_from(&(own.angular * sign));
                 if bodies[end].is_none() {
@@ -165,14 +169,14 @@ impl GroupSolver {
     /// and t̂ the direction in which it slides (Painlevé 1895): pressing harder pulls its bodies further into each other.
     pub fn jammed<'s>(&self, points: impl Iterator<Item = (&'s GapPoint, Vector3<f64>)>) -> u32 {
         let mut count = 0;
-        for ((point, velocity), contact) in points.zip(&self.contacts) {
+        for ((point, velocity), contact) in points.zip(&self.posed.contacts) {
             let slip = velocity - point.normal * velocity.dot(&point.normal);
             if point.gap > TOUCHING || slip.norm() < SLIDING {
                 continue;
             }
             let push = point.normal - slip.normalize() * point.friction;
             let moved = (0..2).filter_map(|end| {
-                let body = &self.bodies[contact.bodies[end]? as usize];
+                let body = &self.posed.bodies[contact.bodies[end]? as usize];
                 let arm = &contact.arms[end];
                 let turned = body.inverse_inertia * arm.cross(&push);
                 Some(body.inverse_mass.component_mul(&push) + turned.cross(arm))
@@ -219,7 +223,7 @@ impl GroupSolver {
 
     /// Whether there is nothing to solve.
     pub fn is_empty(&self) -> bool {
-        self.contacts.is_empty() && self.joints.is_empty()
+        self.posed.contacts.is_empty() && self.posed.joints.is_empty()
     }
 
     /// Solves for the velocities to be gained along normals and by rows of links, m/s, from [`Self::impulses`] and
@@ -232,7 +236,7 @@ impl GroupSolver {
             return;
         }
         self.bias.clone_from(&self.given);
-        for ((bias, contact), gain) in self.bias.contacts.iter_mut().zip(&self.contacts).zip(gains) {
+        for ((bias, contact), gain) in self.bias.contacts.iter_mut().zip(&self.posed.contacts).zip(gains) {
             *bias += contact.normal * *gain;
         }
         self.impulses.joints.clear();
@@ -242,7 +246,7 @@ impl GroupSolver {
         }
         self.row_impulses.fill(0.0);
         self.velocities.clear();
-        self.velocities.extend(states.iter().take(self.bodies.len()).map(|state| [state.linear, state.angular]));
+        self.velocities.extend(states.iter().take(self.posed.bodies.len()).map(|state| [state.linear, state.angular]));
         let is_relaxed = self.stalled > tolerance.max(SETTLED);
         // Both are speeds, whatever the bodies' are.
         let enough = enough.max(self.stalled);
@@ -254,7 +258,7 @@ impl GroupSolver {
         if let Some(hardest) = &mut self.hardest {
             let (iterations, residual) = (outcome.steps, outcome.residual);
             let told = HardProblem { iterations, tolerance, residual, ..HardProblem::default() };
-            hardest.end(&self.bodies, &self.contacts, &self.joints, &self.bias, told);
+            hardest.end(&self.posed.bodies, &self.posed.contacts, &self.posed.joints, &self.bias, told);
         }
         match outcome.end {
             ConeEnd::Enough if outcome.residual > TOLERANCE => self.stalled = SETTLED,
@@ -269,7 +273,7 @@ impl GroupSolver {
         }
         self.residual = outcome.residual;
         self.steps += outcome.steps;
-        self.work += u64::from(outcome.steps) * (self.contacts.len() + self.joints.len()) as u64;
+        self.work += u64::from(outcome.steps) * (self.posed.contacts.len() + self.posed.joints.len()) as u64;
         let is_ended = !matches!(outcome.end, ConeEnd::Bounded | ConeEnd::Late | ConeEnd::NoRigidSolution);
         self.is_solved = is_ended && !(is_relaxed && outcome.residual > SETTLED);
         for (state, [linear, angular]) in states.iter_mut().zip(&self.velocities) {
