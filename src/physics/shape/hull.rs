@@ -138,3 +138,27 @@ impl Face {
         Self { normal, offset, vertices: corners }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::DVec3;
+
+    use crate::physics::testing::Random;
+    use crate::physics::{Collider, Geometry};
+
+    #[test]
+    fn the_farthest_vertex_is_as_far_as_the_hull_reaches() {
+        let mut random = Random::new(31);
+        for count in 4..30 {
+            let points: Vec<DVec3> = (0..count).map(|_| random.direction().into()).collect();
+            let collider = Collider::convex_hull(&points).unwrap();
+            let Geometry::Hull(hull) = collider.geometry() else { panic!("a hull") };
+            for _ in 0..20 {
+                let direction = random.direction();
+                let farthest = hull.farthest(&direction);
+                assert!(hull.vertices.contains(&farthest), "{count} points");
+                assert!((farthest.dot(&direction) - hull.reach(&direction)).abs() < 1e-15, "{count} points");
+            }
+        }
+    }
+}
