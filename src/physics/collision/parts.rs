@@ -159,11 +159,11 @@ fn parts_near(
     let into_body = axes.transpose();
     let rotation = into_body * placed.rotation.to_rotation_matrix().into_inner();
     let center = into_body * (placed.position - body.position);
-    let Some([low, high]) = shape.reach(&rotation) else {
+    let Some(bounds) = shape.bounds_at(&center, &rotation) else {
         (0..parts.solids().len() as u32).for_each(take);
         return;
     };
-    let bounds = BoundingBox { low: center + low, high: center + high }.grown(way);
+    let bounds = bounds.grown(way);
     let PartList::Triangles(mesh) = &parts.list else {
         // What a body may bring to where the solid comes is no farther from there than either goes, if that is not far.
         let near = growth(body, &placed.position, 2.0 * (placed.radius + way));

@@ -28,29 +28,24 @@ impl Asker {
     // Else it is copied where it is returned, which takes a tenth of an overlap of balls.
     #[inline(always)]
     pub fn new(placed: &PlacedCollider) -> Option<Self> {
-        let (position, rotation) = placed.pose()?;
-        Some(Self {
-            entity: Entity::PLACEHOLDER,
-            position,
-            axes: rotation.to_rotation_matrix().into_inner(),
-            geometry: placed.collider.geometry(),
-            radius: placed.collider.bounding_radius(),
-            rotation,
-            body: OnceCell::new(),
-        })
+        let (geometry, radius) = (placed.collider.geometry(), placed.collider.bounding_radius());
+        Some(Self::at(Entity::PLACEHOLDER, placed.pose()?, geometry, radius))
     }
 
     /// Of a body; none without a shape.
     pub fn of(body: &Body) -> Option<Self> {
-        Some(Self {
-            entity: body.entity,
-            position: body.position,
-            axes: body.rotation.to_rotation_matrix().into_inner(),
-            geometry: body.geometry.clone()?,
-            radius: body.radius,
-            rotation: body.rotation,
-            body: OnceCell::new(),
-        })
+        Some(Self::at(body.entity, (body.position, body.rotation), body.geometry.clone()?, body.radius))
+    }
+
+    #[inline(always)]
+    fn at(
+        entity: Entity,
+        (position, rotation): (Vector3<f64>, UnitQuaternion<f64>),
+        geometry: Geometry,
+        radius: f64,
+    ) -> Self {
+        let axes = rotation.to_rotation_matrix().into_inner();
+        Self { entity, position, axes, geometry, radius, rotation, body: OnceCell::new() }
     }
 
     /// A body of that shape there.

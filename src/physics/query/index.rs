@@ -5,8 +5,8 @@ use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
-use nalgebra::{Matrix3, Vector3};
 
+use super::solid::At;
 use crate::physics::box_tree::BoxTree;
 use crate::physics::{Body, BoundingBox, Geometry};
 
@@ -82,10 +82,6 @@ fn box_of(body: &Body) -> Option<BoundingBox> {
 }
 
 /// The same of a shape where it is, its axes as columns, of that bounding radius.
-pub(super) fn box_at(
-    geometry: &Geometry,
-    (position, axes): (Vector3<f64>, Matrix3<f64>),
-    radius: f64,
-) -> Option<BoundingBox> {
+pub(super) fn box_at(geometry: &Geometry, (position, axes): At, radius: f64) -> Option<BoundingBox> {
     geometry.bounds_at(&position, &axes).map(|bounds| bounds.grown(SLACK * radius))
 }

@@ -214,8 +214,7 @@ impl Solid {
     /// Its box in the body's axes.
     pub fn bounds(&self) -> BoundingBox {
         let axes = self.rotation.to_rotation_matrix().into_inner();
-        let [low, high] = self.geometry.reach(&axes).expect("a half-space is no part");
-        BoundingBox { low: self.position + low, high: self.position + high }
+        self.geometry.bounds_at(&self.position, &axes).expect("a half-space is no part")
     }
 }
 

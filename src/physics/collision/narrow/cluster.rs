@@ -69,7 +69,7 @@ struct Both<'t, B> {
 pub(super) fn touch<B: Polyhedron>(
     (mesh, cluster): (&Triangles, u32),
     (polyhedron, radius): (&B, f64),
-    (placed, [low, high]): (&Frame, [Vector3<f64>; 2]),
+    (placed, bounds): (&Frame, BoundingBox),
     gap: f64,
     (buffers, clip): (&mut ClusterBuffers, &mut ClipBuffers),
     points: &mut Vec<ContactPoint>,
@@ -77,7 +77,7 @@ pub(super) fn touch<B: Polyhedron>(
     let scale = &Scale::new(radius, radius, gap);
     let both = Both { mesh, cluster, polyhedron, placed, scale };
     let beyond = scale.gap + LOOK_BEYOND * radius;
-    let bounds = BoundingBox { low: placed.center + low, high: placed.center + high }.grown(beyond);
+    let bounds = bounds.grown(beyond);
     buffers.clear();
     // Nothing of the cluster is nearer, unless found to be.
     let apart = both.find_points(&bounds, beyond, buffers, clip);

@@ -11,7 +11,7 @@ use super::clipping::{MAX_POINTS, keep_touching_spread};
 use super::{Cuboid, Frame, Overlap, PairSearch, Scale, cluster, triangle};
 use crate::physics::contact::tangents;
 use crate::physics::shape::{SAME, Triangle, Triangles};
-use crate::physics::{BoundingBox, ContactPoint, Geometry};
+use crate::physics::{ContactPoint, Geometry};
 
 /// How far a point is beside the line of its neighbors at least to be a corner, as a share of the size.
 const OUTLINE_SLACK: f64 = 1e-7;
@@ -31,10 +31,11 @@ pub(super) fn touch(
         return touch_triangle(mesh.get(index), shape, radius, shape_in_mesh, gap, search, points);
     }
     let first = points.len();
-    let [low, high] = shape.reach(&shape_in_mesh.rotation)?;
+    let center = &shape_in_mesh.center;
+    let bounds = shape.bounds_at(center, &shape_in_mesh.rotation)?;
     if mesh.is_cluster(facet) {
         let buffers = (&mut search.of_cluster, &mut search.clip);
-        let (cluster, placed) = ((mesh, facet), (shape_in_mesh, [low, high]));
+        let (cluster, placed) = ((mesh, facet), (shape_in_mesh, bounds));
         let found = match shape {
             Geometry::Cuboid { half } => {
                 cluster::touch(cluster, (&Cuboid { half: *half }, radius), placed, gap, buffers, points)
@@ -45,8 +46,7 @@ pub(super) fn touch(
         return found.map_err(|apart| search.apart = apart).ok();
     }
     let scale = Scale::new(radius, radius, gap);
-    let center = &shape_in_mesh.center;
-    let bounds = BoundingBox { low: center + low, high: center + high }.grown(scale.gap);
+    let bounds = bounds.grown(scale.gap);
     // What was found along the facet's normal, and along another.
     let (mut flat, mut border): (Option<Overlap>, Option<Overlap>) = (None, None);
     let [mut of_flat, mut of_border, mut outline] = std::mem::take(&mut search.of_facet);
