@@ -16,6 +16,7 @@ mod cylinders;
 mod determinism;
 mod endurance;
 mod exact;
+mod exact_rest;
 mod far;
 mod fast_bodies;
 mod free_motion;

@@ -227,6 +227,10 @@ pub(super) const STILL_SHARE: f64 = 0.1;
 pub(super) const STILL_SPEED: f64 = 1e-6;
 /// and the one where the work of a step is spent.
 pub(super) const ROUGH_TOLERANCE: f64 = 1e-5;
+/// How far bodies go at most that rest, m, surfaces as well as centres: as exactly as a landing is found ([`LANDED`]),
+pub(super) const REST_WAY: f64 = 1e-11;
+/// and how long they are to go no further, s. Seen by: `a_rod_that_leans_by_little_falls`.
+pub(super) const REST_TIME: f64 = 0.5;
 /// Residual, m/s, that is enough where points contradict each other.
 pub(super) const SETTLED: f64 = 1e-8;
 /// Residual, m/s, up to which what a solve could not get below is not tried again for some time.

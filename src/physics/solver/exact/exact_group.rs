@@ -209,7 +209,8 @@ impl ExactGroup {
 
     /// All that the next step depends on beside bodies and joints.
     pub fn memory(&self) -> impl Iterator<Item = f64> + '_ {
-        self.pieces.iter().flat_map(|piece| piece.stepper.memory())
+        let of_pieces = self.pieces.iter().flat_map(|piece| piece.stepper.memory());
+        of_pieces.chain(self.contact_groups.iter().map(ContactGroup::stayed))
     }
 }
 

@@ -19,7 +19,7 @@ use crate::physics::joint::{BodyState, Bound, JointDefinition, JointRow, LawPart
 use crate::physics::solver::linear::Elimination;
 
 /// The properties of a body that do not change in a step. SI; world axes unless stated.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Member {
     /// 0 for a body that constraints do not move.
     pub mass: f64,

@@ -150,6 +150,7 @@ fn solve_exactly(
     (stats.cuts, stats.unsettled, stats.jammed) = (0, 0, 0);
     for group in &*list {
         group.scatter(&mut bodies.list, &mut joints.list);
+        stats.resting += group.contact_groups().iter().map(ContactGroup::resting).sum::<usize>() as u32;
         for (rows, effort) in group.efforts() {
             stats.rows += rows;
             stats.row_updates += u64::from(rows) * u64::from(effort.solves);

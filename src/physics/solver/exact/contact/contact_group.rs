@@ -24,6 +24,7 @@ use super::impacts::{Impacts, approach};
 use super::joint_gaps::JointGaps;
 use super::limit_rows::LimitRows;
 use super::point_loads::{PointLoad, PointLoads};
+use super::rest::Rest;
 use super::smooth_step::{SmoothStep, SmoothTerms, place};
 use crate::physics::HardProblem;
 use crate::physics::body::{Bodies, Body, SurfaceMaterial};
@@ -99,6 +100,7 @@ pub(crate) struct ContactGroup {
     loads: PointLoads,
     /// Mean of each link over the step: force on B, and torque about its anchor.
     joint_loads: Vec<Wrench<f64>>,
+    rest: Rest,
     pub effort: StepEffort,
     /// Of the step, while somebody reads them: of positions, of velocities, then of impacts.
     pub residuals: Residuals,
@@ -156,6 +158,7 @@ impl ContactGroup {
         (self.joints, self.links) = links_of(&joints, all_joints, all_bodies, time, place);
         number_rows(&mut self.links);
         // Of other joints and points these say nothing.
+        self.rest.end();
         self.gaps = JointGaps::default();
         (self.smooth.velocities.stalled, self.impacts.solver.stalled) = (0.0, 0.0);
         self
@@ -174,6 +177,12 @@ impl ContactGroup {
 
     /// Takes the state in; of either model of friction this method has the cone.
     pub fn gather(&mut self, bodies: &Bodies, joints: &Joints, friction: FrictionModel) {
+        if self.rest.is_on() {
+            if self.is_as_left(bodies, joints, friction) {
+                return;
+            }
+            self.rest.end();
+        }
         let list = || self.bodies.iter().map(|&body| &bodies.list[body as usize]);
         self.members.clear();
         self.members.extend(list().map(member));
@@ -194,6 +203,27 @@ impl ContactGroup {
         }
     }
 
+    /// Whether nobody has changed anything since the last step.
+    fn is_as_left(&mut self, bodies: &Bodies, joints: &Joints, friction: FrictionModel) -> bool {
+        let Self { members, states, shapes, pairs, links, .. } = self;
+        let list = || self.bodies.iter().map(|&body| &bodies.list[body as usize]);
+        let body_is = |(body, index): (&Body, usize)| {
+            state_of(body) == states[index] && member(body) == members[index] && body.changes == shapes[index].changes
+        };
+        let pair_is = |pair: &ReachablePair| {
+            let [a, b] = pair.ends.map(|end| &bodies.list[self.bodies[end as usize] as usize]);
+            pair.surface == surface(a, b, friction)
+        };
+        let link_is = |(link, &joint): (&mut MechanismLink, &u32)| !link.renew(&joints.list[joint as usize].definition);
+        list().zip(0..).all(body_is) && pairs.iter().all(pair_is) && links.iter_mut().zip(&self.joints).all(link_is)
+    }
+
+    /// Whether it would stay as it is if nothing moved: no body beside it moves, nor anything by itself.
+    fn may_rest(&self) -> bool {
+        let is_plain = |link: &MechanismLink| !link.gives() && !link.is_driven();
+        self.states[self.moving..].iter().all(MemberState::is_still) && self.links.iter().all(is_plain)
+    }
+
     /// Whether the step has taken all the work that it may.
     fn is_spent(&self) -> bool {
         self.smooth.positions.is_spent() || self.smooth.velocities.is_spent() || self.impacts.solver.is_spent()
@@ -207,6 +237,14 @@ impl ContactGroup {
             solver.trace(terms.traces);
             solver.keep_hardest(terms.keeps_hardest);
             solver.end_by(terms.deadline);
+        }
+        let matters = [terms.h, f64::from(terms.parts), terms.correction_speed, terms.restitution_speed];
+        if self.rest.is_on_for(&matters) {
+            self.residuals.clear();
+            return;
+        }
+        if self.rest.is_on() {
+            self.rest.end();
         }
         self.loads.clear(self.pairs.len());
         let last_loads = std::mem::take(&mut self.joint_loads);
@@ -228,6 +266,22 @@ impl ContactGroup {
             effort.solves += std::mem::take(&mut solver.steps);
             solver.work = 0;
         }
+        if effort.unsettled == 0 && self.may_rest() {
+            let Self { rest, states, shapes, moving, .. } = self;
+            rest.watch(&mut states[..*moving], |index| shapes[index].radius, step, matters);
+        } else {
+            self.rest.end();
+        }
+    }
+
+    /// How many of its bodies rest.
+    pub fn resting(&self) -> usize {
+        if self.rest.is_on() { self.moving } else { 0 }
+    }
+
+    /// For how long it has stayed where it is, s.
+    pub fn stayed(&self) -> f64 {
+        self.rest.time
     }
 
     /// The hardest solves of the step, if they are kept.

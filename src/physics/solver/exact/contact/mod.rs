@@ -4,7 +4,8 @@
 //! [`contact_group`] takes bodies in reach of each other through a step: joints that somebody left apart
 //! ([`joint_gaps`]), contact points ([`gap_points`]), impacts ([`impacts`]) and steps between them ([`smooth_step`], which
 //! follows points by [`held_points`] and mixes its forecasts by [`mixing`]), all of which solve by the cone solver
-//! ([`group_solver`], set to [`posed_rows`]); what points carry is added up ([`point_loads`]). The hardest of these solves are
+//! ([`group_solver`], set to [`posed_rows`]); what points carry is added up ([`point_loads`]).
+//! Where nothing moves any more, a step is the last one again ([`rest`]). The hardest of these solves are
 //! kept for whoever wants them ([`hardest_solve`]).
 
 mod contact_group;
@@ -18,6 +19,7 @@ mod limit_rows;
 mod mixing;
 mod point_loads;
 mod posed_rows;
+mod rest;
 mod smooth_step;
 
 pub(crate) use contact_group::PointForce;
