@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::index::box_at;
-use super::solid::{Solid, solid_at};
+use super::solid::{Solid, axes_of, solid_at};
 use crate::physics::collision::PlacedCollider;
 use crate::physics::{Body, BoundingBox, Geometry};
 
@@ -44,7 +44,7 @@ impl Asker {
         geometry: Geometry,
         radius: f64,
     ) -> Self {
-        let axes = rotation.to_rotation_matrix().into_inner();
+        let axes = axes_of(&geometry, &rotation);
         Self { entity, position, axes, geometry, radius, rotation, body: OnceCell::new() }
     }
 

@@ -1,9 +1,9 @@
 //! Where a shape that moves straight on, without turning, first touches another.
 //!
-//! A polyhedron and what is not round about a point or a segment: by two bounds that meet
-//! ([`first_touch`](super::first_touch)). The contact points of such a pair would not do: between faces and edges that are
-//! nearly as good they prefer the faces, so that neither their normal nor their place is that of the first touch, and where
-//! edges cross at a small angle no sequence of projections leads there.
+//! Two shapes of which none is round about a point or a segment: by two bounds that meet ([`first_touch`](super::first_touch)).
+//! The contact points of such a pair would not do: between faces and edges that are nearly as good they prefer the faces,
+//! so that neither their normal nor their place is that of the first touch, and where edges cross at a small angle no sequence
+//! of projections leads there. Between two rims each look for them takes as long as some thirty steps of the bounds.
 //!
 //! A ball and what is round about a point or a segment: in closed form, as a ray that enters what is larger by the ball
 //! ([`ray`](super::ray)).
@@ -105,8 +105,7 @@ impl<'a> Caster<'a> {
             }
             RoundWay::Unknown | RoundWay::Overlapping => {}
         }
-        let is_any_flat = of_mover.is_polyhedron() || of_other.is_polyhedron();
-        let is_advanced = !is_any_flat || of_mover.is_round() || of_other.is_round();
+        let is_advanced = of_mover.is_round() || of_other.is_round();
         let steps = if is_advanced { STEPS_TO_ADVANCE } else { STEPS_TO_TOUCH };
         let clear = clear_way(&of_mover, &of_other, direction, most, steps)?;
         if is_advanced {

@@ -6,7 +6,7 @@ use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
 
-use super::solid::At;
+use super::solid::{At, axes_of};
 use crate::physics::box_tree::BoxTree;
 use crate::physics::{Body, BoundingBox, Geometry};
 
@@ -23,6 +23,7 @@ pub(crate) struct QueryIndex(RwLock<Option<(Version, Index)>>);
 impl QueryIndex {
     /// The index of these bodies, which have that version, for reading. While somebody reads it none else has another version:
     /// the bodies are lent to all who ask. So no closure of a filter that asks on waits for itself.
+    #[inline]
     pub(super) fn of(&self, bodies: &[Body], version: Version) -> IndexGuard<'_> {
         // Nothing is left half done where making one panics.
         let known = self.0.read().unwrap_or_else(PoisonError::into_inner);
@@ -30,6 +31,11 @@ impl QueryIndex {
             return IndexGuard(known);
         }
         drop(known);
+        self.made(bodies, version)
+    }
+
+    #[cold]
+    fn made(&self, bodies: &[Body], version: Version) -> IndexGuard<'_> {
         let mut known = self.0.write().unwrap_or_else(PoisonError::into_inner);
         // Another thread may have been first.
         if known.as_ref().is_none_or(|(then, _)| *then != version) {
@@ -77,8 +83,8 @@ impl Index {
 
 /// A box that holds a body's shape for certain; none of a half-space, and of what has no shape.
 fn box_of(body: &Body) -> Option<BoundingBox> {
-    let place = (body.position, body.rotation.to_rotation_matrix().into_inner());
-    box_at(body.geometry.as_ref()?, place, body.radius)
+    let geometry = body.geometry.as_ref()?;
+    box_at(geometry, (body.position, axes_of(geometry, &body.rotation)), body.radius)
 }
 
 /// The same of a shape where it is, its axes as columns, of that bounding radius.

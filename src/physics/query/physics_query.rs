@@ -193,6 +193,7 @@ impl PhysicsQuery<'_> {
         &self.bodies.list
     }
 
+    #[inline]
     fn index(&self) -> IndexGuard<'_> {
         let version = (self.bodies.last_changed(), self.stats.steps, self.bodies.list.len());
         self.index.of(&self.bodies.list, version)

@@ -1,6 +1,6 @@
 //! Convex solids, and triangles, where they are: what two shapes are compared by without contact points.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use crate::physics::shape::PartList;
 use crate::physics::{Body, Geometry};
@@ -38,11 +38,6 @@ impl Solid<'_> {
         Some((self.position + self.axes * local, around))
     }
 
-    /// Whether it is bounded by flat faces alone.
-    pub fn is_polyhedron(&self) -> bool {
-        matches!(self.shape, Outline::Corners(_) | Outline::Solid(Geometry::Cuboid { .. } | Geometry::Hull(_)))
-    }
-
     /// Whether it is all that is within a radius of a point or a segment.
     pub fn is_round(&self) -> bool {
         matches!(self.shape, Outline::Solid(Geometry::Sphere { .. } | Geometry::Capsule { .. }))
@@ -62,10 +57,19 @@ impl Solid<'_> {
     }
 }
 
+/// The axes, as columns, of a shape that is turned so. To a ball any will do: there they are not worked out.
+#[inline]
+pub(super) fn axes_of(geometry: &Geometry, rotation: &UnitQuaternion<f64>) -> Matrix3<f64> {
+    match geometry {
+        Geometry::Sphere { .. } => Matrix3::identity(),
+        _ => rotation.to_rotation_matrix().into_inner(),
+    }
+}
+
 /// A body's shape, or that part of it, from a place; none of a half-space and of a facet of many triangles.
 pub(super) fn solid_of<'b>(body: &'b Body, part: u32, from: &Vector3<f64>) -> Option<Solid<'b>> {
-    let place = (body.position - from, body.rotation.to_rotation_matrix().into_inner());
-    solid_at(body.geometry.as_ref()?, place, body.radius, part)
+    let geometry = body.geometry.as_ref()?;
+    solid_at(geometry, (body.position - from, axes_of(geometry, &body.rotation)), body.radius, part)
 }
 
 /// The same of a shape where it is, its axes as columns, of that bounding radius.
