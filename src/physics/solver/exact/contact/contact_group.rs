@@ -239,12 +239,9 @@ impl ContactGroup {
             solver.end_by(terms.deadline);
         }
         let matters = [terms.h, f64::from(terms.parts), terms.correction_speed, terms.restitution_speed];
-        if self.rest.is_on_for(&matters) {
+        if self.rest.goes_on(&matters) {
             self.residuals.clear();
             return;
-        }
-        if self.rest.is_on() {
-            self.rest.end();
         }
         self.loads.clear(self.pairs.len());
         let last_loads = std::mem::take(&mut self.joint_loads);

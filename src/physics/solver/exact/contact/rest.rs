@@ -35,9 +35,13 @@ impl Rest {
         self.terms.is_some()
     }
 
-    /// Whether they rest in a step that depends on that.
-    pub fn is_on_for(&self, terms: &[f64; 4]) -> bool {
-        self.terms.as_ref() == Some(terms)
+    /// Whether they rest in a step that depends on that, too; if not, they rest no more.
+    pub fn goes_on(&mut self, terms: &[f64; 4]) -> bool {
+        let goes_on = self.terms.as_ref() == Some(terms);
+        if self.is_on() && !goes_on {
+            self.end();
+        }
+        goes_on
     }
 
     /// Takes in a step of that length, s, that depended on `terms`, which bodies of these radii, m, went through to `states`.
@@ -105,9 +109,7 @@ mod tests {
         for _ in 0..60 {
             rest.watch(&mut [MemberState::REST], |_| 0.5, STEP, TERMS);
         }
-        assert!(rest.is_on_for(&TERMS));
-        assert!(!rest.is_on_for(&[0.5 * STEP, 2.0, 1.0, 1.0]));
-        rest.end();
-        assert!(!rest.is_on());
+        assert!(rest.goes_on(&TERMS) && rest.is_on());
+        assert!(!rest.goes_on(&[0.5 * STEP, 2.0, 1.0, 1.0]) && !rest.is_on());
     }
 }
