@@ -34,10 +34,10 @@ impl QueryIndex {
         self.made(bodies, version)
     }
 
+    /// The same, made anew unless another thread did.
     #[cold]
     fn made(&self, bodies: &[Body], version: Version) -> IndexGuard<'_> {
         let mut known = self.0.write().unwrap_or_else(PoisonError::into_inner);
-        // Another thread may have been first.
         if known.as_ref().is_none_or(|(then, _)| *then != version) {
             *known = Some((version, Index::new(bodies)));
         }
