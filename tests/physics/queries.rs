@@ -24,10 +24,6 @@ const MANY: usize = 1_000_000;
 /// shapes, as a share of the sum of their sizes, the distance up to which they count as touching.
 const GRAZING: f64 = 1e-9;
 
-/// Likewise what planes are asked to prove of what a cast touches: of nine million casts one, of a capsule at a mesh, is
-/// proved to 5e-9 only, all others to [`GRAZING`].
-const PROVABLE: f64 = 1e-8;
-
 /// Questions about each body of a world, which is costly to make.
 const QUESTIONS: usize = 20;
 
@@ -251,10 +247,9 @@ fn the_nearest_point_is_as_far_as_the_nearest_side_is_for_many() {
     compare_nearest(MANY);
 }
 
-/// By how much planes prove at least that all of one on a way stays apart from all of the other, beyond what counts as
-/// touching: a share of their sizes.
-fn apart(movers: &[Solid], way: DVec3, others: &[Solid], known: Option<DVec3>) -> f64 {
-    least_of_pairs(movers, others, |mover, other| apart_on_a_way(mover, way, other, known))
+/// By how much planes prove at least that all of one is apart from all of the other, a share of their sizes.
+fn apart(movers: &[Solid], others: &[Solid]) -> f64 {
+    least_of_pairs(movers, others, |mover, other| apart_on_a_way(mover, DVec3::ZERO, other, None))
 }
 
 /// The least that a proof finds of pairs, as a share of their sizes.
@@ -265,11 +260,13 @@ fn least_of_pairs(movers: &[Solid], others: &[Solid], proof: impl Fn(&Solid, &So
     pairs.map(|(mover, other)| gap(mover, other)).fold(f64::INFINITY, f64::min)
 }
 
-/// Likewise, where nothing is known and the planes that GJK finds prove too little, of all planes that there are.
-fn passes_by(movers: &[Solid], way: DVec3, others: &[Solid]) -> f64 {
+/// Likewise of all places on a way: by the plane that is known or by those that GJK finds, and where these prove too little, of
+/// all planes that there are.
+fn passes_by(movers: &[Solid], way: DVec3, others: &[Solid], known: Option<DVec3>) -> f64 {
     least_of_pairs(movers, others, |mover, other| {
-        let gap = apart_on_a_way(mover, way, other, None);
-        if gap.is_some_and(|gap| gap >= 0.0) { gap } else { apart_by_search(mover, way, other) }
+        let enough = -GRAZING * (mover.size() + other.size());
+        let gap = apart_on_a_way(mover, way, other, known);
+        if gap.is_some_and(|gap| gap >= enough) { gap } else { apart_by_search(mover, way, other) }
     })
 }
 
@@ -300,12 +297,12 @@ fn comes_as_far_as_planes_prove(
     let told = || format!("{} along {way:?} from {origin:?} turned by {rotation:?}", brief(collider));
     let movers = solids_of(collider, origin, rotation);
     let Some(hit) = query.shape_cast(placed, way, LENGTH, filter) else {
-        let gap = passes_by(&movers, way * LENGTH, solids);
+        let gap = passes_by(&movers, way * LENGTH, solids, None);
         check(gap >= -GRAZING, || format!("{} touches it: {gap}", told()))?;
         return Ok(false);
     };
     if hit.distance == 0.0 {
-        let gap = apart(&movers, DVec3::ZERO, solids, None);
+        let gap = apart(&movers, solids);
         check(gap <= GRAZING, || format!("{} does not begin there: {hit:?}", told()))?;
         return Ok(true);
     }
@@ -318,8 +315,8 @@ fn comes_as_far_as_planes_prove(
     })?;
     let slope = -hit.normal.dot(way);
     check(slope > 0.0 && hit.normal.is_normalized(), || format!("{hit:?} for {}", told()))?;
-    let early = apart(&movers, way * hit.distance, solids, Some(-hit.normal));
-    check(early >= -PROVABLE, || format!("{early} of touching before {hit:?} for {}", told()))?;
+    let early = passes_by(&movers, way * hit.distance, solids, Some(-hit.normal));
+    check(early >= -GRAZING, || format!("{early} of touching before {hit:?} for {}", told()))?;
     Ok(true)
 }
 
@@ -473,7 +470,7 @@ fn overlaps_as_planes_tell(
     solids: &[Solid],
 ) -> Result<bool, String> {
     let placed = PlacedCollider { collider, position: Position(position), rotation: Rotation(rotation) };
-    let least = apart(&solids_of(collider, position, rotation), DVec3::ZERO, solids, None);
+    let least = apart(&solids_of(collider, position, rotation), solids);
     let touches = query.overlap(&placed, filter).is_some();
     check(if touches { least <= GRAZING } else { least >= -GRAZING }, || {
         format!("{} at {position} turned by {rotation} overlaps: {touches}, but is {least} apart", brief(collider))
