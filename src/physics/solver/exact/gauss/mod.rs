@@ -270,10 +270,9 @@ impl<const S: usize> Gauss<S> {
             if from_zero {
                 self.unclear = 0.0;
             }
+            self.find_middles(mechanism, h);
             for stage in 0..S {
-                // Once in an iteration at least, so that turns follow what the last one changed: with each stage's own rates
-                // alone anew they lag behind by an iteration, and each second one is lost on that.
-                if self.is_stiff || stage == 0 && count > 1 {
+                if self.is_stiff {
                     self.refresh_rates(mechanism, h);
                     self.find_middles(mechanism, h);
                 }
@@ -343,7 +342,6 @@ impl<const S: usize> Gauss<S> {
             stage.rates.extend(mechanism.states.iter().map(|state| state.angular));
         }
         self.refresh_rates(mechanism, h);
-        self.find_middles(mechanism, h);
     }
 
     /// Keeps the stages for the next step. Those of a longer step from the same start say more.
