@@ -22,7 +22,9 @@
 //! with drag c; K is kept to M's pattern, and L is the lower factor of A² (see [`tableau`](super::tableau)). J and the
 //! factor of J M̃⁻¹ Jᵀ are those of the stage as it starts, which is the stages of the step before continued. Where K is
 //! left out, as that of torques is, each iteration leaves a share of order h²; where K is large, further sweeps over the
-//! same factors bring in what L lacks of A² ([`coupling`]).
+//! same factors bring in what L lacks of A² ([`coupling`]). Else k is that of the iteration before for other stages, so that
+//! turns lag behind and each second iteration gains little. With k made anew in each, a sheet of 900 balls took four for five,
+//! but lost 1e-10 of its energy as it swung through its plane, for 4e-13, and its joints parted by 3.4e-9 m, for 2.5e-10.
 //!
 //! Rows that may be redundant are factored and solved from zero in each iteration, so that what is not unique depends on
 //! the pose alone, and the method of multipliers bounds what is hardly so, as in a loop that passes a flat pose. Where
