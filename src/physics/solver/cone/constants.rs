@@ -46,7 +46,7 @@ pub(super) const PROXIMAL_ACCURACY: f64 = 0.1;
 /// Compliance ε that the proximal points begin with, as a share of 1/ρ,
 pub(super) const FIRST_SOFTNESS: f64 = 0.1;
 /// and that of the first from a guess: near enough to a solution, a few iterations are all.
-pub(super) const GUESSED_SOFTNESS: f64 = 1e-5;
+pub(super) const GUESSED_SOFTNESS: f64 = 1e-4;
 /// ε of joints over that of contacts: they neither part nor slide, so that no step is too long for them, and redundant
 /// ones need the fewer proximal points the smaller it is.
 pub(super) const JOINT_SOFTNESS: f64 = 0.01;
@@ -56,6 +56,11 @@ pub(super) const LEAST_JOINT_SOFTNESS: f64 = 1e-8;
 pub(super) const SOFTNESS_FALLS: [(u32, f64); 4] = [(1, 0.01), (3, 0.1), (8, 0.2), (PROXIMAL_ITERATIONS, 0.4)];
 /// Factor on ε after one that was not.
 pub(super) const SOFTNESS_RISE: f64 = 4.0;
+/// ε that the next proximal points do not fall below, over that of the one that was not reached: most others as stiff would
+/// not be either (half of all iterations of a heap's hardest solves were made for such),
+pub(super) const MISSED_SOFTNESS: f64 = 2.0;
+/// and factor on that bound for each that is reached.
+pub(super) const MISSED_FADES: f64 = 0.5;
 /// The least ε.
 pub(super) const LEAST_SOFTNESS: f64 = 1e-7;
 /// ε from which on the compliance is so large that any step is good.

@@ -2,12 +2,13 @@
 //! solved; its solution is λ_{k+1}. (Rockafellar 1976 for monotone maps; Coulomb's law is none.)
 //!
 //! Where ε is large, the compliant problem is nearly one for each point by itself, and solved in any case. ε falls with each
-//! point that is reached, the faster the fewer iterations that took, and grows after one that is not.
+//! point that is reached, the faster the fewer iterations that took, and grows after one that is not; from there it falls
+//! slowly at first, since what was too stiff just now mostly still is.
 
 use super::constants::{
-    ENOUGH_RESIDUAL, FAR, FAR_PATIENCE, FIRST_SOFTNESS, GUESSED_SOFTNESS, LEAST_SOFTNESS, MOST_SOFTNESS, MOST_STEPS,
-    PATIENCE, PROXIMAL_ACCURACY, PROXIMAL_ITERATIONS, PROXIMAL_LOSS, PROXIMAL_POINTS, SOFTNESS_FALLS, SOFTNESS_RISE,
-    STALLED,
+    ENOUGH_RESIDUAL, FAR, FAR_PATIENCE, FIRST_SOFTNESS, GUESSED_SOFTNESS, LEAST_SOFTNESS, MISSED_FADES,
+    MISSED_SOFTNESS, MOST_SOFTNESS, MOST_STEPS, PATIENCE, PROXIMAL_ACCURACY, PROXIMAL_ITERATIONS, PROXIMAL_LOSS,
+    PROXIMAL_POINTS, SOFTNESS_FALLS, SOFTNESS_RISE, STALLED,
 };
 use super::newton::NewtonBuffers;
 use super::{ConeEnd, Iterate};
@@ -16,6 +17,8 @@ impl Iterate {
     /// Proximal points from the present λ, which is a guess or none. True once within the tolerance.
     pub(super) fn proximal_points(&mut self, buffers: &mut NewtonBuffers, is_guessed: bool) -> bool {
         let mut softness = if is_guessed { GUESSED_SOFTNESS } else { FIRST_SOFTNESS };
+        // What ε is not to fall below for now.
+        let mut least = LEAST_SOFTNESS;
         let (first, mut goal, mut waited) = (self.outcome.stages, 0.9 * self.outcome.residual, 0);
         let most = self.outcome.steps + MOST_STEPS;
         for _ in 0..PROXIMAL_POINTS {
@@ -34,9 +37,11 @@ impl Iterate {
                 }
                 let steps = self.outcome.steps - steps;
                 let fall = SOFTNESS_FALLS.iter().find(|(most, _)| steps <= *most).filter(|_| is_reached);
-                softness = (softness * fall.map_or(1.0, |(_, share)| *share)).max(softness.min(LEAST_SOFTNESS));
+                softness = (softness * fall.map_or(1.0, |(_, share)| *share)).max(softness.min(least));
+                least = (MISSED_FADES * least).max(LEAST_SOFTNESS);
             } else {
                 self.go_back();
+                least = (MISSED_SOFTNESS * softness).max(LEAST_SOFTNESS);
                 softness = if is_guessed && self.outcome.stages == first + 1 {
                     FIRST_SOFTNESS
                 } else {

@@ -236,7 +236,7 @@ pub(super) const SETTLED: f64 = 1e-8;
 /// Residual, m/s, up to which what a solve could not get below is not tried again for some time.
 pub(super) const WORTH_STALLING: f64 = 1e-5;
 /// Residual that is asked for in a first forecast, m/s,
-pub(super) const FORECAST_TOLERANCE: f64 = 1e-3;
+pub(super) const FORECAST_TOLERANCE: f64 = 1e-4;
 /// less by the square of the fastest speed up to this one, m/s,
 pub(super) const SLOW_SPEED: f64 = 1e-3;
 /// and share of a forecast's error, over the step, that is asked for in the next.
