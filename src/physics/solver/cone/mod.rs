@@ -55,9 +55,9 @@ mod tests;
 use iterate::Iterate;
 use law::Law;
 use point::{ConePoint, root};
-use problem::{ConeOutcome, Velocity, relative_velocity};
+use problem::{Velocity, relative_velocity};
 
 use super::linear::{BlockLdl, BlockLu, BodyBlock, BodyVector, Elimination, Inverse};
 pub(crate) use deadline::Deadline;
-pub(crate) use problem::{ConeBody, ConeContact, ConeEnd, ConeJoint, PerPoint, PointJacobian};
+pub(crate) use problem::{ConeBody, ConeContact, ConeEnd, ConeJoint, ConeOutcome, PerPoint, PointJacobian};
 pub(crate) use solver::ConeSolver;

@@ -89,6 +89,8 @@ pub(crate) enum ConeEnd {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ConeOutcome {
     pub end: ConeEnd,
+    /// The residual that was asked for, m/s, at the speeds of the problem.
+    pub tolerance: f64,
     /// Largest |r| of a point, the natural map's at contacts and |u| at joints, m/s.
     pub residual: f64,
     /// Newton iterations, with a factorisation each.

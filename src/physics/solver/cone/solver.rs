@@ -109,7 +109,7 @@ impl ConeSolver {
     /// The methods of the module's docs, in their order, until one does it.
     fn run(&mut self) {
         let Self { iterate, buffers, .. } = self;
-        iterate.outcome = ConeOutcome::default();
+        iterate.outcome = ConeOutcome { tolerance: iterate.tolerance, ..ConeOutcome::default() };
         if let Some(trace) = &mut iterate.trace {
             trace.begin_solve();
         }

@@ -16,7 +16,7 @@ use crate::physics::constraint::row::Wrench;
 use crate::physics::joint::JointRow;
 use crate::physics::solve_trace::Residuals;
 use crate::physics::solver::cone::{
-    ConeBody, ConeContact, ConeEnd, ConeJoint, ConeSolver, Deadline, PerPoint, PointJacobian,
+    ConeBody, ConeContact, ConeEnd, ConeJoint, ConeOutcome, ConeSolver, Deadline, PerPoint, PointJacobian,
 };
 
 /// Bodies and links; the first `moving` bodies move.
@@ -256,7 +256,7 @@ impl GroupSolver {
         self.solver.end_by(self.deadline, LATE_FACTORISATIONS.saturating_sub(self.steps).max(LATE_SOLVE));
         let outcome = self.solver.solve(&mut self.velocities, &self.bias, &mut self.impulses, tolerance, enough);
         if let Some(hardest) = &mut self.hardest {
-            let (iterations, residual) = (outcome.steps, outcome.residual);
+            let ConeOutcome { steps: iterations, tolerance, residual, .. } = outcome;
             let told = HardProblem { iterations, tolerance, residual, ..HardProblem::default() };
             hardest.end(&self.posed.bodies, &self.posed.contacts, &self.posed.joints, &self.bias, told);
         }

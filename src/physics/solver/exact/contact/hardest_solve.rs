@@ -158,7 +158,7 @@ mod tests {
         let contacts: Vec<_> = contacts.iter().map(contact).collect();
         let joints: Vec<_> = joints.iter().map(joint).collect();
         solver.set(&bodies, &contacts, &joints);
-        let outcome = solver.solve(&mut velocities, &bias, &mut impulses, kept.tolerance, 0.0);
+        let outcome = solver.solve(&mut velocities, &bias, &mut impulses, 0.0, kept.tolerance);
         (outcome.steps, outcome.residual)
     }
 
