@@ -46,7 +46,7 @@ pub(super) const PROXIMAL_ACCURACY: f64 = 0.1;
 /// Compliance ε that the proximal points begin with, as a share of 1/ρ,
 pub(super) const FIRST_SOFTNESS: f64 = 0.1;
 /// and that of the first from a guess: near enough to a solution, a few iterations are all.
-pub(super) const GUESSED_SOFTNESS: f64 = 1e-4;
+pub(super) const GUESSED_SOFTNESS: f64 = 1e-5;
 /// ε of joints over that of contacts: they neither part nor slide, so that no step is too long for them, and redundant
 /// ones need the fewer proximal points the smaller it is.
 pub(super) const JOINT_SOFTNESS: f64 = 0.01;
