@@ -57,7 +57,7 @@ pub(super) const SOFTNESS_FALLS: [(u32, f64); 4] = [(1, 0.01), (3, 0.1), (8, 0.2
 /// Factor on ε after one that was not.
 pub(super) const SOFTNESS_RISE: f64 = 4.0;
 /// ε that the next proximal points do not fall below, over that of the one that was not reached: most others as stiff would
-/// not be either (half of all iterations of a heap's hardest solves were made for such),
+/// not be either. Half of a heap's iterations were made for such,
 pub(super) const MISSED_SOFTNESS: f64 = 2.0;
 /// and factor on that bound for each that is reached.
 pub(super) const MISSED_FADES: f64 = 0.5;
