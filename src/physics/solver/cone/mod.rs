@@ -30,6 +30,10 @@
 //! insists on less |F| took half as many iterations again. Gauss–Seidel sweeps between proximal points gained nothing, nor did
 //! hundreds of them after the last: of 264 problems that stop just above 1e-8 m/s they bring two below.
 //!
+//! On some 1200 smooth steps of heaps: proximal points about λ extrapolated from the two before took 1.01 to 1.06 of the time; to
+//! give up a point after two poor iterations instead of three 1.05. Of a factorisation 0.85 is left where the blocks of points
+//! that did not change are kept.
+//!
 //! Where iterations fail late, one to twenty of some 600 points are far off and all others are not (two heaps' problems, looked
 //! at closely). Nothing was gained by it: of 103 hard problems 80 are solved to 1e-8 m/s within 0.12 or 0.15 s. With more
 //! compliance at such points alone, instead of at all points, 70 are, since others are far off in the next iterations. With
