@@ -15,9 +15,9 @@ pub(super) const ENOUGH_RESIDUAL: f64 = 1e-8;
 pub(super) const STALLED: u32 = 3;
 /// The same where it is not enough,
 pub(super) const PATIENCE: u32 = 30;
-/// and above this residual, m/s: mostly there is no solution near, as where joints come straight between two that hold them.
-/// *speed*, `limbs` with a figure that is pulled by 800 N.
-pub(super) const FAR: f64 = 1e-2;
+/// and above this residual, m/s: mostly there is no solution near, as where joints come straight between two that hold them,
+/// or a ball is wedged between bricks. *speed*, `limbs` with a figure that is pulled by 800 N, `wrecking_ball`.
+pub(super) const FAR: f64 = 1e-4;
 pub(super) const FAR_PATIENCE: u32 = 8;
 /// Residual, m/s, above which a solve that did not end well begins once more, from what is wedged.
 pub(super) const WEDGED: f64 = 1e-4;
