@@ -29,7 +29,7 @@ pub(crate) struct Intervals {
     pub h: f64,
     /// How many of the settings' substeps each stands for.
     pub replaces: f64,
-    /// Whether a body turns far.
+    /// Whether a body turns so far that rotations count in each of them.
     pub turns_far: bool,
 }
 
@@ -39,12 +39,12 @@ impl Substeps {
         Self { step: settings.step(), most: settings.substeps, fitted: settings.impulse.fitted_effort }
     }
 
-    /// For a step of these bodies, all substeps if one turns by over `far`, rad, in a step. Contacts then take
-    /// rotations into account in each of them.
-    pub fn for_bodies<'w>(&self, mut bodies: impl Iterator<Item = &'w Body>, far: f64) -> Intervals {
-        let turns_far = bodies.any(|body| body.angular.norm() * self.step > far);
-        let count = if turns_far || !self.fitted { self.most } else { self.most.div_ceil(SLOWER) };
+    /// For a step of these bodies. Where one turns by over `far`, rad, in a step, rotations are taken into account in each
+    /// substep; where one turns by over `fast`, rad, all substeps are taken.
+    pub fn for_bodies<'w>(&self, bodies: impl Iterator<Item = &'w Body>, far: f64, fast: f64) -> Intervals {
+        let turn = bodies.map(|body| body.angular.norm()).fold(0.0, f64::max) * self.step;
+        let count = if turn > fast || !self.fitted { self.most } else { self.most.div_ceil(SLOWER) };
         let replaces = f64::from(self.most) / f64::from(count);
-        Intervals { count, h: self.step / f64::from(count), replaces, turns_far }
+        Intervals { count, h: self.step / f64::from(count), replaces, turns_far: turn > far }
     }
 }

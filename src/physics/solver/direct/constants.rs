@@ -149,9 +149,10 @@ pub(super) const GAP_CORRECTION: f64 = 0.5;
 /// this fast, and their joints part no more; from 0.13 rad on some do by centimetres (`limbs`).
 pub(super) const MOTION_TURN: f64 = 0.1;
 
-/// The same where joints have limits or hold more than points: figures that come to rest turn less (`pulled`: those that
-/// were jerked about come to rest).
-pub(super) const POSTURE_TURN: f64 = 0.03;
+/// Turns of a body in a step, rad, where joints have limits or hold more than points: from the first on rotations count and
+/// joints are put together in each substep (`pulled`: figures that were jerked about come to rest), from the second on all
+/// substeps are taken (`ragdolls`, `rain`: joints part by 1e-6 m up to 0.2 rad, by 1e-4 m with 0.3).
+pub(super) const POSTURE_TURNS: [f64; 2] = [0.03, 0.2];
 
 /// Turns of a body in a substep, rad, up to which what curves its way is taken in whole, and from which on not at all
 /// (`pulled`: figures that are jerked about).
@@ -216,6 +217,9 @@ pub(super) const DUAL_REST_SPEED: f64 = 1e-3;
 /// and how often at most (`ragdolls`: how far joints part).
 pub(super) const PROJECTION_ERROR: f64 = 1e-6;
 pub(super) const PROJECTIONS: usize = 4;
+/// Error before a correction up to which nobody looks at what it leaves: its square over an arm, of a limit that it closes
+/// as much.
+pub(super) const PROJECTED: f64 = 3e-5;
 
 /// Share of a largest force from which on a row starts at it, and rounding of one that was at it (`car`: how many
 /// iterations end).

@@ -21,7 +21,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::any_joint::AnyJoint;
 use super::constants::{
     DEPTH_CORRECTION, GAP_CORRECTION, JOINED_PARTING, LONG_ITERATIONS, MOTION_CONTACT_PENALTY, MOTION_ITERATIONS,
-    MOTION_PRODUCTS, MOTION_TURN, POSTURE_TURN, SHORT_ITERATIONS, TORN,
+    MOTION_PRODUCTS, MOTION_TURN, POSTURE_TURNS, SHORT_ITERATIONS, TORN,
 };
 use super::dual::{DualTerms, move_to};
 use super::island::{DirectIsland, momentum_of, relative_motion};
@@ -82,13 +82,14 @@ impl DirectIsland {
             // felt, unless all has come to lie still and nothing drives it. What a hand presses to the ground gets into it.
             let is_driven = self.joints.iter().any(|&joint| world.joint(joint).definition.is_driven());
             let is_new = self.members.iter().any(|&member| !world.body(member).has_stepped);
-            let far = match (&self.dual, &self.posture) {
-                (None, None) => MOTION_TURN,
-                _ if is_driven || is_new => -1.0,
-                (None, Some(_)) if !self.is_pulled => POSTURE_TURN,
-                _ => 0.0,
+            let [far, fast] = match (&self.dual, &self.posture) {
+                (None, None) => [MOTION_TURN; 2],
+                _ if is_driven || is_new => [-1.0; 2],
+                (None, Some(_)) if !self.is_pulled => POSTURE_TURNS,
+                _ => [0.0; 2],
             };
-            self.intervals = terms.substeps.for_bodies(self.members.iter().map(|&member| world.body(member)), far);
+            let members = self.members.iter().map(|&member| world.body(member));
+            self.intervals = terms.substeps.for_bodies(members, far, fast);
             self.moves = true;
             self.was_still = self.dual.is_some() && self.is_still(world);
         }

@@ -9,7 +9,7 @@
 
 use nalgebra::Matrix3;
 
-use super::constants::{JOINT_PENALTY, PROJECTION_ERROR, PROJECTIONS};
+use super::constants::{JOINT_PENALTY, PROJECTED, PROJECTION_ERROR, PROJECTIONS};
 use super::rows::{body_vector, halves};
 use super::world::{World, inertia_at, place_among, share_within};
 use crate::physics::body::{Body, world_inverse_inertia};
@@ -98,7 +98,10 @@ impl Posture {
         self.shifts.resize(members.len(), Twist::zero());
         for _ in 0..PROJECTIONS {
             let worst = self.place_rows(world, time);
-            if worst <= PROJECTION_ERROR || !worst.is_finite() || !self.close_gaps(world, members, most) {
+            if worst <= PROJECTION_ERROR || !worst.is_finite() {
+                return;
+            }
+            if !self.close_gaps(world, members, most) || worst <= PROJECTED {
                 return;
             }
         }

@@ -150,7 +150,7 @@ impl TreeStep {
     pub fn step<'w>(&mut self, body: impl Fn(u32) -> &'w Body, substeps: &Substeps) -> f64 {
         self.gather(&body);
         let Intervals { count, h, .. } =
-            substeps.for_bodies(self.moving().iter().map(|&member| body(member)), TREE_TURN);
+            substeps.for_bodies(self.moving().iter().map(|&member| body(member)), TREE_TURN, TREE_TURN);
         // Velocities are half a substep behind the poses; those that a user gave are not.
         let is_new = self.moving().iter().all(|&member| !body(member).has_stepped);
         if is_new {
