@@ -61,6 +61,8 @@ pub(crate) struct DirectIsland {
     pub(super) loads: Loads,
     pub kept: Kept,
     pub(super) elimination: Elimination,
+    /// The pairs of members that the elimination is for.
+    edges: Vec<[u32; 2]>,
     /// Whether it was solved here in the last step, at rest or in motion.
     pub is_solved: bool,
     /// How often it was in that step.
@@ -129,6 +131,35 @@ impl DirectIsland {
         Self { members, contacts, joints, has_converged: true, is_trusted: true, ..Self::default() }
     }
 
+    /// The island of the same members and joints with those contacts: a new one, but for its memory and for what does not
+    /// depend on contacts.
+    pub fn with_contacts(self, contacts: &[u32]) -> Self {
+        let mut old = self;
+        old.contacts.clear();
+        old.contacts.extend_from_slice(contacts);
+        for vectors in [&mut old.momentum, &mut old.velocity, &mut old.before, &mut old.correction] {
+            vectors.clear();
+        }
+        old.inertias.clear();
+        old.contact_rows.clear();
+        old.blocks.clear();
+        Self {
+            elimination: old.elimination,
+            edges: old.edges,
+            posture: old.posture,
+            matrix: old.matrix,
+            momentum: old.momentum,
+            velocity: old.velocity,
+            before: old.before,
+            correction: old.correction,
+            inertias: old.inertias,
+            contact_rows: old.contact_rows,
+            blocks: old.blocks,
+            scratch: old.scratch,
+            ..Self::new(old.members, old.contacts, old.joints)
+        }
+    }
+
     /// Whether it can be factored, and then what that takes.
     pub(super) fn is_analysed(&mut self, world: &impl World, time: f64) -> bool {
         if self.analysis == Analysis::Due {
@@ -137,8 +168,13 @@ impl DirectIsland {
             let parts = [&self.members[..], &self.partners, &self.joints];
             let is_alone = self.contacts.is_empty();
             let dual = (is_wanted && is_alone).then(|| DualSystem::new(world, time, parts, DUAL_PRODUCTS)).flatten();
-            let posture = (is_wanted && !is_alone).then(|| Posture::new(world, parts, DUAL_PRODUCTS)).flatten();
-            (self.dual, self.posture) = (dual.map(Box::new), posture.map(Box::new));
+            self.dual = dual.map(Box::new);
+            self.posture = self.posture.take().filter(|_| is_wanted && !is_alone);
+            if let Some(posture) = &mut self.posture {
+                posture.place(world, parts);
+            } else if is_wanted && !is_alone {
+                self.posture = Posture::new(world, parts, DUAL_PRODUCTS).map(Box::new);
+            }
         }
         self.analysis == Analysis::Done
     }
@@ -152,12 +188,15 @@ impl DirectIsland {
         self.partners = pairs.flatten().filter(|&body| local(body).is_none()).collect();
         self.partners.sort_unstable();
         self.partners.dedup();
-        let edges = self.ends.iter().filter_map(|[a, b]| Some([(*a)?, (*b)?]));
+        let edges: Vec<_> = self.ends.iter().filter_map(|[a, b]| Some([(*a)?, (*b)?])).collect();
         let count = self.members.len();
-        let Some(elimination) = Elimination::new(&vec![6; count], edges, REST_PRODUCTS) else {
-            return Analysis::Unsuitable;
-        };
-        self.elimination = elimination;
+        if self.elimination.count() != count || self.edges != edges {
+            self.elimination = Elimination::default();
+            let Some(elimination) = Elimination::new(&vec![6; count], edges.iter().copied(), REST_PRODUCTS) else {
+                return Analysis::Unsuitable;
+            };
+            (self.elimination, self.edges) = (elimination, edges);
+        }
         for vectors in [&mut self.momentum, &mut self.velocity, &mut self.before, &mut self.correction] {
             vectors.resize(count, BodyVector::zeros());
         }
@@ -203,14 +242,10 @@ impl DirectIsland {
     /// Has it look again at what its joints are and between which bodies.
     pub fn renew(&mut self) {
         self.analysis = Analysis::Due;
+        self.posture = None;
         self.factored.clear();
         self.blocks.clear();
         self.snapshots.clear();
-    }
-
-    /// Whether it is of these bodies, contacts and joints.
-    pub fn is_of(&self, members: &[u32], contacts: &[u32], joints: &[u32]) -> bool {
-        self.members == members && self.contacts == contacts && self.joints == joints
     }
 
     /// The place of a member in the elimination.

@@ -81,6 +81,14 @@ impl Posture {
         Some(Self { links, nodes, elimination, ..Self::default() })
     }
 
+    /// Has its joints find their bodies anew, where the partners are others than before.
+    pub fn place(&mut self, world: &impl World, [members, partners, _]: [&[u32]; 3]) {
+        for link in &mut self.links {
+            let joint = world.joint(link.joint);
+            link.ends = [joint.a, joint.b].map(|body| place_among([members, partners], body));
+        }
+    }
+
     /// Moves the members from these states at that time, s, those of partners behind them, to where their joints hold, the
     /// nearest by masses, and not further than so many metres at once; velocities stay. They are then in
     /// [`Self::projected`], and how far each went in [`Self::shifts`].

@@ -308,11 +308,19 @@ impl<L: Lanes> Group<L> {
                 continue;
             }
             while old.next_if(|island| island.members()[0] < members[0]).is_some() {}
-            let mut known = old.next_if(|island| island.is_of(members, contacts, joints));
+            let known = old.next_if(|island| island.members() == members && island.joints() == joints);
             // By their indices; what has them may be others.
-            known.iter_mut().filter(|_| self.joints_of != input.joints.version).for_each(|known| known.renew());
-            let new = || Box::new(DirectIsland::new(members.to_vec(), contacts.to_vec(), joints.to_vec()));
-            self.islands.push(known.unwrap_or_else(new));
+            let are_same = self.joints_of == input.joints.version;
+            self.islands.push(match known {
+                Some(mut known) if known.contacts() == contacts => {
+                    if !are_same {
+                        known.renew();
+                    }
+                    known
+                }
+                Some(known) if are_same => Box::new(known.with_contacts(contacts)),
+                _ => Box::new(DirectIsland::new(members.to_vec(), contacts.to_vec(), joints.to_vec())),
+            });
         }
     }
 
