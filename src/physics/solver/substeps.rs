@@ -48,3 +48,30 @@ impl Substeps {
         Intervals { count, h: self.step / f64::from(count), replaces, turns_far: turn > far }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use bevy::prelude::Entity;
+    use nalgebra::Vector3;
+
+    use super::*;
+
+    #[test]
+    fn the_fastest_body_tells_how_many_substeps_and_whether_rotations_count() {
+        let substeps = Substeps { step: 0.1, most: 5, fitted: true };
+        let intervals = |turn: f64| {
+            let bodies = [0.0, turn, 0.01].map(|turn| Body {
+                angular: Vector3::new(0.0, -turn / substeps.step, 0.0),
+                ..Body::new(Entity::PLACEHOLDER)
+            });
+            substeps.for_bodies(bodies.iter(), 0.03, 0.2)
+        };
+        for (turn, count, turns_far) in [(0.02, 3, false), (0.04, 3, true), (0.19, 3, true), (0.21, 5, true)] {
+            let told = intervals(turn);
+            assert_eq!((told.count, told.turns_far), (count, turns_far), "{turn} rad");
+            assert!((told.h * f64::from(count) - 0.1).abs() < 1e-15 && told.replaces * f64::from(count) == 5.0);
+        }
+        let full = Substeps { fitted: false, ..substeps };
+        assert_eq!(full.for_bodies([].iter(), 0.03, 0.2).count, 5);
+    }
+}
