@@ -86,8 +86,8 @@ settings! {
         /// What methods with contacts that last alone read: `soft_step`, `sequential_impulses` and `xpbd`.
         impulse: ImpulseSettings {
             /// Whether effort follows need: islands at rest are solved at once and directly, where their bodies make a
-            /// tree or nearly one, and what joints hold takes half the substeps while none of it turns by 0.05 rad in a
-            /// step.
+            /// tree or nearly one, and what joints hold takes half the substeps while none of it turns by 0.05 to 0.2 rad in
+            /// a step.
             fitted_effort: bool => SOFT_STEP;
             /// Speed under which a body counts as calm, m/s, ≥ 0; none: nothing sleeps. An island of bodies that touch
             /// or are joined sleeps once all have been calm for half a second and gained no speed, and then stays where

@@ -217,8 +217,8 @@ pub(super) const DUAL_REST_SPEED: f64 = 1e-3;
 /// and how often at most (`ragdolls`: how far joints part).
 pub(super) const PROJECTION_ERROR: f64 = 1e-6;
 pub(super) const PROJECTIONS: usize = 4;
-/// Error before a correction up to which nobody looks at what it leaves: its square over an arm, of a limit that it closes
-/// as much.
+/// Largest error before a correction, m or rad, whose remainder is not looked at: that is the square of it over an arm, and
+/// up to as much as itself at a limit that the correction runs into.
 pub(super) const PROJECTED: f64 = 3e-5;
 
 /// Share of a largest force from which on a row starts at it, and rounding of one that was at it (`car`: how many
