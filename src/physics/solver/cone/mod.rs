@@ -30,6 +30,9 @@
 //! insists on less |F| took half as many iterations again. Gauss–Seidel sweeps between proximal points gained nothing, nor did
 //! hundreds of them after the last: of 264 problems that stop just above 1e-8 m/s they bring two below.
 //!
+//! Parts of a problem that no point couples could be solved each by itself. In the 948 of two heaps of 140 boxes and hulls that
+//! take 30 iterations or more, one such part has 0.95 of all points in the mean, and 0.81 of those that carry something.
+//!
 //! On some 1200 smooth steps of heaps: proximal points about λ extrapolated from the two before took 1.01 to 1.06 of the time; to
 //! give up a point after two poor iterations instead of three 1.05. Of a factorisation 0.85 is left where the blocks of points
 //! that did not change are kept.
