@@ -169,12 +169,14 @@ impl DirectIsland {
             let is_alone = self.contacts.is_empty();
             let dual = (is_wanted && is_alone).then(|| DualSystem::new(world, time, parts, DUAL_PRODUCTS)).flatten();
             self.dual = dual.map(Box::new);
-            self.posture = self.posture.take().filter(|_| is_wanted && !is_alone);
-            if let Some(posture) = &mut self.posture {
-                posture.place(world, parts);
-            } else if is_wanted && !is_alone {
-                self.posture = Posture::new(world, parts, DUAL_PRODUCTS).map(Box::new);
-            }
+            self.posture = match self.posture.take() {
+                _ if !is_wanted || is_alone => None,
+                Some(mut posture) => {
+                    posture.place(world, [&self.members, &self.partners]);
+                    Some(posture)
+                }
+                None => Posture::new(world, parts, DUAL_PRODUCTS).map(Box::new),
+            };
         }
         self.analysis == Analysis::Done
     }

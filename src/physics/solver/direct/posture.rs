@@ -81,11 +81,11 @@ impl Posture {
         Some(Self { links, nodes, elimination, ..Self::default() })
     }
 
-    /// Has its joints find their bodies anew, where the partners are others than before.
-    pub fn place(&mut self, world: &impl World, [members, partners, _]: [&[u32]; 3]) {
+    /// Has its joints find their bodies anew among the members, which are the same, and the partners.
+    pub fn place(&mut self, world: &impl World, bodies: [&[u32]; 2]) {
         for link in &mut self.links {
             let joint = world.joint(link.joint);
-            link.ends = [joint.a, joint.b].map(|body| place_among([members, partners], body));
+            link.ends = [joint.a, joint.b].map(|body| place_among(bodies, body));
         }
     }
 
