@@ -6,6 +6,10 @@
 /// Gap that counts as touching, as a share of the sum of the bounding radii: rounding could have made it of a gap of
 /// zero. `sat::touching_is_a_contact_and_a_gap_is_not`.
 pub(super) const CONTACT_TOLERANCE: f64 = 1e-9;
+/// Share of it up to which a gap is rounded to zero where gaps are to be told exactly: rounding of places some ten radii from
+/// the origin. With all of it, a column beside which a weight swings tilts until the base of each part is open by 1e-9
+/// radii at one edge. `what_is_not_a_number_is_put_aside_and_the_rest_goes_on` (by `accurate`).
+pub(super) const EXACT_ROUNDING: f64 = 1e-5;
 
 /// Gap up to which surfaces that do not approach get contact points, as a share of a bounding radius: where contacts
 /// last, resting bodies keep theirs though they tremble. `methods::a_gap_is_fallen_through`, *speed*.

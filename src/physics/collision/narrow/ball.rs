@@ -16,16 +16,14 @@ use crate::physics::{ContactPoint, FeatureId, Geometry, Hull};
 /// distance are the true ones; of two that are farther apart it is left in `apart`, or less.
 pub(crate) fn touch(
     shape: &Geometry,
-    shape_radius: f64,
     radius: f64,
     ball_in_shape: &Frame,
-    gap: f64,
+    scale: &Scale,
     apart: &mut f64,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
     let center = ball_in_shape.center;
-    let Place { normal, height } = place_within(shape, &center, radius, gap);
-    let scale = Scale::new(shape_radius, radius, gap);
+    let Place { normal, height } = place_within(shape, &center, radius, scale.gap);
     let depth = radius - height;
     if scale.separates(depth) {
         *apart = -depth;

@@ -48,12 +48,12 @@ pub(crate) fn touch(
     shape_radius: f64,
     [radius, half]: [f64; 2],
     capsule_in_shape: &Frame,
-    gap: f64,
+    scale: &Scale,
     apart: &mut f64,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
     let size = if shape_radius.is_finite() { shape_radius } else { radius };
-    touch_placed(|point| place(shape, point, size), size, [radius, half], capsule_in_shape, gap, apart, points)
+    touch_placed(|point| place(shape, point, size), size, [radius, half], capsule_in_shape, scale, apart, points)
 }
 
 /// Likewise, of any convex shape about that size, m, of which `place` tells the unit normal out of it along the shortest way
@@ -63,13 +63,12 @@ pub(crate) fn touch_placed(
     size: f64,
     [radius, half]: [f64; 2],
     capsule_in_shape: &Frame,
-    gap: f64,
+    scale: &Scale,
     apart: &mut f64,
     points: &mut Vec<ContactPoint>,
 ) -> Option<Overlap> {
     let along = capsule_in_shape.rotation.column(1).into_owned();
     let at = |t: f64| capsule_in_shape.center + along * t;
-    let scale = Scale::new(size, radius + half, gap);
     let Nearest { t, normal, distance, slope } = nearest(&place, half, &along, at);
     if scale.separates(radius - distance) {
         *apart = distance - radius;

@@ -146,10 +146,11 @@ fn touch_ranked(
 ) -> Option<Overlap> {
     let (shape_a, shape_b) = (a.shape, b.shape);
     let first = points.len();
+    let scale = &Scale::new(a.radius, b.radius, gap).exact(search.is_exact);
     if let (Geometry::Sphere { .. }, Geometry::Sphere { radius }) = (shape_a, shape_b) {
         // Balls are the same in all axes: in those of the world nothing need be turned.
         let b_in_a = &Frame { rotation: Matrix3::identity(), center: b.position - a.position };
-        let overlap = ball::touch(shape_a, a.radius, *radius, b_in_a, gap, &mut search.apart, points)?;
+        let overlap = ball::touch(shape_a, *radius, b_in_a, scale, &mut search.apart, points)?;
         points[first..].iter_mut().for_each(|found| found.point += a.position);
         return Some(overlap);
     }
@@ -157,16 +158,11 @@ fn touch_ranked(
     let b_in_a = &Frame { rotation: axes_a.tr_mul(&axes_b), center: axes_a.tr_mul(&(b.position - a.position)) };
     let overlap = match (shape_a, shape_b) {
         (_, Geometry::Capsule { radius, half, .. }) => {
-            capsule::touch(shape_a, a.radius, [*radius, *half], b_in_a, gap, &mut search.apart, points)?
+            capsule::touch(shape_a, a.radius, [*radius, *half], b_in_a, scale, &mut search.apart, points)?
         }
-        (Geometry::HalfSpace, _) => {
-            plane::touch(shape_b, b.radius, b_in_a, gap, &mut search.clip, &mut search.apart, points)?
-        }
-        (_, Geometry::Sphere { radius }) => {
-            ball::touch(shape_a, a.radius, *radius, b_in_a, gap, &mut search.apart, points)?
-        }
+        (Geometry::HalfSpace, _) => plane::touch(shape_b, b_in_a, scale, &mut search.clip, &mut search.apart, points)?,
+        (_, Geometry::Sphere { radius }) => ball::touch(shape_a, *radius, b_in_a, scale, &mut search.apart, points)?,
         _ => {
-            let scale = &Scale::new(a.radius, b.radius, gap).exact(search.is_exact);
             macro_rules! tested {
                 ($touch:path, $a:expr, $b:expr) => {
                     $touch(&ShapePair { a: $a, b: $b, b_in_a, scale }, search)?

@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 
 use super::clipping::keep_touching_spread;
 use super::revolved::Revolved;
-use super::{ClipBuffers, Cone, Cuboid, Cylinder, Frame, Overlap, Polyhedron};
-use crate::physics::collision::constants::{CONTACT_TOLERANCE, RIM_POINTS};
+use super::{ClipBuffers, Cone, Cuboid, Cylinder, Frame, Overlap, Polyhedron, Scale};
+use crate::physics::collision::constants::RIM_POINTS;
 use crate::physics::{ContactPoint, FeatureId, Geometry};
 
 /// Tests the half-space y ≤ 0 and a shape in its axes, and adds the points up to a gap above the
@@ -14,9 +14,8 @@ use crate::physics::{ContactPoint, FeatureId, Geometry};
 /// the lowest among them, of a cylinder those of both rims. Of a shape that is higher, leaves in `apart` by how much.
 pub(crate) fn touch(
     shape: &Geometry,
-    radius: f64,
     in_plane: &Frame,
-    gap: f64,
+    scale: &Scale,
     buffers: &mut ClipBuffers,
     apart: &mut f64,
     points: &mut Vec<ContactPoint>,
@@ -26,7 +25,8 @@ pub(crate) fn touch(
     let mut lowest = f64::INFINITY;
     let mut add = |place: Vector3<f64>, feature| {
         lowest = lowest.min(place.y);
-        if let Some(depth) = depth_below(-place.y, gap, radius) {
+        let depth = scale.rounded(-place.y);
+        if !scale.separates(depth) {
             let point = place + Vector3::y() * (depth / 2.0);
             found.push(ContactPoint { point, depth, feature });
         }
@@ -62,7 +62,7 @@ pub(crate) fn touch(
         *apart = lowest;
         return None;
     };
-    keep_touching_spread(found, &Vector3::y(), radius, points);
+    keep_touching_spread(found, &Vector3::y(), scale.size, points);
     Some(Overlap { normal: Vector3::y(), depth })
 }
 
@@ -70,10 +70,4 @@ fn each_vertex(shape: &impl Polyhedron, in_plane: &Frame, mut add: impl FnMut(Ve
     for index in 0..shape.vertex_count() {
         add(in_plane.place(&shape.vertex(index)), FeatureId::of_vertex(true, index as u32));
     }
-}
-
-/// The depth of a point below the plane, if it counts: what rounding could have made of zero is
-/// zero, a true gap stays negative.
-fn depth_below(depth: f64, gap: f64, radius: f64) -> Option<f64> {
-    if depth >= -CONTACT_TOLERANCE * radius { Some(depth.max(0.0)) } else { (depth >= -gap).then_some(depth) }
 }

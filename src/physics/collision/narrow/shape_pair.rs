@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::{Convex, Frame};
 use crate::physics::collision::constants::{
-    BOUND_SLACK, CONTACT_TOLERANCE, EXACT_RIVAL_MARGIN, RIVAL_MARGIN, RIVAL_SHARE,
+    BOUND_SLACK, CONTACT_TOLERANCE, EXACT_RIVAL_MARGIN, EXACT_ROUNDING, RIVAL_MARGIN, RIVAL_SHARE,
 };
 
 /// Two shapes, about the origins of their own axes.
@@ -45,14 +45,16 @@ pub(crate) struct Scale {
     /// How far from the centre of one a point of the other may be that matters.
     pub reach: f64,
     slack: f64,
+    /// Gap that is rounded to zero.
+    rounding: f64,
     /// Whether no axis is preferred to one of less depth by more than rounding.
     is_exact: bool,
 }
 
 impl Scale {
-    /// Of the bounding radii of two shapes, and the gap asked for.
+    /// Of the bounding radii of two shapes (that of a half-space counts nothing), and the gap asked for.
     pub fn new(radius_a: f64, radius_b: f64, gap: f64) -> Self {
-        let sum = radius_a + radius_b;
+        let sum = if radius_a.is_finite() { radius_a + radius_b } else { radius_b };
         let tolerance = CONTACT_TOLERANCE * sum;
         Self {
             tolerance,
@@ -60,13 +62,16 @@ impl Scale {
             size: radius_a.min(radius_b),
             reach: 2.0 * sum + gap,
             slack: BOUND_SLACK * sum,
+            rounding: tolerance,
             is_exact: false,
         }
     }
 
-    /// The same; if `is_exact`, no axis is preferred to one of less depth by more than rounding.
+    /// The same; if `is_exact`, no axis is preferred to one of less depth by more than rounding, and gaps are told down to
+    /// rounding.
     pub fn exact(self, is_exact: bool) -> Self {
-        Self { is_exact, ..self }
+        let share = if is_exact { EXACT_ROUNDING } else { 1.0 };
+        Self { is_exact, rounding: share * self.tolerance, ..self }
     }
 
     /// Whether points that only may touch are asked for.
@@ -81,7 +86,7 @@ impl Scale {
 
     /// The depth; zero if rounding could have made it of that.
     pub fn rounded(&self, depth: f64) -> f64 {
-        if depth >= -self.tolerance { depth.max(0.0) } else { depth }
+        if depth >= -self.rounding { depth.max(0.0) } else { depth }
     }
 
     /// The depth under which a rival axis is preferred to one of that depth.

@@ -230,7 +230,7 @@ fn touch_capsule(
     let first = points.len();
     let place = |point: &Vector3<f64>| pyramid.place(point);
     let size = pyramid.triangle.radius;
-    let found = capsule::touch_placed(place, size, [radius, half], capsule, scale.gap, &mut search.apart, points)?;
+    let found = capsule::touch_placed(place, size, [radius, half], capsule, scale, &mut search.apart, points)?;
     if !pyramid.is_strict || pyramid.triangle.admits(&found.normal) {
         return Some(found);
     }

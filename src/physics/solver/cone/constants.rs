@@ -8,6 +8,11 @@ pub(super) const ROUNDINGS: f64 = 16.0;
 pub(super) const LEAST_JAM: f64 = 1e-6;
 /// Newton iterations after which a solve ends.
 pub(super) const MOST_STEPS: u32 = 600;
+/// Points up to which a residual is relative to no more than this share of the fastest point's speed: their last digits cost
+/// little, and what rests beside something fast, or itself rolls fast, adds up what is left over. Seen by:
+/// `few_points_end_as_near_to_their_laws_however_fast_they_came`.
+pub(super) const FEW_POINTS: usize = 40;
+pub(super) const SHARE_OF_FEW: f64 = 0.01;
 /// Residual, m/s, that is enough where it falls no more: points that are redundant and contradict each other by that much,
 /// as forecasts of gaps do, take hundreds of iterations for each further digit.
 pub(super) const ENOUGH_RESIDUAL: f64 = 1e-8;

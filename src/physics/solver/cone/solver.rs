@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::constants::{ENOUGH_RESIDUAL, FIRST_SOFTNESS, LATE_SWEEPS, WEDGED};
+use super::constants::{ENOUGH_RESIDUAL, FEW_POINTS, FIRST_SOFTNESS, LATE_SWEEPS, SHARE_OF_FEW, WEDGED};
 use super::newton::NewtonBuffers;
 use super::{
     ConeBody, ConeContact, ConeEnd, ConeJoint, ConeOutcome, ConePoint, Deadline, Elimination, Iterate, PerPoint,
@@ -49,7 +49,7 @@ impl ConeSolver {
     }
 
     /// Solves for impulses that bring every point within `tolerance` m/s of its law, relative to the fastest point of
-    /// v_free where that is faster than 1 m/s, or within `enough` m/s.
+    /// v_free where that is faster than 1 m/s (of few points: than 100 m/s), or within `enough` m/s.
     ///
     /// `velocities` are v_free, one a body, and v on return. `bias` is b, m/s: the motion of an immovable side (its
     /// point's velocity times +1 at B, −1 at A), and along n what the contact is to gain (a contact that may close a
@@ -68,7 +68,7 @@ impl ConeSolver {
         iterate.impulses.clear();
         let biases = bias.contacts.iter().chain(&bias.joints);
         let guesses = impulses.contacts.iter().chain(&impulses.joints);
-        let mut fastest: f64 = 1.0;
+        let mut fastest: f64 = 0.0;
         for ((point, bias), guess) in iterate.points.iter().zip(biases).zip(guesses) {
             let velocity = point.velocity(velocities);
             fastest = fastest.max(velocity.norm_squared());
@@ -76,7 +76,8 @@ impl ConeSolver {
             let guess = point.law.project(&point.frame.tr_mul(guess));
             iterate.impulses.push(if point.is_movable() { guess } else { Vector3::zeros() });
         }
-        iterate.tolerance = enough.max(tolerance * fastest.sqrt());
+        let share = if iterate.points.len() <= FEW_POINTS { SHARE_OF_FEW } else { 1.0 };
+        iterate.tolerance = enough.max(tolerance * (share * fastest.sqrt()).max(1.0));
         self.run();
         let iterate = &self.iterate;
         let results = impulses.contacts.iter_mut().chain(&mut impulses.joints);

@@ -227,8 +227,8 @@ impl GroupSolver {
     }
 
     /// Solves for the velocities to be gained along normals and by rows of links, m/s, from [`Self::impulses`] and
-    /// [`Self::row_impulses`], to a residual of `tolerance`, m/s, at 1 m/s or less, and in proportion to the fastest point
-    /// above, or to one of `enough`, m/s; velocities of `states` are those without impulses, and with them on return.
+    /// [`Self::row_impulses`], to a residual of `tolerance`, m/s, at 1 m/s or less, and above as [`ConeSolver::solve`] says,
+    /// or to one of `enough`, m/s; velocities of `states` are those without impulses, and with them on return.
     pub fn solve(&mut self, states: &mut [MemberState], gains: &[f64], row_gains: &[f64], tolerance: f64, enough: f64) {
         (self.residual, self.is_solved) = (0.0, true);
         if self.is_empty() {

@@ -351,8 +351,11 @@ impl SmoothStep {
             let worst = if is_met { f64::INFINITY } else { of_points.max(of_rows) };
             let has_rows = of_rows < STALLED_ERROR;
             let residual = self.positions.residual;
+            // What came as foreseen at once was solved for no better than a first forecast is: that is done again.
+            let is_final = tolerance <= given.tolerance || residual <= given.tolerance;
+            let is_as_foreseen = worst <= FORECAST_ERROR;
             // Where the solver has come to its end, none better is to be had.
-            if worst <= FORECAST_ERROR && residual <= SETTLED || !self.positions.is_solved && worst <= residual * h {
+            if is_as_foreseen && residual <= SETTLED && is_final || !self.positions.is_solved && worst <= residual * h {
                 return true;
             }
             if is_last {
@@ -364,7 +367,11 @@ impl SmoothStep {
             if progress.note(worst, has_rows, residual * h) {
                 self.keep();
             }
-            tolerance = (FORECAST_SHARE * (worst / h).max(tolerance)).clamp(given.tolerance, tolerance);
+            tolerance = if is_as_foreseen {
+                given.tolerance
+            } else {
+                (FORECAST_SHARE * (worst / h).max(tolerance)).clamp(given.tolerance, tolerance)
+            };
             is_last = progress.has_stalled();
             let has_ended = if given.is_rough { !is_met } else { self.positions.is_spent() };
             let is_over = has_ended || count == MOST_FORECASTS;
