@@ -66,6 +66,25 @@ fn what_stands_still_is_solved_no_more() {
     }
 }
 
+/// Two balls roll past each other elsewhere on the floor, in reach of each other for a while: islands are numbered anew.
+#[test]
+fn what_stands_still_rests_whatever_comes_and_goes_beside_it() {
+    let Standing { mut world, cubes, .. } = standing();
+    for (x, way) in [(12.0, 1.0), (13.2, -1.0)] {
+        let ball = body(&mut world, Collider::sphere(0.5), DVec3::new(x, 0.5, -8.0 * way));
+        world.get_mut::<Velocity>(ball).expect("a ball").linear.z = 6.0 * way;
+    }
+    run(&mut world, 1.0);
+    let mut islands = Vec::new();
+    for _ in 0..40 {
+        steps(&mut world, 1);
+        assert_eq!(effort(&world).0, cubes.len() as u32);
+        islands.push(world.resource::<StepStats>().islands);
+    }
+    islands.dedup();
+    assert_eq!(islands, [4, 3, 4], "the balls meet and part");
+}
+
 #[test]
 fn whatever_is_changed_is_solved_again() {
     let changes: [(&str, fn(&mut Standing)); 12] = [

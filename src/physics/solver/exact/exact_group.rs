@@ -9,6 +9,7 @@ use super::stepper::StepEffort;
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::{ContactGraph, Contacts, Manifold, PairKey};
 use crate::physics::disjoint_sets::DisjointSets;
+use crate::physics::grouped::Grouped;
 use crate::physics::island::Islands;
 use crate::physics::joint::{Joint, Joints};
 use crate::physics::settings::{ExactIntegrator, FrictionModel};
@@ -47,6 +48,86 @@ pub(crate) struct ExactGroup {
     /// Free bodies with a motion in closed form.
     free: Vec<(u32, MemberState)>,
     contact_groups: Vec<ContactGroup>,
+    /// Whether `next` is still to be planned.
+    is_stale: bool,
+}
+
+/// The parts of groups whose contents have changed, each with whether it may be taken up as it is: what did not change itself
+/// goes on as if nothing had.
+#[derive(Default)]
+pub(super) struct LeftParts {
+    contact_groups: Vec<Option<(bool, ContactGroup)>>,
+    pieces: Vec<Option<(bool, JointedPiece)>>,
+    /// The bodies of contact groups whose solves lately could not get below some residual, each with the group.
+    stalled: Vec<(u32, StalledGroup)>,
+}
+
+/// A group whose solves could not get below `residual`, m/s, and how many of its bodies moved.
+#[derive(Clone, Copy)]
+struct StalledGroup {
+    /// The first of them.
+    first: u32,
+    size: usize,
+    residual: f64,
+}
+
+impl LeftParts {
+    /// Orders what was handed over.
+    pub fn sort(&mut self) {
+        let Self { contact_groups, pieces, stalled } = self;
+        contact_groups.sort_unstable_by_key(|left| left.as_ref().map(|(_, group)| group.moving()[0]));
+        pieces.sort_unstable_by_key(|left| left.as_ref().map(|(_, piece)| piece.bodies[0]));
+        for (_, group) in contact_groups.iter().flatten().filter(|(_, group)| group.stalled() > 0.0) {
+            let bodies = group.moving();
+            let told = StalledGroup { first: bodies[0], size: bodies.len(), residual: group.stalled() };
+            stalled.extend(bodies.iter().map(|&body| (body, told)));
+        }
+        stalled.sort_unstable_by_key(|(body, _)| *body);
+    }
+
+    /// The group of those bodies that move, joints and pairs: as it was, if it was; else planned, with the buffers of the one
+    /// with the same first body.
+    fn contact_group(
+        &mut self,
+        moving: &[u32],
+        links: &[u32],
+        pairs: &[PairKey],
+        bodies: &Bodies,
+        joints: &Joints,
+        time: f64,
+    ) -> ContactGroup {
+        let first = |left: &Option<(bool, ContactGroup)>| left.as_ref().map(|(_, group)| group.moving()[0]);
+        let known = self.contact_groups.binary_search_by_key(&Some(moving[0]), first).ok();
+        let known = known.and_then(|known| self.contact_groups[known].take());
+        let buffers = match known {
+            Some((true, group)) if group.is_of(moving, links, pairs) => return group,
+            known => known.map(|(_, group)| group).unwrap_or_default(),
+        };
+        buffers.plan(moving.to_vec(), links, pairs, bodies, joints, time).after_stalled(self.stalled_of(moving))
+    }
+
+    /// The residual, m/s, that solves lately could not get below for a group of which these bodies are half at least: what is
+    /// hard in it is hard still.
+    fn stalled_of(&self, moving: &[u32]) -> f64 {
+        let find = |body: &u32| self.stalled.binary_search_by_key(body, |(body, _)| *body).ok();
+        let mut found: Vec<_> = moving.iter().filter_map(find).map(|at| self.stalled[at].1).collect();
+        found.sort_unstable_by_key(|group| group.first);
+        let shared = found.chunk_by(|one, other| one.first == other.first);
+        shared.filter(|shared| 2 * shared.len() >= shared[0].size).map(|shared| shared[0].residual).fold(0.0, f64::max)
+    }
+
+    /// The mechanism of those bodies and joints, likewise.
+    fn piece(&mut self, moving: &[u32], links: &[u32], bodies: &Bodies, joints: &Joints, time: f64) -> JointedPiece {
+        let locked = moving.iter().any(|&body| is_locked(&bodies.list[body as usize]));
+        let first = |left: &Option<(bool, JointedPiece)>| left.as_ref().map(|(_, piece)| piece.bodies[0]);
+        let known = self.pieces.binary_search_by_key(&Some(moving[0]), first).ok();
+        let known = known.and_then(|known| self.pieces[known].take());
+        let buffers = match known {
+            Some((true, piece)) if piece.is_of(moving, links, locked) => return piece,
+            known => known.map(|(_, piece)| piece).unwrap_or_default(),
+        };
+        buffers.plan(moving.to_vec(), links, locked, bodies, joints, time)
+    }
 }
 
 impl ExactGroup {
@@ -54,15 +135,14 @@ impl ExactGroup {
         self.group = group;
     }
 
-    /// Takes in the state, and plans the group where its contents have changed.
-    pub fn gather(
+    /// Takes in what is in the group. Where that has changed, it is to be planned anew, and hands over its parts.
+    pub fn take_stock(
         &mut self,
         islands: &Islands,
         bodies: &Bodies,
         joints: &Joints,
         contacts: &Contacts,
-        friction: FrictionModel,
-        time: f64,
+        left: &mut LeftParts,
     ) {
         let next = &mut self.next;
         next.bodies.clear();
@@ -76,10 +156,30 @@ impl ExactGroup {
         next.pairs.sort_unstable_by_key(|key| (key.pair.a, key.pair.b, key.parts));
         next.versions = (bodies.version, joints.version);
         next.locked = next.bodies.iter().any(|&body| is_locked(&bodies.list[body as usize]));
-        if self.next != self.plan {
-            self.plan.clone_from(&self.next);
-            self.replan(bodies, joints, time);
+        self.is_stale = self.next != self.plan;
+        if self.is_stale {
+            self.hand_over(left, self.next.versions);
         }
+    }
+
+    /// Hands over its parts; those that were planned for these versions of bodies and joints may be taken up as they are.
+    pub fn hand_over(&mut self, left: &mut LeftParts, versions: (u64, u64)) {
+        let is_current = self.plan.versions == versions;
+        left.contact_groups.extend(self.contact_groups.drain(..).map(|group| Some((is_current, group))));
+        left.pieces.extend(self.pieces.drain(..).map(|piece| Some((is_current, piece))));
+        self.plan = GroupContents::default();
+    }
+
+    /// Plans the group if that is to be done, with what others have handed over.
+    pub fn plan(&mut self, left: &mut LeftParts, bodies: &Bodies, joints: &Joints, time: f64) {
+        if std::mem::take(&mut self.is_stale) {
+            self.plan.clone_from(&self.next);
+            self.replan(left, bodies, joints, time);
+        }
+    }
+
+    /// Takes in the state.
+    pub fn gather(&mut self, bodies: &Bodies, joints: &Joints, friction: FrictionModel) {
         for piece in &mut self.pieces {
             piece.gather(bodies, joints);
         }
@@ -88,8 +188,8 @@ impl ExactGroup {
         }
     }
 
-    fn replan(&mut self, bodies: &Bodies, joints: &Joints, time: f64) {
-        let GroupContents { bodies: own, joints: links, pairs, locked, .. } = &self.plan;
+    fn replan(&mut self, left: &mut LeftParts, bodies: &Bodies, joints: &Joints, time: f64) {
+        let GroupContents { bodies: own, joints: links, pairs, .. } = &self.plan;
         let place = |body: u32| own.binary_search(&body).ok().filter(|_| bodies.list[body as usize].is_dynamic());
         let mut sets = DisjointSets::new(own.len());
         let mut jointed = vec![false; own.len()];
@@ -106,40 +206,28 @@ impl ExactGroup {
             }
         }
         let roots: Vec<u32> = (0..own.len() as u32).map(|body| sets.root(body)).collect();
-        let root_of = |bodies: [u32; 2]| bodies.into_iter().find_map(place).map(|body| roots[body]);
-        let mut left_alone = vec![true; own.len()];
-        for root in pairs.iter().filter_map(|PairKey { pair, .. }| root_of([pair.a, pair.b])) {
-            left_alone[root as usize] = false;
-        }
-        let members_of = |root: usize| -> Vec<u32> {
-            (root..own.len()).filter(|&body| roots[body] as usize == root).map(|body| own[body]).collect()
-        };
-        let stalled = self.contact_groups.iter().map(ContactGroup::stalled).fold(0.0, f64::max);
-        // By the first of their bodies, ascending.
-        let mut kept: Vec<_> = self.contact_groups.drain(..).map(|group| (group.moving()[0], Some(group))).collect();
-        for root in (0..own.len()).filter(|&root| roots[root] as usize == root && !left_alone[root]) {
-            let is_own = |bodies: [u32; 2]| root_of(bodies) == Some(root as u32);
-            let of_joint = |joint: &&u32| is_own([joints.list[**joint as usize].a, joints.list[**joint as usize].b]);
-            let links = links.iter().filter(of_joint).copied().collect();
-            let pairs: Vec<_> = pairs.iter().filter(|PairKey { pair, .. }| is_own([pair.a, pair.b])).copied().collect();
-            let group = kept.binary_search_by_key(&own[root], |(first, _)| *first).ok();
-            let group = group.and_then(|place| kept[place].1.take()).unwrap_or_default();
-            let group = group.plan(members_of(root), links, &pairs, bodies, joints, time);
-            self.contact_groups.push(group.after_stalled(stalled));
-        }
+        let root_of =
+            |places: [Option<usize>; 2]| places.into_iter().flatten().next().map_or(Grouped::NONE, |at| roots[at]);
+        let [mut members, mut own_links, mut own_pairs] = [(); 3].map(|()| Grouped::default());
+        let count = own.len() as u32;
+        members.rebuild(count, own.iter().zip(&roots).map(|(&body, &root)| (body, root)));
+        own_links.rebuild(count, links.iter().map(|&joint| (joint, root_of(ends(joint)))));
+        let root_of_pair = |key: &PairKey| root_of([key.pair.a, key.pair.b].map(place));
+        own_pairs.rebuild(count, (0..).zip(pairs).map(|(index, key)| (index, root_of_pair(key))));
         self.free.clear();
-        let mut kept = std::mem::take(&mut self.pieces).into_iter();
-        for root in (0..own.len()).filter(|&root| roots[root] as usize == root && left_alone[root]) {
+        for root in (0..own.len()).filter(|&root| roots[root] as usize == root) {
+            let (members, links) = (members.of(root), own_links.of(root));
+            if !own_pairs.of(root).is_empty() {
+                let pairs: Vec<_> = own_pairs.of(root).iter().map(|&pair| pairs[pair as usize]).collect();
+                self.contact_groups.push(left.contact_group(members, links, &pairs, bodies, joints, time));
+                continue;
+            }
             let body = &bodies.list[own[root] as usize];
             if !jointed[root] && (!body.is_dynamic() || free::is_closed(&member(body))) {
                 self.free.push((own[root], state_of(body)));
                 continue;
             }
-            let members = members_of(root);
-            let is_here = |joint: &u32| ends(*joint).into_iter().flatten().any(|body| roots[body] as usize == root);
-            let links = if jointed[root] { links.iter().copied().filter(is_here).collect() } else { Vec::new() };
-            let piece = kept.next().unwrap_or_default();
-            self.pieces.push(piece.plan(members, &links, *locked, bodies, joints, time));
+            self.pieces.push(left.piece(members, links, bodies, joints, time));
         }
     }
 
@@ -215,6 +303,14 @@ impl ExactGroup {
 }
 
 impl JointedPiece {
+    /// Whether it was planned for those bodies that move and those joints, ascending.
+    fn is_of(&self, moving: &[u32], links: &[u32], locked: bool) -> bool {
+        let Mechanism { moving: count, locked: was_locked, .. } = self.mechanism;
+        let mut joints = self.joints.clone();
+        joints.sort_unstable();
+        self.bodies[..count] == *moving && joints == links && was_locked == locked
+    }
+
     /// A mechanism of those bodies that move and those joints, with the buffers of another.
     fn plan(
         mut self,
@@ -260,4 +356,21 @@ impl JointedPiece {
 
 fn is_locked(body: &Body) -> bool {
     body.is_dynamic() && (body.inverse_mass.min() == 0.0 || body.rotation_freedom.min() == 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of ten bodies, 0 to 5 were in a group that stalled.
+    #[test]
+    fn a_group_stalls_where_half_of_one_that_stalled_is_in_it() {
+        let told = StalledGroup { first: 0, size: 6, residual: 1e-6 };
+        let left = LeftParts { stalled: (0..6).map(|body| (body, told)).collect(), ..LeftParts::default() };
+        for (moving, residual) in
+            [(vec![0, 1], 0.0), (vec![3, 4, 5], 1e-6), (vec![1, 3, 5, 8, 9], 1e-6), (vec![7], 0.0)]
+        {
+            assert_eq!(left.stalled_of(&moving), residual, "{moving:?}");
+        }
+    }
 }

@@ -497,7 +497,7 @@ pub(crate) struct Mechanism {
     /// root outwards, each with the end (0: A, 1: B) that is nearer to the root.
     pub(super) tree: Option<Vec<(u32, usize)>>,
     /// Whether axes of some member are locked.
-    locked: bool,
+    pub locked: bool,
     /// Whether rows may be redundant or contradict each other: loops, several fixed points, locked axes, rows of a
     /// user's own.
     pub may_be_singular: bool,

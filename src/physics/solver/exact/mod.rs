@@ -39,7 +39,7 @@ use bevy::prelude::*;
 
 pub(crate) use self::contact::PointForce;
 use self::contact::{ContactGroup, ContactTerms};
-use self::exact_group::ExactGroup;
+use self::exact_group::{ExactGroup, LeftParts};
 pub(super) use self::mechanism::{Coupling, Couplings, MemberState, links_at};
 use super::cone::Deadline;
 use crate::physics::HardProblems;
@@ -126,8 +126,15 @@ fn solve_exactly(
     if list.len() < *used {
         list.resize_with(*used, ExactGroup::default);
     }
-    let list = &mut list[..*used];
-    list.iter_mut().enumerate().for_each(|(index, group)| group.begin(index));
+    let (list, unused) = list.split_at_mut(*used);
+    let mut left = LeftParts::default();
+    for (index, group) in list.iter_mut().enumerate() {
+        group.begin(index);
+        group.take_stock(&islands, &bodies, &joints, &contacts, &mut left);
+    }
+    unused.iter_mut().for_each(|group| group.hand_over(&mut left, (bodies.version, joints.version)));
+    left.sort();
+    list.iter_mut().for_each(|group| group.plan(&mut left, &bodies, &joints, stats.time));
     let terms = ContactTerms {
         time: stats.time,
         h: settings.step() / f64::from(settings.substeps),
@@ -142,7 +149,7 @@ fn solve_exactly(
     {
         let (bodies, joints, graph) = (&*bodies, &*joints, &*graph);
         threads::for_each_block(settings.threads, list, |group| {
-            group.gather(&islands, bodies, joints, &contacts, settings.friction, terms.time);
+            group.gather(bodies, joints, settings.friction);
             group.step(bodies, settings.exact.integrator, &terms, graph);
         });
     }

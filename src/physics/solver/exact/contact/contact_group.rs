@@ -138,7 +138,7 @@ impl ContactGroup {
     pub fn plan(
         mut self,
         moving: Vec<u32>,
-        joints: Vec<u32>,
+        joints: &[u32],
         pairs: &[PairKey],
         all_bodies: &Bodies,
         all_joints: &Joints,
@@ -155,13 +155,18 @@ impl ContactGroup {
         };
         self.pairs.clear();
         self.pairs.extend(pairs.iter().map(pair));
-        (self.joints, self.links) = links_of(&joints, all_joints, all_bodies, time, place);
+        (self.joints, self.links) = links_of(joints, all_joints, all_bodies, time, place);
         number_rows(&mut self.links);
         // Of other joints and points these say nothing.
         self.rest.end();
         self.gaps = JointGaps::default();
         (self.smooth.velocities.stalled, self.impacts.solver.stalled) = (0.0, 0.0);
         self
+    }
+
+    /// Whether it was planned for those bodies that move, joints and pairs. One with joints that have no rows is of no others.
+    pub fn is_of(&self, moving: &[u32], joints: &[u32], pairs: &[PairKey]) -> bool {
+        self.moving() == moving && self.joints == joints && self.pairs.iter().map(|pair| &pair.key).eq(pairs)
     }
 
     /// Residual, m/s, that its solves for positions lately could not get below.
