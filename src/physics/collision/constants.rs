@@ -75,6 +75,9 @@ pub(super) const RIVAL_MARGIN: f64 = 1e-4;
 /// touched. More than rounding, by which edges that lie in faces would win over these.
 /// `gaps::another_axis_makes_no_overlap_where_the_least_is_asked_for`.
 pub(super) const EXACT_RIVAL_MARGIN: f64 = 1e-8;
+/// The same where points are looked for that carried something and are gone: as far as a forecast may tilt what lay flat.
+/// `a_cone_rolls_over_the_edge_of_a_box`.
+pub(super) const FACE_MARGIN: f64 = 1e-2;
 
 /// What bounds leave out is worse by this share of the bounding radii: far more than rounding.
 /// `feature_sat::depth_and_normal_are_the_least_over_all_faces_and_edges`.

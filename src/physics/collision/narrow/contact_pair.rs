@@ -146,7 +146,7 @@ fn touch_ranked(
 ) -> Option<Overlap> {
     let (shape_a, shape_b) = (a.shape, b.shape);
     let first = points.len();
-    let scale = &Scale::new(a.radius, b.radius, gap).exact(search.is_exact);
+    let scale = &Scale::new(a.radius, b.radius, gap).exact(search.is_exact).keeping_faces(search.keeps_faces);
     if let (Geometry::Sphere { .. }, Geometry::Sphere { radius }) = (shape_a, shape_b) {
         // Balls are the same in all axes: in those of the world nothing need be turned.
         let b_in_a = &Frame { rotation: Matrix3::identity(), center: b.position - a.position };

@@ -102,7 +102,7 @@ impl Found {
             }
         };
         let mut is_any = find_points(&preferred, clip);
-        let taken = if is_any && clip.stand_for(preferred.depth, pair.scale.size) { preferred } else { least };
+        let taken = if is_any && pair.scale.accepts(clip, preferred.depth) { preferred } else { least };
         if taken.feature != preferred.feature {
             is_any = find_points(&taken, clip);
         }
@@ -142,6 +142,8 @@ pub(crate) struct PairSearch {
     pub any_normal: bool,
     /// Whether the least overlap is asked for, and not one of the faces that are nearly as good.
     pub is_exact: bool,
+    /// Whether faces are to be kept where what is over them is somewhat deeper than the least overlap.
+    pub keeps_faces: bool,
     /// Of triangles, what is behind them does not count: the pyramid there is next to flat.
     pub is_sheet: bool,
     /// Points of a facet's triangles, along its own normal and along another, and a buffer.

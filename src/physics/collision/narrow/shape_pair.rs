@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::{Convex, Frame};
+use super::{ClipBuffers, Convex, Frame};
 use crate::physics::collision::constants::{
-    BOUND_SLACK, CONTACT_TOLERANCE, EXACT_RIVAL_MARGIN, EXACT_ROUNDING, RIVAL_MARGIN, RIVAL_SHARE,
+    BOUND_SLACK, CONTACT_TOLERANCE, EXACT_RIVAL_MARGIN, EXACT_ROUNDING, FACE_MARGIN, RIVAL_MARGIN, RIVAL_SHARE,
 };
 
 /// Two shapes, about the origins of their own axes.
@@ -49,6 +49,8 @@ pub(crate) struct Scale {
     rounding: f64,
     /// Whether no axis is preferred to one of less depth by more than rounding.
     is_exact: bool,
+    /// Whether faces are kept all the same where what is over them is nearly as deep.
+    keeps_faces: bool,
 }
 
 impl Scale {
@@ -64,6 +66,7 @@ impl Scale {
             slack: BOUND_SLACK * sum,
             rounding: tolerance,
             is_exact: false,
+            keeps_faces: false,
         }
     }
 
@@ -72,6 +75,11 @@ impl Scale {
     pub fn exact(self, is_exact: bool) -> Self {
         let share = if is_exact { EXACT_ROUNDING } else { 1.0 };
         Self { is_exact, rounding: share * self.tolerance, ..self }
+    }
+
+    /// The same; if so, faces are preferred to rivals of somewhat less depth for all that.
+    pub fn keeping_faces(self, keeps_faces: bool) -> Self {
+        Self { keeps_faces, ..self }
     }
 
     /// Whether points that only may touch are asked for.
@@ -92,11 +100,19 @@ impl Scale {
     /// The depth under which a rival axis is preferred to one of that depth.
     pub fn limit(&self, depth: f64) -> f64 {
         let depth = self.rounded(depth);
+        if self.keeps_faces {
+            return depth - FACE_MARGIN * self.size;
+        }
         if self.is_exact {
             return depth - EXACT_RIVAL_MARGIN * self.size;
         }
         let share = if depth < 0.0 { depth / RIVAL_SHARE } else { RIVAL_SHARE * depth };
         share - RIVAL_MARGIN * self.size
+    }
+
+    /// Whether points found over a face stand for an overlap of that depth along its normal.
+    pub fn accepts(&self, clip: &ClipBuffers, depth: f64) -> bool {
+        self.keeps_faces || clip.stand_for(depth, self.size)
     }
 
     /// What is certain to be deeper than this can be left out: it neither is below `limit` nor

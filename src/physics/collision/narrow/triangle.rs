@@ -131,7 +131,7 @@ pub(crate) fn touch(
         return None;
     }
     search.apart = 0.0;
-    let scale = &Scale::new(triangle.radius, radius, gap).exact(search.is_exact);
+    let scale = &Scale::new(triangle.radius, radius, gap).exact(search.is_exact).keeping_faces(search.keeps_faces);
     let below = -shape_in_triangle.rotation.tr_mul(&triangle.normal);
     let reach = match shape {
         Geometry::Cuboid { half } => below.abs().dot(half),

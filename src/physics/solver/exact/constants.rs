@@ -191,6 +191,12 @@ pub(super) const FORESEEN_SPEEDS: f64 = 4.0;
 pub(super) const FORESEEN_SPEED: f64 = 1.0;
 /// Residual of a solve times its length, m, up to which a step counts as solved.
 pub(super) const UNSOLVED: f64 = 1e-7;
+/// Cosine of the angle between the normal of the least overlap and that of a face whose points stand for it, at least,
+/// how far both may differ in depth, as a share of it, and what rounding makes of that, as a share of the smaller radius.
+/// Seen by: `a_cone_rolls_over_the_edge_of_a_box`.
+pub(super) const NEARLY_THE_SAME: f64 = 1.0 - 2e-4;
+pub(super) const SAME_DEPTH: f64 = 1e-3;
+pub(super) const ROUNDED_DEPTH: f64 = 1e-13;
 /// Overlap within which the time of a landing is found, m.
 pub(super) const LANDED: f64 = 1e-11;
 /// Overlap of contact points that are held, m, for which a smooth step is cut short.

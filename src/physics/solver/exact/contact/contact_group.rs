@@ -351,7 +351,7 @@ impl ContactGroup {
             let [a, b] = pair.ends.map(|end| &shapes[end as usize]);
             closing_distance(a, b, h) + TOUCHING
         };
-        points.find(pairs, shapes, reach, search);
+        points.find(pairs, shapes, reach, |_| 0, search);
     }
 
     fn pass_impacts(&mut self, time: f64, least: f64) {

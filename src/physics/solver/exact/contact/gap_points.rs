@@ -2,9 +2,11 @@
 
 use nalgebra::Vector3;
 
+use super::super::constants::{NEARLY_THE_SAME, ROUNDED_DEPTH, SAME_DEPTH};
 use super::super::mechanism::MemberState;
+use crate::physics::Geometry;
 use crate::physics::body::{Body, SurfaceMaterial};
-use crate::physics::collision::{ContactPoint, FeatureId, PairKey, PairSearch, touch};
+use crate::physics::collision::{ContactPoint, FeatureId, Overlap, PairKey, PairSearch, PartPair, touch};
 use crate::physics::contact::namesake;
 
 /// Two bodies in reach of each other.
@@ -86,12 +88,15 @@ impl GapPoints {
         Some(self.starts[pair] as usize + at)
     }
 
-    /// Finds them at the bodies' poses, up to a gap for each pair, m.
+    /// Finds them at the bodies' poses, up to a gap for each pair, m. Where a pair has fewer than `wanted`, as a cone that has
+    /// lain on a box and is tilted about its edge by a forecast, those of the face that it lay on are as true, if they are as
+    /// deep.
     pub fn find(
         &mut self,
         pairs: &[ReachablePair],
         bodies: &[Body],
         gap: impl Fn(&ReachablePair) -> f64,
+        wanted: impl Fn(u32) -> usize,
         search: &mut PointSearch,
     ) {
         self.list.clear();
@@ -99,11 +104,16 @@ impl GapPoints {
         for (index, pair) in (0..).zip(pairs) {
             self.starts.push(self.list.len() as u32);
             let [a, b] = pair.ends.map(|end| &bodies[end as usize]);
-            (search.search.last, search.search.is_exact) = (None, true);
-            search.points.clear();
-            let Some(overlap) = touch([a, b], pair.key.parts, gap(pair), &mut search.search, &mut search.points) else {
-                continue;
-            };
+            let Some(mut overlap) = search.find([a, b], pair.key.parts, gap(pair), false) else { continue };
+            if search.points.len() < wanted(index) && touch_along_a_line([a, b]) {
+                std::mem::swap(&mut search.points, &mut search.least);
+                match search.find([a, b], pair.key.parts, gap(pair), true) {
+                    Some(over_face) if search.is_as_true([&overlap, &over_face], a.radius.min(b.radius)) => {
+                        overlap = over_face
+                    }
+                    _ => std::mem::swap(&mut search.points, &mut search.least),
+                }
+            }
             let normal = overlap.normal;
             let deepest = search.points.iter().max_by(|one, other| one.depth.total_cmp(&other.depth));
             let height = deepest.map_or(0.0, |deepest| normal.dot(&deepest.point));
@@ -125,9 +135,36 @@ impl GapPoints {
     }
 }
 
+/// Whether a flank that is round lies on a face, which the least overlap tells no more where it is tilted about the face's edge.
+/// Of two polyhedra it tells the points of one of the two faces.
+fn touch_along_a_line(bodies: [&Body; 2]) -> bool {
+    let is_round = |body: &Body| matches!(body.geometry, Some(Geometry::Cone { .. } | Geometry::Cylinder { .. }));
+    let has_faces = |body: &Body| matches!(body.geometry, Some(Geometry::Cuboid { .. } | Geometry::Hull(_)));
+    bodies.iter().any(|body| is_round(body)) && bodies.iter().any(|body| has_faces(body))
+}
+
 /// Buffers of the search.
 #[derive(Clone, Default)]
 pub(super) struct PointSearch {
     search: PairSearch,
     points: Vec<ContactPoint>,
+    /// Those of the least overlap, where others were looked for.
+    least: Vec<ContactPoint>,
+}
+
+impl PointSearch {
+    fn find(&mut self, pair: [&Body; 2], parts: PartPair, gap: f64, keeps_faces: bool) -> Option<Overlap> {
+        (self.search.last, self.search.is_exact, self.search.keeps_faces) = (None, true, keeps_faces);
+        self.points.clear();
+        touch(pair, parts, gap, &mut self.search, &mut self.points)
+    }
+
+    /// Whether the points are more than those of the least overlap, and as deep, along nearly the same normal.
+    fn is_as_true(&self, [least, found]: [&Overlap; 2], size: f64) -> bool {
+        let [deepest, found_deepest] = [&self.least, &self.points]
+            .map(|points| points.iter().map(|point| point.depth).fold(f64::NEG_INFINITY, f64::max));
+        self.points.len() > self.least.len()
+            && least.normal.dot(&found.normal) > NEARLY_THE_SAME
+            && (found_deepest - deepest).abs() <= SAME_DEPTH * deepest.abs() + ROUNDED_DEPTH * size
+    }
 }

@@ -43,7 +43,7 @@ impl HeldPoints {
     }
 
     /// The indices of a pair's points.
-    fn of(&self, pair: u32) -> impl Iterator<Item = usize> {
+    pub fn of(&self, pair: u32) -> impl Iterator<Item = usize> {
         let (known, met) = self.list.split_at(self.known);
         let first = known.partition_point(|other| other.pair < pair);
         let own = known[first..].iter().take_while(move |other| other.pair == pair).count();

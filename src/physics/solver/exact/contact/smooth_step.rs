@@ -442,7 +442,9 @@ impl SmoothStep {
             member.move_freely(state, given.h);
         }
         place(bodies, end);
-        points.find(given.pairs, bodies, |pair| margin(pair, bodies), search);
+        let carrying =
+            |pair: u32| held.of(pair).filter(|&point| positions.impulses.contacts[point] != Vector3::zeros()).count();
+        points.find(given.pairs, bodies, |pair| margin(pair, bodies), carrying, search);
         true
     }
 
