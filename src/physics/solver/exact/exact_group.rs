@@ -52,14 +52,30 @@ pub(crate) struct ExactGroup {
     is_stale: bool,
 }
 
-/// The parts of groups whose contents have changed, each with whether it may be taken up as it is: what did not change itself
-/// goes on as if nothing had.
+/// The parts of groups whose contents have changed: what did not change itself goes on as if nothing had.
 #[derive(Default)]
 pub(super) struct LeftParts {
-    contact_groups: Vec<Option<(bool, ContactGroup)>>,
-    pieces: Vec<Option<(bool, JointedPiece)>>,
+    contact_groups: Vec<LeftPart<ContactGroup>>,
+    pieces: Vec<LeftPart<JointedPiece>>,
     /// The bodies of contact groups whose solves lately could not get below some residual, each with the group.
     stalled: Vec<(u32, StalledGroup)>,
+}
+
+/// A part until somebody takes it.
+struct LeftPart<T> {
+    /// The first of its bodies.
+    first: u32,
+    /// Whether it may be taken up as it is.
+    is_current: bool,
+    part: Option<T>,
+}
+
+impl<T> LeftPart<T> {
+    /// Takes the one with that first body from those in order, and whether it may be taken up as it is.
+    fn take(list: &mut [Self], first: u32) -> Option<(bool, T)> {
+        let known = list.binary_search_by_key(&first, |left| left.first).ok()?;
+        Some((list[known].is_current, list[known].part.take()?))
+    }
 }
 
 /// A group whose solves could not get below `residual`, m/s, and how many of its bodies moved.
@@ -75,9 +91,10 @@ impl LeftParts {
     /// Orders what was handed over.
     pub fn sort(&mut self) {
         let Self { contact_groups, pieces, stalled } = self;
-        contact_groups.sort_unstable_by_key(|left| left.as_ref().map(|(_, group)| group.moving()[0]));
-        pieces.sort_unstable_by_key(|left| left.as_ref().map(|(_, piece)| piece.bodies[0]));
-        for (_, group) in contact_groups.iter().flatten().filter(|(_, group)| group.stalled() > 0.0) {
+        contact_groups.sort_unstable_by_key(|left| left.first);
+        pieces.sort_unstable_by_key(|left| left.first);
+        let groups = contact_groups.iter().filter_map(|left| left.part.as_ref());
+        for group in groups.filter(|group| group.stalled() > 0.0) {
             let bodies = group.moving();
             let told = StalledGroup { first: bodies[0], size: bodies.len(), residual: group.stalled() };
             stalled.extend(bodies.iter().map(|&body| (body, told)));
@@ -96,10 +113,7 @@ impl LeftParts {
         joints: &Joints,
         time: f64,
     ) -> ContactGroup {
-        let first = |left: &Option<(bool, ContactGroup)>| left.as_ref().map(|(_, group)| group.moving()[0]);
-        let known = self.contact_groups.binary_search_by_key(&Some(moving[0]), first).ok();
-        let known = known.and_then(|known| self.contact_groups[known].take());
-        let buffers = match known {
+        let buffers = match LeftPart::take(&mut self.contact_groups, moving[0]) {
             Some((true, group)) if group.is_of(moving, links, pairs) => return group,
             known => known.map(|(_, group)| group).unwrap_or_default(),
         };
@@ -119,10 +133,7 @@ impl LeftParts {
     /// The mechanism of those bodies and joints, likewise.
     fn piece(&mut self, moving: &[u32], links: &[u32], bodies: &Bodies, joints: &Joints, time: f64) -> JointedPiece {
         let locked = moving.iter().any(|&body| is_locked(&bodies.list[body as usize]));
-        let first = |left: &Option<(bool, JointedPiece)>| left.as_ref().map(|(_, piece)| piece.bodies[0]);
-        let known = self.pieces.binary_search_by_key(&Some(moving[0]), first).ok();
-        let known = known.and_then(|known| self.pieces[known].take());
-        let buffers = match known {
+        let buffers = match LeftPart::take(&mut self.pieces, moving[0]) {
             Some((true, piece)) if piece.is_of(moving, links, locked) => return piece,
             known => known.map(|(_, piece)| piece).unwrap_or_default(),
         };
@@ -165,8 +176,14 @@ impl ExactGroup {
     /// Hands over its parts; those that were planned for these versions of bodies and joints may be taken up as they are.
     pub fn hand_over(&mut self, left: &mut LeftParts, versions: (u64, u64)) {
         let is_current = self.plan.versions == versions;
-        left.contact_groups.extend(self.contact_groups.drain(..).map(|group| Some((is_current, group))));
-        left.pieces.extend(self.pieces.drain(..).map(|piece| Some((is_current, piece))));
+        left.contact_groups.extend(self.contact_groups.drain(..).map(|group| {
+            let first = group.moving()[0];
+            LeftPart { first, is_current, part: Some(group) }
+        }));
+        left.pieces.extend(self.pieces.drain(..).map(|piece| {
+            let first = piece.bodies[0];
+            LeftPart { first, is_current, part: Some(piece) }
+        }));
         self.plan = GroupContents::default();
     }
 

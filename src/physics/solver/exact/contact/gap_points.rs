@@ -135,8 +135,8 @@ impl GapPoints {
     }
 }
 
-/// Whether a flank that is round lies on a face, which the least overlap tells no more where it is tilted about the face's edge.
-/// Of two polyhedra it tells the points of one of the two faces.
+/// Whether one is a cone or a cylinder and the other has faces: tilted about the edge of a face that it lies on, such a flank
+/// touches at one point by the least overlap. Of two polyhedra that tells the points of one face or the other.
 fn touch_along_a_line(bodies: [&Body; 2]) -> bool {
     let is_round = |body: &Body| matches!(body.geometry, Some(Geometry::Cone { .. } | Geometry::Cylinder { .. }));
     let has_faces = |body: &Body| matches!(body.geometry, Some(Geometry::Cuboid { .. } | Geometry::Hull(_)));
