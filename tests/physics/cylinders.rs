@@ -149,3 +149,23 @@ fn a_heap_comes_to_rest() {
     });
     assert_eq!(ends[0], ends[1]);
 }
+
+/// A third of it is beside the box, and what is over that is a little deeper or less deep than the end that reaches over the
+/// edge, by rounding.
+#[test]
+fn a_cylinder_rolls_along_the_edge_of_a_box() {
+    for place in [0.3, 0.35] {
+        let mut world = world_with(SolverSettings::accurate());
+        let below = body(&mut world, Collider::cuboid(0.8, 1.0, 2.0), DVec3::Y * 0.5);
+        world.entity_mut(below).insert(RigidBody::Static);
+        let cylinder = body(&mut world, Collider::cylinder(0.2, 0.5), DVec3::new(place, 1.2, -0.1));
+        let rolls = Velocity { linear: DVec3::Z * 0.3, angular: DVec3::X * 1.5 };
+        world.entity_mut(cylinder).insert((Rotation(DQuat::from_rotation_arc(DVec3::Y, DVec3::X)), rolls));
+        for _ in 0..60 {
+            steps(&mut world, 1);
+            assert_eq!(world.resource::<StepStats>().cuts, 0, "{place}");
+        }
+        assert_near(velocity(&world, cylinder), rolls.linear, 1e-8);
+        assert_near(spin(&world, cylinder), rolls.angular, 1e-8);
+    }
+}

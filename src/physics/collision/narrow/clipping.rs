@@ -112,7 +112,11 @@ impl<'t> Clip<'t> {
                 found.push(ContactPoint { point, depth, feature: name(corner) });
             }
         }
-        let is_any = if self.depth < 0.0 { !found.is_empty() } else { found.iter().any(|point| point.depth >= 0.0) };
+        let is_any = if self.depth < 0.0 {
+            !found.is_empty()
+        } else {
+            found.iter().any(|point| self.scale.touches(point.depth))
+        };
         if !is_any {
             // The sides cut off all that is below the plane, as may be where the reference was
             // preferred to a rival of less depth: the deepest corner stands for the face.

@@ -92,6 +92,12 @@ impl Scale {
         depth < -self.gap
     }
 
+    /// Whether a point of that depth is one where shapes touch that overlap by a little: what reaches over an edge may be that
+    /// much deeper than all that is over the face.
+    pub fn touches(&self, depth: f64) -> bool {
+        depth >= -self.tolerance || self.keeps_faces
+    }
+
     /// The depth; zero if rounding could have made it of that.
     pub fn rounded(&self, depth: f64) -> f64 {
         if depth >= -self.rounding { depth.max(0.0) } else { depth }

@@ -196,7 +196,7 @@ pub(super) const UNSOLVED: f64 = 1e-7;
 /// Seen by: `a_cone_rolls_over_the_edge_of_a_box`.
 pub(super) const NEARLY_THE_SAME: f64 = 1.0 - 2e-4;
 pub(super) const SAME_DEPTH: f64 = 1e-3;
-pub(super) const ROUNDED_DEPTH: f64 = 1e-13;
+pub(super) const ROUNDED_DEPTH: f64 = 1e-11;
 /// Overlap within which the time of a landing is found, m.
 pub(super) const LANDED: f64 = 1e-11;
 /// Overlap of contact points that are held, m, for which a smooth step is cut short.
