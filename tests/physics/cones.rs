@@ -2,6 +2,7 @@
 
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
+use plumb::physics::Diagnostics;
 use plumb::prelude::*;
 
 use crate::rig::*;
@@ -117,6 +118,7 @@ fn spun_on_its_base_it_slows_evenly() {
 #[test]
 fn a_cone_rolls_over_the_edge_of_a_box() {
     let mut world = world_with(SolverSettings::accurate());
+    world.init_resource::<Diagnostics>();
     let below = body(&mut world, Collider::cuboid(0.8, 1.0, 0.8), DVec3::Y * 0.5);
     world.entity_mut(below).insert(RigidBody::Static);
     let (apex, height, slant) = (DVec3::new(-0.1, 1.0, 0.0), 0.6, (0.25_f64 / 0.6).atan());

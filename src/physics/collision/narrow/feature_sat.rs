@@ -102,7 +102,8 @@ impl Found {
             }
         };
         let mut is_any = find_points(&preferred, clip);
-        let taken = if is_any && pair.scale.accepts(clip, preferred.depth) { preferred } else { least };
+        let stands = pair.scale.keeps_faces || clip.stand_for(preferred.depth, pair.scale.size);
+        let taken = if is_any && stands { preferred } else { least };
         if taken.feature != preferred.feature {
             is_any = find_points(&taken, clip);
         }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{ClipBuffers, Convex, Frame};
+use super::{Convex, Frame};
 use crate::physics::collision::constants::{
     BOUND_SLACK, CONTACT_TOLERANCE, EXACT_RIVAL_MARGIN, EXACT_ROUNDING, FACE_MARGIN, RIVAL_MARGIN, RIVAL_SHARE,
 };
@@ -50,7 +50,7 @@ pub(crate) struct Scale {
     /// Whether no axis is preferred to one of less depth by more than rounding.
     is_exact: bool,
     /// Whether faces are kept all the same where what is over them is nearly as deep.
-    keeps_faces: bool,
+    pub keeps_faces: bool,
 }
 
 impl Scale {
@@ -114,11 +114,6 @@ impl Scale {
         }
         let share = if depth < 0.0 { depth / RIVAL_SHARE } else { RIVAL_SHARE * depth };
         share - RIVAL_MARGIN * self.size
-    }
-
-    /// Whether points found over a face stand for an overlap of that depth along its normal.
-    pub fn accepts(&self, clip: &ClipBuffers, depth: f64) -> bool {
-        self.keeps_faces || clip.stand_for(depth, self.size)
     }
 
     /// What is certain to be deeper than this can be left out: it neither is below `limit` nor
