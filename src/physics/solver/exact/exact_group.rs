@@ -71,6 +71,10 @@ struct LeftPart<T> {
 }
 
 impl<T> LeftPart<T> {
+    fn new(first: u32, is_current: bool, part: T) -> Self {
+        Self { first, is_current, part: Some(part) }
+    }
+
     /// Takes the one with that first body from those in order, and whether it may be taken up as it is.
     fn take(list: &mut [Self], first: u32) -> Option<(bool, T)> {
         let known = list.binary_search_by_key(&first, |left| left.first).ok()?;
@@ -176,14 +180,10 @@ impl ExactGroup {
     /// Hands over its parts; those that were planned for these versions of bodies and joints may be taken up as they are.
     pub fn hand_over(&mut self, left: &mut LeftParts, versions: (u64, u64)) {
         let is_current = self.plan.versions == versions;
-        left.contact_groups.extend(self.contact_groups.drain(..).map(|group| {
-            let first = group.moving()[0];
-            LeftPart { first, is_current, part: Some(group) }
-        }));
-        left.pieces.extend(self.pieces.drain(..).map(|piece| {
-            let first = piece.bodies[0];
-            LeftPart { first, is_current, part: Some(piece) }
-        }));
+        let groups = self.contact_groups.drain(..);
+        left.contact_groups.extend(groups.map(|group| LeftPart::new(group.moving()[0], is_current, group)));
+        let pieces = self.pieces.drain(..);
+        left.pieces.extend(pieces.map(|piece| LeftPart::new(piece.bodies[0], is_current, piece)));
         self.plan = GroupContents::default();
     }
 

@@ -1,9 +1,10 @@
 //! The exact method: joints held by their exact forces, motion by integrators that converge, in `f64` throughout.
 //!
-//! Each step, [`solve_exactly`] takes the islands' groups one by one, on as many threads as there may be:
-//! 1. a group is planned where its contents have changed ([`exact_group`]): mechanisms that joints hold together, free
-//!    bodies, and bodies in reach of each other;
-//! 2. the last have a step of their own ([`contact`]), with joints and contacts by the cone solver;
+//! Each step, [`solve_exactly`] plans the groups of islands whose contents have changed ([`exact_group`]): mechanisms that
+//! joints hold together, free bodies, and bodies in reach of each other; what is the same as before goes on, whichever group
+//! it is in. Then it takes the groups one by one, on as many threads as there may be:
+//! 1. their state is taken in;
+//! 2. what is in reach of something has a step of their own ([`contact`]), with joints and contacts by the cone solver;
 //! 3. free bodies move in closed form ([`free`]) if no torque turns them;
 //! 4. mechanisms ([`mechanism`]) go through the integrator ([`stepper`]; [`lockstep`] and [`gauss`], [`rattle`]), whose
 //!    stages solve J M⁻¹ Jᵀ λ = b ([`rows`]), and are brought back onto their joints ([`projection`]);

@@ -105,7 +105,7 @@ impl GapPoints {
             self.starts.push(self.list.len() as u32);
             let [a, b] = pair.ends.map(|end| &bodies[end as usize]);
             let Some(mut overlap) = search.find([a, b], pair.key.parts, gap(pair), false) else { continue };
-            if search.points.len() < wanted(index) && touch_along_a_line([a, b]) {
+            if touch_along_a_line([a, b]) && search.points.len() < wanted(index) {
                 std::mem::swap(&mut search.points, &mut search.least);
                 match search.find([a, b], pair.key.parts, gap(pair), true) {
                     Some(over_face) if search.is_as_true([&overlap, &over_face], a.radius.min(b.radius)) => {
