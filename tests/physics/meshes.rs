@@ -162,6 +162,30 @@ fn a_ball_in_a_half_pipe_swings_as_a_pendulum_the_better_the_finer_it_is() {
     assert!(errors[0] < 0.03 && errors[1] < 0.01, "{errors:?}");
 }
 
+/// At the start of the step in which it gets to the other side of a valley, nothing of that side is foremost.
+#[test]
+fn a_ball_that_slides_through_a_valley_sinks_into_neither_side() {
+    let (slope, radius) = (0.5, 0.1);
+    let field = TriangleMesh::height_field([8.0, 2.0], [8, 2], |x, _| slope * x.abs()).expect("a valley");
+    let mut world = world_with(SolverSettings::accurate());
+    let smooth = SurfaceMaterial { friction: 0.0, restitution: 0.0 };
+    world.spawn((RigidBody::Static, Collider::mesh(field), smooth));
+    let up = f64::hypot(1.0, slope);
+    let ball = body(&mut world, Collider::sphere(radius), DVec3::new(-2.0, 2.0 * slope + radius * up, 0.03));
+    world.entity_mut(ball).insert(smooth);
+    let (mut crossings, mut side) = (0, -1.0);
+    for _ in 0..240 {
+        step(&mut world);
+        let at = position(&world, ball);
+        let depth = radius - (at.y - slope * at.x.abs()) / up;
+        assert!(depth < 1e-6, "at {at}: {depth} m deep");
+        if at.x * side < 0.0 {
+            (crossings, side) = (crossings + 1, -side);
+        }
+    }
+    assert!(crossings > 1, "{crossings} times through the valley");
+}
+
 #[test]
 fn nothing_that_is_shot_passes_a_sheet() {
     let mut dice = Pcg64Mcg::seed_from_u64(19);

@@ -158,10 +158,24 @@ pub(super) fn touch(
 ) -> Option<Overlap> {
     match settings.contact_model() {
         ContactModel::Clipping => {
-            // Over a mesh, what `exact` is to look at is told by the test that measures its gaps.
-            let is_over_mesh = is_mesh(a) || is_mesh(b);
-            buffers.search.is_exact = is_over_mesh && settings.method == Method::Exact;
-            contact_pair::touch([a, b], parts, contact_gap(a, b, settings), &mut buffers.search, points)
+            let search = &mut buffers.search;
+            let gap = contact_gap(a, b, settings);
+            if settings.method != Method::Exact || !(is_mesh(a) || is_mesh(b)) {
+                return contact_pair::touch([a, b], parts, gap, search, points);
+            }
+            // Over a mesh, what `exact` is to look at is told by the test that measures its gaps. A facet over whose inner
+            // edge something is on its way may be met in the step, though nothing of it is foremost as yet.
+            search.is_exact = true;
+            let first = points.len();
+            let met = contact_pair::touch([a, b], parts, gap, search, points).or_else(|| {
+                search.any_normal = true;
+                let near = contact_pair::touch([a, b], parts, gap, search, points);
+                search.any_normal = false;
+                points.truncate(first);
+                near
+            });
+            search.is_exact = false;
+            met
         }
         ContactModel::ExtremeVertices | ContactModel::SinglePoint => {
             extreme_vertices::touch([a, b], parts, settings, &mut buffers.axes, points)
