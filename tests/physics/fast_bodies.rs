@@ -359,3 +359,40 @@ fn joints_solved_at_once_give_no_energy_to_what_turns_by_radians_a_substep() {
         }
     }
 }
+
+/// What is hit goes further in the step than it would by itself: into what was out of its reach when the step began, and that
+/// into the next. By `accurate` all of them are told of, whether they are one group then or not.
+#[test]
+fn what_is_thrown_within_a_step_stops_at_what_was_out_of_its_reach() {
+    let (radius, speed) = (0.02, 6.0);
+    for count in [2, 4] {
+        for at_wall in [false, true] {
+            let mut world = weightless(SolverSettings::accurate());
+            let mut ball = |place: usize, speed: f64| {
+                // Two that touch, and others a diameter apart.
+                let at = 2.0 * radius * (place as f64 + place.saturating_sub(1) as f64);
+                thrown(&mut world, Collider::sphere(radius), DVec3::X * at, DVec3::X * speed, DQuat::IDENTITY)
+            };
+            let balls: Vec<Entity> =
+                (0..count).map(|place| ball(place, if place == 0 { speed } else { 0.0 })).collect();
+            let last = position(&world, balls[count - 1]).x;
+            if at_wall {
+                fixed(&mut world, Collider::cuboid(0.1, 1.0, 1.0), DVec3::X * (last + 3.0 * radius + 0.05));
+            }
+            for index in 1..=6 {
+                step(&mut world);
+                let places: Vec<f64> = balls.iter().map(|&ball| position(&world, ball).x).collect();
+                let gaps = places.windows(2).map(|pair| pair[1] - pair[0] - 2.0 * radius);
+                let least = gaps.fold(f64::INFINITY, f64::min);
+                assert!(least > -1e-6, "{count} balls, step {index}: {least} m between two of {places:?}");
+                let momentum: f64 = balls.iter().map(|&ball| velocity(&world, ball).x).sum();
+                if at_wall {
+                    let over = places[count - 1] - (last + 2.0 * radius);
+                    assert!(over < 1e-6, "{count} balls, step {index}: {over} m in the wall");
+                } else {
+                    assert!((momentum - speed).abs() < 1e-9, "{count} balls, step {index}: {momentum} of {speed}");
+                }
+            }
+        }
+    }
+}

@@ -68,7 +68,7 @@ pub(super) fn gap_if_stopped(a: &Body, b: &Body, is_row: bool, settings: &Solver
 
 /// A body's own part of the gap of force-level and exact methods, m: those of two bodies together are no less than the
 /// gap. With `exact` they are no less than what the two can come together in a step under the forces on them.
-pub(super) fn own_reach(body: &Body, settings: &SolverSettings) -> f64 {
+pub(crate) fn own_reach(body: &Body, settings: &SolverSettings) -> f64 {
     let h = settings.step();
     let moved = (body.linear.norm() + turning_speed(body)) * h;
     if settings.method != Method::Exact {

@@ -30,9 +30,10 @@ mod slots;
 mod tests;
 
 pub(crate) use broad::bounding_tree::BoundingBox;
+pub(crate) use broad::in_step::may_collide;
 pub(crate) use broad::near_pairs::NearPairs;
 pub(crate) use classic::vector_set::VectorSet;
-pub(crate) use gap::{closing_distance, fastest_approach, turning_speed};
+pub(crate) use gap::{closing_distance, fastest_approach, own_reach, turning_speed};
 pub(crate) use lag::LaggedContacts;
 pub(crate) use manifold::{ContactPoint, Contacts, FeatureId, Manifold, Overlap, Pair, PairKey, PartPair};
 pub(crate) use narrow::contact_pair::{PairSearch, touch};

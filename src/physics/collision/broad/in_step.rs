@@ -51,7 +51,13 @@ impl BoundedBodies for InStep<'_> {
     }
 
     fn may_pair(&self, a: u32, b: u32) -> bool {
-        let (one, other) = (&self.bodies[a as usize], &self.bodies[b as usize]);
-        (one.is_dynamic() || other.is_dynamic()) && one.layers.interact(other.layers) && !self.joined.contains(a, b)
+        may_collide([a, b].map(|body| &self.bodies[body as usize]), self.joined, [a, b])
     }
+}
+
+/// Whether two bodies of those indices are to collide where they meet.
+pub(crate) fn may_collide([one, other]: [&Body; 2], joined: &JoinedPairs, [a, b]: [u32; 2]) -> bool {
+    let touches = !one.touches_nothing() && !other.touches_nothing();
+    let moves = one.is_dynamic() || other.is_dynamic();
+    touches && moves && one.layers.interact(other.layers) && !joined.contains(a, b)
 }

@@ -178,6 +178,8 @@ pub(super) const FLICKERING_ERROR: f64 = 1e-6;
 pub(super) const FLICKERING_STALLS: u32 = 1;
 /// Overlap at the end of a forecast, m, from which on contact points that it did not hold are held.
 pub(super) const UNFORESEEN: f64 = 1e-7;
+/// How often a step is done again for pairs that were not looked for when it began.
+pub(super) const MOST_UNFORESEEN: u32 = 8;
 /// How far from where a contact point has gone, as a share of the smaller body's radius and beyond the way of the bodies past
 /// each other, one of the same name is the same,
 pub(super) const SAME_NAME: f64 = 0.3;

@@ -7,7 +7,7 @@ use super::free;
 use super::mechanism::{Mechanism, MemberState};
 use super::stepper::StepEffort;
 use crate::physics::body::{Bodies, Body};
-use crate::physics::collision::{ContactGraph, Contacts, Manifold, PairKey};
+use crate::physics::collision::{ContactGraph, Contacts, Manifold, Pair, PairKey, PartPair};
 use crate::physics::disjoint_sets::DisjointSets;
 use crate::physics::grouped::Grouped;
 use crate::physics::island::Islands;
@@ -36,6 +36,12 @@ struct GroupContents {
     versions: (u64, u64),
     /// Whether axes of some body are locked.
     locked: bool,
+}
+
+impl GroupContents {
+    fn sort_pairs(&mut self) {
+        self.pairs.sort_unstable_by_key(|key| (key.pair, key.parts));
+    }
 }
 
 /// One group, with what is kept from step to step while its contents stay the same.
@@ -168,7 +174,7 @@ impl ExactGroup {
         let found = islands.manifolds(self.group).iter().map(|&found| &contacts.manifolds[found as usize]);
         next.pairs.extend(found.map(Manifold::key));
         // They were found along x: columns on each other come in an order that rounding changes.
-        next.pairs.sort_unstable_by_key(|key| (key.pair.a, key.pair.b, key.parts));
+        next.sort_pairs();
         next.versions = (bodies.version, joints.version);
         next.locked = next.bodies.iter().any(|&body| is_locked(&bodies.list[body as usize]));
         self.is_stale = self.next != self.plan;
@@ -185,6 +191,50 @@ impl ExactGroup {
         let pieces = self.pieces.drain(..);
         left.pieces.extend(pieces.map(|piece| LeftPart::new(piece.bodies[0], is_current, piece)));
         self.plan = GroupContents::default();
+    }
+
+    /// Takes another group up into this one, with what that other is to have; both are to be planned anew.
+    pub fn take_up(&mut self, other: &mut Self, left: &mut LeftParts) {
+        let versions = self.next.versions;
+        [&mut *self, &mut *other].into_iter().for_each(|group| group.hand_over(left, versions));
+        let taken = std::mem::replace(&mut other.next, GroupContents { versions, ..GroupContents::default() });
+        self.next.bodies.extend(taken.bodies);
+        self.next.bodies.sort_unstable();
+        self.next.joints.extend(taken.joints);
+        self.next.joints.sort_unstable();
+        self.next.pairs.extend(taken.pairs);
+        self.next.locked |= taken.locked;
+        (self.is_stale, other.is_stale) = (true, true);
+    }
+
+    /// Takes up pairs of its bodies, and is to be planned anew.
+    pub fn take_up_pairs(&mut self, pairs: &[PairKey], left: &mut LeftParts) {
+        self.hand_over(left, self.next.versions);
+        self.next.pairs.extend_from_slice(pairs);
+        self.next.sort_pairs();
+        self.is_stale = true;
+    }
+
+    /// Whether it is to be planned anew.
+    pub fn is_stale(&self) -> bool {
+        self.is_stale
+    }
+
+    /// Whether some body is in it.
+    pub fn has_body(&self, body: u32) -> bool {
+        self.next.bodies.binary_search(&body).is_ok()
+    }
+
+    /// Whether those parts of two bodies are looked at in it.
+    pub fn has_pair(&self, pair: Pair, parts: PartPair) -> bool {
+        self.next.pairs.binary_search_by_key(&(pair, parts), |key| (key.pair, key.parts)).is_ok()
+    }
+
+    /// Where the bodies that move end.
+    pub fn ends(&self) -> impl Iterator<Item = (u32, &MemberState)> + Clone {
+        let of_pieces = self.pieces.iter().flat_map(JointedPiece::ends);
+        let free = self.free.iter().map(|(body, state)| (*body, state));
+        of_pieces.chain(free).chain(self.contact_groups.iter().flat_map(ContactGroup::ends))
     }
 
     /// Plans the group if that is to be done, with what others have handed over.
@@ -326,6 +376,11 @@ impl JointedPiece {
         let mut joints = self.joints.clone();
         joints.sort_unstable();
         self.bodies[..count] == *moving && joints == links && was_locked == locked
+    }
+
+    /// Where the bodies that move are at the end of the step.
+    fn ends(&self) -> impl Iterator<Item = (u32, &MemberState)> + Clone {
+        self.bodies.iter().copied().zip(&self.mechanism.states).take(self.mechanism.moving)
     }
 
     /// A mechanism of those bodies that move and those joints, with the buffers of another.

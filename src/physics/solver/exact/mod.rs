@@ -11,6 +11,8 @@
 //! 5. those some of whose rows have a bounded λ ([`row_mode`]: limits, dry friction, motors with a largest force) go from
 //!    event to event ([`event_stepper`], [`event_search`]); at each, impacts pass ([`bounded_rows`]), and an
 //!    [`active_set`] tells which rows hold from there.
+//!
+//! Groups of which something was thrown into what was out of reach go through the step again ([`unforeseen`]).
 
 mod active_set;
 mod bodies;
@@ -35,20 +37,23 @@ mod stepper;
 mod tableau;
 #[cfg(test)]
 mod tests;
+mod unforeseen;
 
 use bevy::prelude::*;
 
+use self::constants::MOST_UNFORESEEN;
 pub(crate) use self::contact::PointForce;
 use self::contact::{ContactGroup, ContactTerms};
 use self::exact_group::{ExactGroup, LeftParts};
 pub(super) use self::mechanism::{Coupling, Couplings, MemberState, links_at};
+use self::unforeseen::UnforeseenPairs;
 use super::cone::Deadline;
 use crate::physics::HardProblems;
 use crate::physics::body::Bodies;
 use crate::physics::collision::{ContactGraph, Contacts};
 use crate::physics::contact::restitution_threshold;
 use crate::physics::island::Islands;
-use crate::physics::joint::{Breakable, JointLoad, Joints};
+use crate::physics::joint::{Breakable, JoinedPairs, JointLoad, Joints};
 use crate::physics::rewind::Keep;
 use crate::physics::schedule::{PhysicsSchedule, PhysicsSystems};
 use crate::physics::settings::{Method, SolverSettings};
@@ -120,6 +125,7 @@ fn solve_exactly(
     settings: Res<SolverSettings>,
     mut stats: ResMut<StepStats>,
     (mut trace, mut hard): (Option<ResMut<SolveTrace>>, Option<ResMut<HardProblems>>),
+    (joined, mut unforeseen): (Res<JoinedPairs>, Local<UnforeseenPairs>),
     read: Query<(), Or<(With<JointLoad>, With<Breakable>)>>,
 ) {
     let ExactGroups { list, used } = &mut *groups;
@@ -149,10 +155,23 @@ fn solve_exactly(
     };
     {
         let (bodies, joints, graph) = (&*bodies, &*joints, &*graph);
-        threads::for_each_block(settings.threads, list, |group| {
+        let take_through = |group: &mut ExactGroup| {
             group.gather(bodies, joints, settings.friction);
             group.step(bodies, settings.exact.integrator, &terms, graph);
-        });
+        };
+        threads::for_each_block(settings.threads, list, take_through);
+        for _ in 0..MOST_UNFORESEEN {
+            if terms.deadline.is_over() || !unforeseen.find(list, bodies, &joined, &settings) {
+                break;
+            }
+            let mut left = LeftParts::default();
+            unforeseen.join(list, &mut left);
+            left.sort();
+            for group in list.iter_mut().filter(|group| group.is_stale()) {
+                group.plan(&mut left, bodies, joints, stats.time);
+                take_through(group);
+            }
+        }
     }
     (stats.resting, stats.rows, stats.row_updates) = (0, 0, 0);
     (stats.cuts, stats.unsettled, stats.jammed) = (0, 0, 0);

@@ -297,6 +297,11 @@ impl ContactGroup {
         &self.bodies[..self.moving]
     }
 
+    /// Where they are at the end of the step.
+    pub fn ends(&self) -> impl Iterator<Item = (u32, &MemberState)> + Clone {
+        self.moving().iter().copied().zip(&self.states)
+    }
+
     /// Takes the group through a substep, which `terms` are of.
     fn advance(&mut self, start: &StepStart) {
         let terms = &start.terms;
