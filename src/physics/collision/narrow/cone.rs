@@ -13,6 +13,7 @@
 
 use nalgebra::Vector3;
 
+use super::clipping::Disc;
 use super::place::Place;
 use super::revolved::{End, Revolved};
 use super::{Convex, Faced, Plane, Segment, length_across, unit_across};
@@ -104,6 +105,10 @@ impl Faced for Cone {
         }
         self.bottom().corners(direction, RIM_CORNERS, corners);
         BASE
+    }
+
+    fn disc(&self, _: u32) -> Option<Disc> {
+        Some(self.bottom().disc())
     }
 }
 

@@ -9,6 +9,7 @@
 
 use nalgebra::Vector3;
 
+use super::clipping::Disc;
 use super::place::Place;
 use super::revolved::{End, Revolved};
 use super::{Convex, Faced, Plane, Segment, length_across, unit_across};
@@ -68,6 +69,10 @@ impl Faced for Cylinder {
         let end = self.end_toward(direction);
         end.corners(direction, RIM_CORNERS, corners);
         end.face
+    }
+
+    fn disc(&self, face: u32) -> Option<Disc> {
+        Some(self.end(face).disc())
     }
 }
 

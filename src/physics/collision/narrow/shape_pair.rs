@@ -77,6 +77,11 @@ impl Scale {
         Self { is_exact, rounding: share * self.tolerance, ..self }
     }
 
+    /// Whether gaps are told down to rounding.
+    pub fn is_exact(&self) -> bool {
+        self.is_exact
+    }
+
     /// The same; if so, faces are preferred to rivals of somewhat less depth for all that.
     pub fn keeping_faces(self, keeps_faces: bool) -> Self {
         Self { keeps_faces, ..self }

@@ -453,3 +453,37 @@ fn another_axis_makes_no_overlap_where_the_least_is_asked_for() {
     assert!(exact < 1.1 * STEP, "{exact:e}");
     assert!(preferred > 4.0 * STEP, "no case was one: {preferred:e}");
 }
+
+/// A cylinder that lies across an end of another, or across the base of a cone, tilted so that one end of its line is deepest:
+/// between a side of the polygon that stands for the disc and the rim it is as deep as it overlaps, where the least is asked for.
+#[test]
+fn what_lies_over_a_rim_is_as_deep_as_it_overlaps() {
+    const DEPTH: f64 = 1e-4;
+    let (bar, half) = (Collider::cylinder(0.1, 0.6), 0.3);
+    let discs = [upright(&Collider::cylinder(0.4, 1.0), [0.0; 3]), cone(true)];
+    let mut short = 0;
+    for disc in &discs {
+        for step in 0..48 {
+            let (angle, out) = (f64::from(step) * PI / 48.0, 0.4 * if step % 2 == 0 { 0.998 } else { 1.01 });
+            let aside = Vector3::new(angle.cos(), 0.0, angle.sin());
+            let turned = UnitQuaternion::rotation_between(&Vector3::y(), &aside).expect("no half turn");
+            let tilted = UnitQuaternion::from_scaled_axis(Vector3::y().cross(&aside) * 0.01) * turned;
+            let [along, down] = [Vector3::y(), turned.inverse() * -Vector3::y()].map(|way| tilted * way);
+            let (end, foot) = (along * half + down * 0.1, aside * out + Vector3::y() * (0.5 - DEPTH));
+            let bar = body(&bar, foot - end, tilted);
+            for is_exact in [true, false] {
+                let (mut search, mut points) = (PairSearch { is_exact, ..PairSearch::default() }, Vec::new());
+                let pair = [disc, &bar];
+                let overlap = contact_pair::touch(pair, PartPair::default(), 0.01, &mut search, &mut points);
+                let overlap = overlap.expect("they overlap");
+                let deepest = points.iter().map(|point| point.depth).fold(f64::NEG_INFINITY, f64::max);
+                if is_exact {
+                    assert!((deepest - overlap.depth).abs() < 1e-9, "{step}: {deepest} of {}", overlap.depth);
+                } else {
+                    short += u32::from(deepest < overlap.depth - 1e-6);
+                }
+            }
+        }
+    }
+    assert!(short > 10, "{short} are deeper than the polygon says");
+}
