@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use super::super::bodies::{links_of, member, place_in, put, state_of};
 use super::super::constants::{
     ENERGY_GAINED, FIRST_GROWTH, GROWTH_AFTER_CUT, LANDED, LEAST_BOUNCE, LEAST_GROWTH, MISSED, MOST_LANDINGS,
-    MOST_TRIALS, NO_ENERGY, ROUGH_STEP, ROUGH_TOLERANCE, SHORTEST_STEP, TOLERANCE, TOUCHING,
+    MOST_TRIALS, NO_ENERGY, NO_TIME, ROUGH_STEP, ROUGH_TOLERANCE, SHORTEST_STEP, TOLERANCE, TOUCHING,
 };
 use super::super::mechanism::{MechanismLink, Member, MemberState, number_rows};
 use super::super::stepper::StepEffort;
@@ -310,7 +310,7 @@ impl ContactGroup {
         self.gaps.close(view, &mut self.states, terms.time);
         let (mut left, mut stride) = (terms.h, Stride { longest: terms.h, growth: FIRST_GROWTH });
         let mut events = 0;
-        while left > 1e-12 * terms.h {
+        while left > NO_TIME * terms.h {
             let now = terms.time + (terms.h - left);
             self.find_points(left);
             self.pass_impacts(now, least);
@@ -423,13 +423,17 @@ impl ContactGroup {
                 at_high *= 0.5;
             }
         }
-        // As near as rounding, or the work that it may take, lets it come, on the far side.
-        self.smooth_step(high, false, now, start);
+        // As near as rounding, or the work that it may take, lets it come: on the far side, but before it where the motion jumps, as
+        // where something else is met as well.
+        if self.smooth_step(high, false, now, start) > MISSED && low > NO_TIME * terms.h {
+            self.smooth_step(low, false, now, start);
+            return low;
+        }
         high
     }
 
-    /// A smooth step of h, s, from `now`, s. The deepest overlap of free pairs and limits at its end, m; negative: the least gap
-    /// of those found.
+    /// A smooth step of h, s, from `now`, s. The deepest overlap of free pairs and limits at its end, m, of pairs beyond that at the
+    /// start, which opens or has just bounced; negative: the least gap of those found.
     fn smooth_step(&mut self, h: f64, is_rough: bool, now: f64, start: &StepStart) -> f64 {
         let StepStart { terms, graph, loads } = start;
         let is_spent = self.is_spent();
@@ -455,7 +459,8 @@ impl ContactGroup {
         };
         smooth.step(&given, states, points, shapes, search, start_force);
         let landed = smooth.points.list.iter().filter(|point| free[point.pair as usize]);
-        let overlap = landed.map(|point| -point.gap).fold(f64::NEG_INFINITY, f64::max);
+        let at_start = |pair: u32| points.of(pair as usize).iter().map(|point| -point.gap).fold(0.0, f64::max);
+        let overlap = landed.map(|point| -point.gap - at_start(point.pair)).fold(f64::NEG_INFINITY, f64::max);
         self.limits.find(&self.links, &self.smooth.end, now + h);
         let landed = self.limits.list.iter().filter(|limit| self.free_rows[limit.row]);
         landed.map(|limit| -limit.gap).fold(overlap, f64::max)
