@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use bevy::ecs::system::SystemState;
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
-use plumb::physics::{CompoundChild, MeshError, TriangleMesh};
+use plumb::physics::{CompoundChild, Diagnostics, MeshError, TriangleMesh};
 use plumb::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -162,28 +162,32 @@ fn a_ball_in_a_half_pipe_swings_as_a_pendulum_the_better_the_finer_it_is() {
     assert!(errors[0] < 0.03 && errors[1] < 0.01, "{errors:?}");
 }
 
-/// At the start of the step in which it gets to the other side of a valley, nothing of that side is foremost.
+/// On hollows whose triangles all lie differently: when the step begins in which a ball gets to the next one, nothing of that need
+/// be foremost as yet.
 #[test]
-fn a_ball_that_slides_through_a_valley_sinks_into_neither_side() {
-    let (slope, radius) = (0.5, 0.1);
-    let field = TriangleMesh::height_field([8.0, 2.0], [8, 2], |x, _| slope * x.abs()).expect("a valley");
-    let mut world = world_with(SolverSettings::accurate());
+fn a_ball_that_slides_through_hollows_sinks_into_no_triangle() {
+    let (half, side) = (2.4, 0.3);
+    let number = |place: f64| ((place + half) / side).round();
+    let height = |x: f64, z: f64| {
+        let (column, row) = (number(x), number(z));
+        0.08 * (0.7 * row + 0.03 * ((7.0 * row + 13.0 * column) % 10.0)).sin() * (0.6 * column).cos()
+    };
+    let field = TriangleMesh::height_field([2.0 * half; 2], [16; 2], height).expect("a field");
     let smooth = SurfaceMaterial { friction: 0.0, restitution: 0.0 };
-    world.spawn((RigidBody::Static, Collider::mesh(field), smooth));
-    let up = f64::hypot(1.0, slope);
-    let ball = body(&mut world, Collider::sphere(radius), DVec3::new(-2.0, 2.0 * slope + radius * up, 0.03));
-    world.entity_mut(ball).insert(smooth);
-    let (mut crossings, mut side) = (0, -1.0);
-    for _ in 0..240 {
-        step(&mut world);
-        let at = position(&world, ball);
-        let depth = radius - (at.y - slope * at.x.abs()) / up;
-        assert!(depth < 1e-6, "at {at}: {depth} m deep");
-        if at.x * side < 0.0 {
-            (crossings, side) = (crossings + 1, -side);
+    for x in [-1.3, -0.7, -0.15, 0.4, 0.95, 1.5] {
+        for z in [-1.2, -0.5, 0.1, 0.6, 1.25] {
+            let mut world = world_with(SolverSettings::accurate());
+            world.init_resource::<Diagnostics>();
+            world.spawn((RigidBody::Static, Collider::mesh(field.clone()), smooth));
+            let ball = body(&mut world, Collider::sphere(0.04), DVec3::new(x, 0.2, z));
+            world.entity_mut(ball).insert(smooth);
+            for _ in 0..120 {
+                step(&mut world);
+                let depth = world.resource::<Diagnostics>().penetration;
+                assert!(depth < 1e-9, "from {x}, {z}, at {}: {depth} m deep", position(&world, ball));
+            }
         }
     }
-    assert!(crossings > 1, "{crossings} times through the valley");
 }
 
 #[test]

@@ -459,7 +459,10 @@ impl ContactGroup {
         };
         smooth.step(&given, states, points, shapes, search, start_force);
         let landed = smooth.points.list.iter().filter(|point| free[point.pair as usize]);
-        let at_start = |pair: u32| points.of(pair as usize).iter().map(|point| -point.gap).fold(0.0, f64::max);
+        let at_start = |pair: u32| {
+            let overlaps = points.of(pair as usize).iter().map(|point| -point.gap);
+            overlaps.filter(|overlap| *overlap > LANDED).fold(0.0, f64::max)
+        };
         let overlap = landed.map(|point| -point.gap - at_start(point.pair)).fold(f64::NEG_INFINITY, f64::max);
         self.limits.find(&self.links, &self.smooth.end, now + h);
         let landed = self.limits.list.iter().filter(|limit| self.free_rows[limit.row]);
