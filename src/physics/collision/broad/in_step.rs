@@ -55,9 +55,7 @@ impl BoundedBodies for InStep<'_> {
     }
 }
 
-/// Whether two bodies of those indices are to collide where they meet.
+/// Whether two bodies of those indices that touch anything are to collide where they meet.
 pub(crate) fn may_collide([one, other]: [&Body; 2], joined: &JoinedPairs, [a, b]: [u32; 2]) -> bool {
-    let touches = !one.touches_nothing() && !other.touches_nothing();
-    let moves = one.is_dynamic() || other.is_dynamic();
-    touches && moves && one.layers.interact(other.layers) && !joined.contains(a, b)
+    (one.is_dynamic() || other.is_dynamic()) && one.layers.interact(other.layers) && !joined.contains(a, b)
 }

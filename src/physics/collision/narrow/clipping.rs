@@ -12,7 +12,7 @@
 
 use nalgebra::Vector3;
 
-use super::{Convex, Frame, Plane, Polyhedron, Scale, ShapePair, first_max};
+use super::{Convex, Frame, Plane, Polyhedron, Rim, Scale, ShapePair, first_max};
 use crate::physics::collision::constants::{NEARLY_DEEPEST, NEARLY_WIDEST, SIDE_MARGIN, SOUND_MARGIN, SOUND_SHARE};
 use crate::physics::{ContactPoint, FeatureId, Refill};
 
@@ -57,36 +57,15 @@ pub(crate) struct Clip<'t> {
     depth: f64,
     /// Tells which corners above the reference plane count as on it, or are within the gap.
     scale: &'t Scale,
-    /// The disc that the reference face stands for as a polygon, where gaps are told down to rounding.
-    disc: Option<Disc>,
-}
-
-/// A disc, in the axes of its shape.
-#[derive(Clone, Copy)]
-pub(crate) struct Disc {
-    pub center: Vector3<f64>,
-    pub radius: f64,
-}
-
-impl Disc {
-    /// How far along the way from a point of it to another point, 0 to 1, its rim or the other point is, all seen along its unit
-    /// normal.
-    fn share_within(&self, normal: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
-        let across = |vector: Vector3<f64>| vector - normal * normal.dot(&vector);
-        let (start, way) = (across(from - self.center), across(to - from));
-        let (square, along) = (way.norm_squared(), start.dot(&way));
-        let inside = self.radius * self.radius - start.norm_squared();
-        let root = (along * along + square * inside).max(0.0).sqrt();
-        let share = (root - along) / square;
-        if share < 1.0 { share.max(0.0) } else { 1.0 }
-    }
+    /// The rim of the disc that the reference face stands for as a polygon, where gaps are told down to rounding.
+    rim: Option<Rim>,
 }
 
 impl<'t> Clip<'t> {
     /// To a triangle of a mesh, for all that is within the gap.
     pub fn to_triangle(triangle: u32, face: u32, normal: &Vector3<f64>, level: f64, scale: &'t Scale) -> Self {
         let (reference_face, incident_face, normal, depth) = (triangle, face, *normal, -scale.gap);
-        Self { reference_is_b: false, reference_face, incident_face, normal, level, depth, scale, disc: None }
+        Self { reference_is_b: false, reference_face, incident_face, normal, level, depth, scale, rim: None }
     }
 
     /// Cuts the incident face by the sides of the reference face, all in the axes of the
@@ -104,8 +83,8 @@ impl<'t> Clip<'t> {
             buffers.cut(side, |point| outward.dot(point) - limit);
         }
         buffers.reference = reference;
-        if let Some(disc) = &self.disc {
-            buffers.widen(disc, &self.normal);
+        if let Some(rim) = &self.rim {
+            buffers.widen(rim);
         }
         self.collect(buffers)
     }
@@ -162,8 +141,8 @@ pub(crate) trait Faced: Convex {
     fn reference(&self, face: u32, corners: &mut Vec<Vector3<f64>>) -> Plane;
     /// What faces a direction most, by number, and its corners: a face, or the two ends of a line.
     fn incident(&self, direction: &Vector3<f64>, corners: &mut Vec<Vector3<f64>>) -> u32;
-    /// The disc that a face is, where its corners are some of a rim.
-    fn disc(&self, _face: u32) -> Option<Disc> {
+    /// The rim of a face whose corners are some of it.
+    fn rim(&self, _face: u32) -> Option<Rim> {
         None
     }
 }
@@ -205,8 +184,8 @@ impl<'t, A: Faced, B: Faced> ShapePair<'t, A, B> {
             *corner = self.b_in_a.place(corner);
         }
         let scale = self.scale;
-        let disc = self.a.disc(face).filter(|_| scale.is_exact());
-        Clip { reference_is_b: of_b, reference_face: face, incident_face, normal, level, depth, scale, disc }
+        let rim = self.a.rim(face).filter(|_| scale.is_exact());
+        Clip { reference_is_b: of_b, reference_face: face, incident_face, normal, level, depth, scale, rim }
     }
 }
 
@@ -253,7 +232,7 @@ impl ClipBuffers {
 
     /// Moves the corners where the sides of a polygon that stands for a disc cut sides of the incident face on, to the rim or the
     /// end of their side: what lies between would be left out, and be deepest where the disc is tilted.
-    fn widen(&mut self, disc: &Disc, normal: &Vector3<f64>) {
+    fn widen(&mut self, rim: &Rim) {
         let Self { incident, polygon, .. } = self;
         for corner in &mut *polygon {
             let of_incident = |side: u16| (side & REFERENCE_SIDE == 0).then_some(usize::from(side));
@@ -262,7 +241,7 @@ impl ClipBuffers {
                 [None, Some(side)] => incident[side],
                 _ => continue,
             };
-            let share = disc.share_within(normal, &corner.point, &outer);
+            let share = rim.share_within(&corner.point, &outer);
             corner.point = if share < 1.0 { corner.point + (outer - corner.point) * share } else { outer };
         }
         // Both sides that meet in a corner may end there.

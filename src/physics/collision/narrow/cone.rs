@@ -13,10 +13,9 @@
 
 use nalgebra::Vector3;
 
-use super::clipping::Disc;
 use super::place::Place;
 use super::revolved::{End, Revolved};
-use super::{Convex, Faced, Plane, Segment, length_across, unit_across};
+use super::{Convex, Faced, Plane, Rim, Segment, length_across, unit_across};
 use crate::physics::collision::constants::RIM_CORNERS;
 
 /// A solid circular cone.
@@ -107,8 +106,8 @@ impl Faced for Cone {
         BASE
     }
 
-    fn disc(&self, _: u32) -> Option<Disc> {
-        Some(self.bottom().disc())
+    fn rim(&self, _: u32) -> Option<Rim> {
+        Some(self.bottom().rim())
     }
 }
 

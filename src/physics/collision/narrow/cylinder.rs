@@ -9,10 +9,9 @@
 
 use nalgebra::Vector3;
 
-use super::clipping::Disc;
 use super::place::Place;
 use super::revolved::{End, Revolved};
-use super::{Convex, Faced, Plane, Segment, length_across, unit_across};
+use super::{Convex, Faced, Plane, Rim, Segment, length_across, unit_across};
 use crate::physics::collision::constants::RIM_CORNERS;
 
 /// A solid circular cylinder.
@@ -71,8 +70,8 @@ impl Faced for Cylinder {
         end.face
     }
 
-    fn disc(&self, face: u32) -> Option<Disc> {
-        Some(self.end(face).disc())
+    fn rim(&self, face: u32) -> Option<Rim> {
+        Some(self.end(face).rim())
     }
 }
 

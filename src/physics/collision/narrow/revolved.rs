@@ -5,7 +5,6 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use nalgebra::Vector3;
 
-use super::clipping::Disc;
 use super::place::Place;
 use super::{ClipBuffers, Faced, Least, Overlap, Rim, Segment, ShapePair, edge_contact, length_across, unit_across};
 use crate::physics::collision::constants::{ON_FLANK, SQUARE_TILT};
@@ -90,10 +89,6 @@ impl End {
 
     pub fn center(&self) -> Vector3<f64> {
         Vector3::y() * self.level
-    }
-
-    pub fn disc(&self) -> Disc {
-        Disc { center: self.center(), radius: self.radius }
     }
 
     /// The rim's point in the direction of a unit vector (x, z).

@@ -40,6 +40,17 @@ impl Rim {
         direction - self.axis * self.axis.dot(direction)
     }
 
+    /// How far along the way from a point of its disc to another point, 0 to 1, the rim or the other point is, all seen along the
+    /// axis.
+    pub fn share_within(&self, from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
+        let (start, way) = (self.across(&(from - self.center)), self.across(&(to - from)));
+        let (square, along) = (way.norm_squared(), start.dot(&way));
+        let inside = self.radius * self.radius - start.norm_squared();
+        let root = (along * along + square * inside).max(0.0).sqrt();
+        let share = (root - along) / square;
+        if share < 1.0 { share.max(0.0) } else { 1.0 }
+    }
+
     /// The point in the direction of a unit vector across the axis.
     pub fn point(&self, direction: &Vector3<f64>) -> Vector3<f64> {
         self.center + direction * self.radius

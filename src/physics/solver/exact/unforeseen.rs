@@ -96,7 +96,7 @@ impl UnforeseenPairs {
             // Half-spaces are infinite.
             let is_near = (self.ends[other as usize].position - place).norm_squared() <= reach * reach;
             let may_meet = other != body && !is_known && is_near && !bodies.asleep.contains(other);
-            if !may_meet || !may_collide([own, there], joined, [body, other]) {
+            if !may_meet || there.touches_nothing() || !may_collide([own, there], joined, [body, other]) {
                 continue;
             }
             let pair = if there.is_dynamic() && (body < other) {
