@@ -2,6 +2,7 @@
 
 use crate::engine::{EngineKind, Settings, Unable};
 use crate::metrics::{Meter, Metrics};
+use crate::overlap;
 use crate::plan::{Plan, Report};
 use crate::record::Row;
 use crate::scene::Scene;
@@ -42,27 +43,40 @@ pub fn run(scene: &Scene, kind: EngineKind, settings: &Settings, seconds: f64, n
     let row = Row { seconds, ..Row::new(name, scene, kind, settings) };
     match watch(scene, kind, settings, seconds) {
         Err(unable) => row.with_note(unable),
-        Ok((None, _)) => row.with_note("a state is not finite"),
-        Ok((Some(metrics), milliseconds)) => Row { ms_per_step: median(&milliseconds), ..row }.with_metrics(&metrics),
+        Ok(Watched { metrics: None, .. }) => row.with_note("a state is not finite"),
+        Ok(Watched { metrics: Some(metrics), milliseconds, overlaps }) => Row {
+            ms_per_step: median(&milliseconds),
+            overlap: overlaps.iter().copied().reduce(f64::max),
+            overlap_end: overlaps.last().copied(),
+            ..row.with_metrics(&metrics)
+        },
     }
 }
 
-/// The run's metrics, if it stayed finite, and what each step took, ms.
-fn watch(
-    scene: &Scene,
-    kind: EngineKind,
-    settings: &Settings,
-    seconds: f64,
-) -> Result<(Option<Metrics>, Vec<f64>), Unable> {
+/// What a run was like.
+struct Watched {
+    /// If it stayed finite.
+    metrics: Option<Metrics>,
+    /// What each step took, ms.
+    milliseconds: Vec<f64>,
+    /// The deepest overlap of two bodies after each step of a scene that moves, m.
+    overlaps: Vec<f64>,
+}
+
+fn watch(scene: &Scene, kind: EngineKind, settings: &Settings, seconds: f64) -> Result<Watched, Unable> {
     let mut run = kind.start(scene, settings)?;
     let mut meter = Meter::new(scene, run.read()?);
-    let mut milliseconds = Vec::new();
+    let (mut milliseconds, mut overlaps) = (Vec::new(), Vec::new());
     for _ in 0..(seconds * settings.hz).round() as u64 {
         milliseconds.push(1e3 * run.step()?.as_secs_f64());
         let (step, time) = (run.steps(), run.time());
-        meter.observe(step, time, run.read()?);
+        let states = run.read()?;
+        meter.observe(step, time, states);
+        if scene.is_moving {
+            overlaps.push(overlap::deepest(scene, states));
+        }
     }
-    Ok((meter.metrics(), milliseconds))
+    Ok(Watched { metrics: meter.metrics(), milliseconds, overlaps })
 }
 
 /// 100 steps for the large scenes, 10 s for those at rest or swinging.
@@ -102,6 +116,13 @@ fn headline(scene: &Scene) -> Vec<Headline> {
             ("worst sink, m", |row| row.sink),
             ("sink at the end, m", |row| row.sink_end),
             ("worst drift, m", |row| row.drift),
+        ],
+        _ if scene.is_moving => vec![
+            ("deepest overlap, m", |row| row.overlap),
+            ("overlap at the end, m", |row| row.overlap_end),
+            worst_joint,
+            tilt,
+            overshoot,
         ],
         _ => vec![("error", |row| row.error)],
     }

@@ -1,4 +1,4 @@
-//! What is measured: built-in scenes of Plumb by name and parameters, with the numbers that every
+//! What is measured: scenes of Plumb, built-in ones by name and parameters or files by path, with the numbers that every
 //! engine is to take from the same place.
 
 use std::collections::HashMap;
@@ -14,7 +14,7 @@ use plumb::scene::{self, JointSpec, SceneError, SceneSpec};
 
 use crate::joint::Joint;
 
-/// A built-in scene with its parameters.
+/// A built-in scene with its parameters, or one from a file.
 pub struct Scene {
     /// As Plumb builds it.
     pub spec: SceneSpec,
@@ -24,7 +24,12 @@ pub struct Scene {
     pub bodies: Vec<Body>,
     /// Its joints, bodies by index.
     pub joints: Vec<Joint>,
+    /// Whether what is built falls, hits and settles, for all that is known.
+    pub is_moving: bool,
 }
+
+/// The built-in scenes in which it does.
+const MOVING: [&str; 4] = ["heap", "limbs", "pile", "ragdolls"];
 
 /// A body as Plumb makes it of the scene: about its centre of mass, in principal axes. Every engine
 /// is handed these numbers, so that none differs by how it weighs a shape.
@@ -73,8 +78,12 @@ impl Scene {
         self.bodies.iter().map(state).collect()
     }
 
-    /// From `pyramid 40` or `joint_grid n=100 tilt=30`: a name, then parameters in order or by name.
+    /// From `pyramid 40` or `joint_grid n=100 tilt=30`: a name, then parameters in order or by name; or from the path of
+    /// a RON file.
     pub fn parse(text: &str) -> Result<Self, ParseError> {
+        if scene::is_path(text.trim()) {
+            return Ok(Self { is_moving: true, ..Self::of(scene::load(text.trim(), &[])?) });
+        }
         let (name, parameters) = parse(text)?;
         let spec = scene::load(&name, &parameters)?;
         let known = scene::find(&name).map_or(&[][..], |info| info.parameters);
@@ -88,10 +97,11 @@ impl Scene {
     /// Without parameters.
     pub fn of(spec: SceneSpec) -> Self {
         let (bodies, joints) = resolve(&spec);
-        Self { spec, parameters: Vec::new(), bodies, joints }
+        let is_moving = MOVING.contains(&spec.name.as_str());
+        Self { spec, parameters: Vec::new(), bodies, joints, is_moving }
     }
 
-    /// Built-in name.
+    /// Its built-in name, or that of its file.
     pub fn name(&self) -> &str {
         &self.spec.name
     }
@@ -207,6 +217,15 @@ mod tests {
         assert!(matches!(parse("arm 1"), Err(ParseError::TooManyValues(_))));
         assert!(matches!(parse("stack ten"), Err(ParseError::NotANumber(..))));
         assert!(matches!(parse("stak 10"), Err(ParseError::Scene(SceneError::UnknownScene { .. }))));
+    }
+
+    #[test]
+    fn a_file_is_a_scene_of_which_nothing_is_known() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../assets/scenes/example.ron");
+        let scene = Scene::parse(&format!(" {file} ")).unwrap();
+        assert!(scene.is_moving && scene.parameters.is_empty() && scene.bodies.len() > 1);
+        assert_eq!(scene.to_string(), "example");
+        assert!(matches!(Scene::parse("nowhere.ron"), Err(ParseError::Scene(_))));
     }
 
     #[test]

@@ -19,11 +19,7 @@ pub const SCENES: &str = "pyramid 40, pyramids 8, joint_grid 100, chain 1, chain
                           heap 0 4000, heap 0 10000, heap 1 1000, heap 1 4000, heap 2 1000, heap 2 4000, heap 3 200, \
                           heap 4 1000, heap 4 4000";
 
-/// Scenes in which what is built falls, hits and settles: measured from their start, for [`MOVING_SECONDS`], and with how
-/// deep the bodies overlap.
-const MOVING: [&str; 4] = ["heap", "limbs", "pile", "ragdolls"];
-
-/// How long a moving scene runs, s.
+/// How long a moving scene runs, s: it is measured from its start, and with how deep the bodies overlap.
 const MOVING_SECONDS: f64 = 5.0;
 
 /// Steps of other scenes before anything is timed: contacts are found, buffers have grown.
@@ -103,8 +99,13 @@ impl Course {
             // The first step of a world is not in the benchmark's numbers.
             let sleep = sleep && entry.sleeps;
             Self { warm_up: 1, rounds: rounds(steps), look_every: Some(SUITE_LOOKS), sleep }
-        } else if MOVING.contains(&scene.name()) {
-            Self { warm_up: 0, rounds: rounds(steps_of(MOVING_SECONDS)), look_every: Some(1), sleep }
+        } else if scene.is_moving {
+            Self {
+                warm_up: 0,
+                rounds: rounds(steps_of(plan.seconds.unwrap_or(MOVING_SECONDS))),
+                look_every: Some(1),
+                sleep,
+            }
         } else {
             Self { warm_up: WARM_UP_STEPS, rounds: plan.rounds, look_every: None, sleep }
         }
