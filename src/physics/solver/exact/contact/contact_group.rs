@@ -22,6 +22,7 @@ use super::gap_points::{GapPoint, GapPoints, PointSearch, ReachablePair};
 use super::group_solver::{GroupSolver, GroupView};
 use super::impacts::{Impacts, approach};
 use super::joint_gaps::JointGaps;
+use super::landing::{LandingSearch, Standings};
 use super::limit_rows::LimitRows;
 use super::point_loads::{PointLoad, PointLoads};
 use super::rest::Rest;
@@ -94,8 +95,11 @@ pub(crate) struct ContactGroup {
     limits: LimitRows,
     free_rows: Vec<bool>,
     smooth: SmoothStep,
+    /// How what is left free stands at the end of the smooth step.
+    standings: Standings,
     /// Whether the smooth step ends where something lands.
     lands: bool,
+    landing: LandingSearch,
     impacts: Impacts,
     loads: PointLoads,
     /// Mean of each link over the step: force on B, and torque about its anchor.
@@ -400,31 +404,21 @@ impl ContactGroup {
         if !self.lands {
             return most;
         }
-        // Illinois' rule on the overlap less half of what is allowed; bisection where one end is not known.
-        let target = 0.5 * LANDED;
-        let (mut low, mut high) = (0.0, most);
-        let (mut at_low, mut at_high) = (f64::NEG_INFINITY, overlap - target);
-        for trial in 0..MOST_TRIALS {
-            let share = if at_low.is_finite() && trial % 8 != 7 { at_low / (at_low - at_high) } else { 0.5 };
-            let h = low + (high - low) * share;
-            if h <= low || h >= high || self.is_spent() {
-                break;
-            }
+        let Self { limits, links, states, free, free_rows, points, .. } = self;
+        limits.find(links, states, now);
+        self.landing.begin(most, &self.standings);
+        self.landing.at_low.find([points, points], states, free, limits, free_rows);
+        for _ in 0..MOST_TRIALS {
+            let Some(h) = self.landing.next(terms.h).filter(|_| !self.is_spent()) else { break };
             overlap = self.smooth_step(h, false, now, start);
             if (0.0..=LANDED).contains(&overlap) {
                 return h;
             }
-            let value = overlap - target;
-            if value > 0.0 {
-                (high, at_high) = (h, value);
-                at_low *= 0.5;
-            } else {
-                (low, at_low) = (h, value);
-                at_high *= 0.5;
-            }
+            self.landing.note(h, &self.standings);
         }
         // As near as rounding, or the work that it may take, lets it come: on the far side, but before it where the motion jumps, as
         // where something else is met as well.
+        let (low, high) = self.landing.bracket();
         if self.smooth_step(high, false, now, start) > MISSED && low > NO_TIME * terms.h {
             self.smooth_step(low, false, now, start);
             return low;
@@ -458,15 +452,10 @@ impl ContactGroup {
             graph.force(pair.key, point.feature)
         };
         smooth.step(&given, states, points, shapes, search, start_force);
-        let landed = smooth.points.list.iter().filter(|point| free[point.pair as usize]);
-        let at_start = |pair: u32| {
-            let overlaps = points.of(pair as usize).iter().map(|point| -point.gap);
-            overlaps.filter(|overlap| *overlap > LANDED).fold(0.0, f64::max)
-        };
-        let overlap = landed.map(|point| -point.gap - at_start(point.pair)).fold(f64::NEG_INFINITY, f64::max);
-        self.limits.find(&self.links, &self.smooth.end, now + h);
-        let landed = self.limits.list.iter().filter(|limit| self.free_rows[limit.row]);
-        landed.map(|limit| -limit.gap).fold(overlap, f64::max)
+        let Self { limits, standings, .. } = self;
+        limits.find(links, &smooth.end, now + h);
+        standings.find([points, &smooth.points], &smooth.end, free, limits, free_rows);
+        standings.deepest()
     }
 
     /// How much deeper held pairs overlap at the end of the smooth step than before, m: contacts that no forecast had.
