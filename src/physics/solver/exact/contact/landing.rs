@@ -42,8 +42,11 @@ pub(super) struct LandingSearch {
     high: f64,
     pub at_low: Standings,
     at_high: Standings,
-    /// Widths of the bracket before the last trial and the one before it.
-    widths: [f64; 2],
+    /// Width of the bracket before the last trial, if that went by a cubic.
+    guessed: Option<f64>,
+    /// Trials in the middle that are to follow guesses which did not halve the bracket: each time twice as many, and how many
+    /// are left.
+    halvings: [u32; 2],
 }
 
 /// Overlap that is aimed at, m: within [`LANDED`] on both sides.
@@ -92,7 +95,7 @@ impl Standings {
 impl LandingSearch {
     /// Between a step of no length, for which [`Self::at_low`] is to be found, and one of `high`, s.
     pub fn begin(&mut self, high: f64, at_high: &Standings) {
-        (self.low, self.high, self.widths) = (0.0, high, [f64::INFINITY; 2]);
+        (self.low, self.high, self.guessed, self.halvings) = (0.0, high, None, [1, 0]);
         self.at_high.list.clone_from(&at_high.list);
     }
 
@@ -109,13 +112,21 @@ impl LandingSearch {
         if width <= NO_TIME * substep || middle <= self.low || middle >= self.high {
             return None;
         }
-        let is_slow = width > 0.5 * self.widths[1];
-        self.widths = [width, self.widths[0]];
+        if self.guessed.take().is_some_and(|before| width > 0.5 * before) {
+            self.halvings = [2 * self.halvings[0], self.halvings[0]];
+        }
+        if self.halvings[1] > 0 {
+            self.halvings[1] -= 1;
+            return Some(middle);
+        }
         let landed = self.at_high.list.iter().filter(|standing| standing.overlap > AIM);
         let first = landed.filter_map(|end| self.time_before_end(end)).fold(0.0, f64::max);
         let guess = self.high - first;
-        let is_within = self.low < guess && guess < self.high;
-        Some(if is_within && !is_slow { guess } else { middle })
+        if self.low < guess && guess < self.high {
+            self.guessed = Some(width);
+            return Some(guess);
+        }
+        Some(middle)
     }
 
     /// Takes in how all stood after a step of that length, s.
