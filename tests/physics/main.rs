@@ -46,4 +46,5 @@ mod rewind;
 mod rig;
 mod sensors;
 mod sleeping;
+mod spinning;
 mod transforms;

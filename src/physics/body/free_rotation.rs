@@ -81,6 +81,14 @@ fn rotate_in_pieces(inertia: &Vector3<f64>, angular: &Vector3<f64>, h: f64) -> F
     whole
 }
 
+/// Whether the angular velocity of a body that turns freely changes: its inertia is not that of a ball, and nothing keeps it
+/// from turning about any axis.
+#[inline(always)]
+pub(crate) fn wobbles(inverse_inertia_body: &Vector3<f64>, rotation_freedom: &Vector3<f64>) -> bool {
+    let can_turn = inverse_inertia_body.min() > 0.0 && *rotation_freedom == Vector3::repeat(1.0);
+    can_turn && !is_isotropic(inverse_inertia_body)
+}
+
 /// The angular velocity, world axes, and the rotation after a time h of a body that is not round; none
 /// where the angular velocity stays what it is.
 #[inline(always)]
@@ -91,8 +99,7 @@ pub(crate) fn free_rotation(
     rotation_freedom: &Vector3<f64>,
     h: f64,
 ) -> Option<(Vector3<f64>, UnitQuaternion<f64>)> {
-    let can_turn = inverse_inertia_body.min() > 0.0 && *rotation_freedom == Vector3::repeat(1.0);
-    if !can_turn || is_isotropic(inverse_inertia_body) || *angular == Vector3::zeros() {
+    if !wobbles(inverse_inertia_body, rotation_freedom) || *angular == Vector3::zeros() {
         return None;
     }
     let spin = rotation.inverse_transform_vector(angular);

@@ -21,10 +21,6 @@ pub(super) const CENTRAL: f64 = 1e-10;
 /// inverse inertia in `f32`. Noticed by `impulse::tests`.
 pub(super) const UNMOVED_WHITENING: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// Turn in a step beyond which a body that is held or touched has no gyroscopic torque, rad: by then its inertia at the
-/// start of the step says too little of that at the end, and energy could come of it (`free_motion`, `limbs`).
-pub(super) const GYROSCOPIC_TURN: f64 = 0.5;
-
 /// Turn up to which a body keeps the frame that rows of contacts were made for, rad. Without it softness lets columns
 /// lean: see [`super::soft_step`] (`standing`: `stack 30`).
 pub(super) const FRAME_TURN: f64 = 0.01;

@@ -60,10 +60,10 @@ pub(crate) fn stages(plan: &Plan, colors: impl Iterator<Item = Color> + Clone, s
         });
         if turns {
             let done = interval.0 + 1;
-            stages.push(Stage::Gather { substeps: 0, done, freely: false });
+            stages.push(Stage::Gather { substeps: 0, done });
             stages.extend(colors.clone().map(|color| Stage::Prepare { color, done }));
             project(stages);
-            stages.push(Stage::Scatter { substeps: 0, freely: false });
+            stages.push(Stage::Scatter);
         }
     }
 }

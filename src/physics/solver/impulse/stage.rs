@@ -27,8 +27,8 @@ pub(crate) enum Stage {
     FreeMotion,
     /// Trees of joints that no contact touches are taken through the step.
     Trees,
-    /// Bodies are taken in, for so many substeps after those that are done; `freely`: their rotation keeps its energy.
-    Gather { substeps: u32, done: u32, freely: bool },
+    /// Bodies are taken in, for so many substeps after those that are done.
+    Gather { substeps: u32, done: u32 },
     /// Rows for the present poses, of when so many substeps are done.
     Prepare { color: Color, done: u32 },
     /// External forces act; in all but the first substep, the impulses of the substep before act again.
@@ -58,8 +58,8 @@ pub(crate) enum Stage {
     /// Points that come together fast part again. The sweeps over impacts of a step are numbered: but for the first of a
     /// substep, one in front of which there was none does nothing.
     Impact { color: Color, sweep: u32 },
-    /// Bodies are written back after so many substeps; `freely` as when they were taken in.
-    Scatter { substeps: u32, freely: bool },
+    /// Bodies are written back.
+    Scatter,
     /// Impulses are written back.
     Store(Color),
 }
@@ -85,7 +85,7 @@ impl Stage {
             | Self::Drift { .. }
             | Self::EndSubstep
             | Self::Trace { .. }
-            | Self::Scatter { .. } => None,
+            | Self::Scatter => None,
         }
     }
 }
@@ -160,7 +160,7 @@ impl Plan {
         stages: &mut Vec<Stage>,
         mut substep: impl FnMut(bool, &mut Vec<Stage>),
     ) {
-        stages.push(Stage::Gather { substeps, done, freely: self.bounces });
+        stages.push(Stage::Gather { substeps, done });
         stages.extend(colors.clone().map(|color| Stage::Prepare { color, done }));
         for index in 0..substeps {
             if self.bounces {
@@ -172,7 +172,7 @@ impl Plan {
             }
             stages.push(Stage::EndSubstep);
         }
-        stages.push(Stage::Scatter { substeps, freely: self.bounces });
+        stages.push(Stage::Scatter);
         stages.extend(colors.map(Stage::Store));
     }
 

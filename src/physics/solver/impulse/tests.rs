@@ -87,7 +87,7 @@ fn gather<L: Lanes>(bodies: &[Body]) -> GroupBodies<L::Scalar> {
     group.resize(bodies.len());
     let shared = group.share(false);
     for (index, body) in bodies.iter().enumerate() {
-        one_body(&shared, index).gather(body, STEP, STEP, false);
+        one_body(&shared, index).gather(body, STEP, STEP);
     }
     group
 }
@@ -115,7 +115,7 @@ fn velocities<L: Lanes>(group: &mut GroupBodies<L::Scalar>, bodies: &[Body]) -> 
     let shared = group.share(false);
     let mut after = bodies.to_vec();
     for (index, body) in after.iter_mut().enumerate().filter(|(_, body)| body.kind == RigidBody::Dynamic) {
-        one_body(&shared, index).scatter(body, None);
+        one_body(&shared, index).scatter(body);
     }
     after
 }
@@ -432,7 +432,7 @@ fn a_soft_contact_settles_where_its_spring_holds_the_weight() {
         group.resize(2);
         let shared = group.share(false);
         let input = ContactInput { geometry: &state.geometry, impulses: &state.impulses, offset: ball.position };
-        bodies.iter().enumerate().for_each(|(index, body)| one_body(&shared, index).gather(body, h, h, false));
+        bodies.iter().enumerate().for_each(|(index, body)| one_body(&shared, index).gather(body, h, h));
         let mut block = ContactBlock::<f64>::idle();
         block.ends = [[READ_ONLY; 8], [1; 8]];
         block.take_in(&[input], &pairs(&shared, block.ends));
@@ -443,7 +443,7 @@ fn a_soft_contact_settles_where_its_spring_holds_the_weight() {
         one_body(&shared, 1).drift(h);
         block.solve(&mut pairs, &soft, Sweep::Relax);
         one_body(&shared, 1).end_substep();
-        one_body(&shared, 1).scatter(&mut ball, None);
+        one_body(&shared, 1).scatter(&mut ball);
         let impulses: [Record<f32>; 8] = block.impulses(0.0);
         state.impulses = impulses[0];
     }

@@ -125,7 +125,7 @@ impl<L: Lanes> Walk<'_, L> {
         match stage {
             Stage::FreeMotion => self.free.len(),
             Stage::Trees => self.trees.len(),
-            Stage::Scatter { .. } | Stage::Trace { .. } => self.own,
+            Stage::Scatter | Stage::Trace { .. } => self.own,
             _ => self.members.len(),
         }
     }
@@ -177,7 +177,7 @@ impl<L: Lanes> Walk<'_, L> {
                     free_flight::fly(body, *h, substeps.most);
                 }
                 Stage::Trees => self.tree(index),
-                Stage::Gather { substeps, done, freely } => self.gather(index, substeps, done, freely),
+                Stage::Gather { substeps, done } => self.gather(index, substeps, done),
                 Stage::BeginSubstep { is_first } => self.bodies.claim(index).begin_substep(is_first),
                 Stage::Drift { freely: false } => self.bodies.claim(index).drift(<L::Scalar as Scalar>::of(*h)),
                 Stage::Drift { freely: true } => self.bodies.claim(index).drift_freely(<L::Scalar as Scalar>::of(*h)),
@@ -189,10 +189,10 @@ impl<L: Lanes> Walk<'_, L> {
                         self.changes[sweep as usize].fetch_max(change.to_bits(), Ordering::Relaxed);
                     }
                 }
-                Stage::Scatter { substeps, freely } => {
+                Stage::Scatter => {
                     let body = self.world.bodies.element(self.members[index] as usize);
                     if body.kind == RigidBody::Dynamic {
-                        self.bodies.claim(index).scatter(body, freely.then_some((substeps, *h)));
+                        self.bodies.claim(index).scatter(body);
                     }
                 }
                 _ => {}
@@ -202,7 +202,7 @@ impl<L: Lanes> Walk<'_, L> {
 
     /// # Safety
     /// As of [`Self::work`].
-    unsafe fn gather(&self, index: usize, substeps: u32, done: u32, freely: bool) {
+    unsafe fn gather(&self, index: usize, substeps: u32, done: u32) {
         let h = self.terms.h;
         // SAFETY: as the caller promises.
         let (body, mut claimed) =
@@ -213,7 +213,7 @@ impl<L: Lanes> Walk<'_, L> {
             moved.coast(h * f64::from(done));
             moved
         });
-        claimed.gather(moved.as_ref().unwrap_or(body), h * f64::from(substeps), h, freely);
+        claimed.gather(moved.as_ref().unwrap_or(body), h * f64::from(substeps), h);
     }
 
     /// # Safety
