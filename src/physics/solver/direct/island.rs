@@ -57,6 +57,8 @@ pub(crate) struct DirectIsland {
     pub(super) points: usize,
     /// Of contacts, then joints: both bodies' places among the members.
     ends: Vec<[Option<u32>; 2]>,
+    /// The bodies of each contact, global indices, for which it was analysed: a slot may have come to be of others.
+    pairs: Vec<[u32; 2]>,
     analysis: Analysis,
     pub(super) loads: Loads,
     pub kept: Kept,
@@ -185,6 +187,7 @@ impl DirectIsland {
         let local = |body: u32| self.members.binary_search(&body).ok().map(|local| local as u32);
         let of_contacts = self.contacts.iter().map(|&slot| world.slot(slot).pair).map(|pair| [pair.a, pair.b]);
         let of_joints = self.joints.iter().map(|&joint| world.joint(joint)).map(|joint| [joint.a, joint.b]);
+        self.pairs = of_contacts.clone().collect();
         let pairs = of_contacts.chain(of_joints);
         self.ends = pairs.clone().map(|pair| pair.map(local)).collect();
         self.partners = pairs.flatten().filter(|&body| local(body).is_none()).collect();
@@ -219,6 +222,11 @@ impl DirectIsland {
     /// Its contacts, by slot.
     pub fn contacts(&self) -> &[u32] {
         &self.contacts
+    }
+
+    /// Whether it was analysed for those contacts, by slot, which are of the bodies that `pair` tells.
+    pub fn is_of(&self, contacts: &[u32], pair: impl Fn(u32) -> [u32; 2]) -> bool {
+        self.contacts == contacts && self.pairs.iter().copied().eq(contacts.iter().map(|&slot| pair(slot)))
     }
 
     /// Its joints, global indices.

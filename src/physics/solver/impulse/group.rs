@@ -278,8 +278,11 @@ impl<L: Lanes> Group<L> {
         if !with_joints && !without {
             return;
         }
-        let of_contacts = islands.manifolds(self.index).iter().map(|&slot| (slot, graph.slots[slot as usize].pair));
-        let of_contacts = of_contacts.map(|(slot, pair)| (slot, [pair.a, pair.b]));
+        let of_slot = |slot: u32| {
+            let pair = graph.slots[slot as usize].pair;
+            [pair.a, pair.b]
+        };
+        let of_contacts = islands.manifolds(self.index).iter().map(|&slot| (slot, of_slot(slot)));
         let of_joints = self.other_joints.iter().map(|&joint| (joint, &joints.list[joint as usize]));
         let of_joints = of_joints.map(|(index, joint)| (index, [joint.a, joint.b]));
         // The first body of an island stands for it.
@@ -312,7 +315,7 @@ impl<L: Lanes> Group<L> {
             // By their indices; what has them may be others.
             let are_same = self.joints_of == input.joints.version;
             self.islands.push(match known {
-                Some(mut known) if known.contacts() == contacts => {
+                Some(mut known) if known.is_of(contacts, of_slot) => {
                     if !are_same {
                         known.renew();
                     }
