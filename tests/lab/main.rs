@@ -11,6 +11,7 @@ mod joint_metrics;
 mod machines;
 mod metrics;
 mod race;
+mod random_scenes;
 mod recording;
 mod references;
 mod run;
