@@ -197,6 +197,12 @@ impl JointDefinition {
         self.function.is_some() || self.laws.iter().flat_map(|laws| laws.iter()).any(CoordinateLaw::is_driven)
     }
 
+    /// Whether it may do work on its bodies.
+    pub fn may_do_work(&self) -> bool {
+        let of_laws = || self.laws.iter().flat_map(|laws| laws.iter()).any(CoordinateLaw::may_do_work);
+        self.function.is_some() || self.is_soft() || of_laws()
+    }
+
     /// Whether pieces have the same rows but for the numbers of their laws.
     pub fn is_alike(&self, other: &Self) -> bool {
         let holds = |joint: &Self| (joint.translation, joint.rotation, joint.function.is_some());

@@ -90,6 +90,16 @@ impl CoordinateLaw {
         }
     }
 
+    /// Whether it may do work on the bodies: it is a motor or a spring. Limits and friction take energy alone.
+    pub fn may_do_work(&self) -> bool {
+        match self.part {
+            LawPart::Rate(rate) => rate != 0.0,
+            LawPart::Motion(_) => self.is_driven() || self.most < f64::INFINITY,
+            LawPart::Spring { .. } => true,
+            LawPart::Limit { .. } => false,
+        }
+    }
+
     /// Whether it is a spring.
     pub fn is_spring(&self) -> bool {
         matches!(self.part, LawPart::Spring { .. })

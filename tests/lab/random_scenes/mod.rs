@@ -86,6 +86,18 @@ fn a_contact_is_solved_for_the_bodies_that_it_is_of() {
     }
 }
 
+/// Short rods and sliders with limits that turn by half a radian a step as they land: neither gives energy, and a smooth step
+/// that gains some is too long.
+#[test]
+fn what_lands_with_limits_on_its_joints_gains_no_energy() {
+    let drawn = scene(300, 8);
+    for hz in [60.0, 120.0, 240.0] {
+        let metrics = run(&drawn, SolverSettings { hz, ..SolverSettings::accurate() }, 1.0);
+        let rise = metrics.shares.energy_rise.unwrap();
+        assert!(rise < 1e-9, "{hz} Hz: {rise:e}");
+    }
+}
+
 #[test]
 #[ignore = "takes minutes"]
 fn presets_hold_in_many_scenes_drawn_by_lot() {

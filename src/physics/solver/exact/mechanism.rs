@@ -258,6 +258,11 @@ impl MechanismLink {
         self.definition.is_soft()
     }
 
+    /// Whether it may do work on its bodies.
+    pub fn may_do_work(&self) -> bool {
+        self.definition.may_do_work()
+    }
+
     /// Whether its rows may change with time.
     pub fn is_driven(&self) -> bool {
         self.definition.is_driven()

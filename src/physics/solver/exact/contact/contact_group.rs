@@ -472,7 +472,7 @@ impl ContactGroup {
     fn exceeded_energy(&self) -> Option<f64> {
         let Self { smooth, members, moving, states, links, .. } = self;
         let is_driven = !states[*moving..].iter().all(MemberState::is_still);
-        if is_driven || links.iter().any(|link| link.gives() || link.is_driven() || link.may_be_bounded) {
+        if is_driven || links.iter().any(MechanismLink::may_do_work) {
             return None;
         }
         let work: f64 = members
