@@ -16,7 +16,7 @@ struct Start {
     angular: DVec3,
 }
 
-/// Kinetic energy over that at the start, at most in 3 s; falling gives some as well.
+/// The largest energy in 3 s, potential included, over that after the first step.
 fn largest_energy(start: &Start, friction: f64, settings: SolverSettings) -> f64 {
     let mut world = world_with(settings);
     world.init_resource::<Diagnostics>();

@@ -89,6 +89,23 @@ pub(crate) fn wobbles(inverse_inertia_body: &Vector3<f64>, rotation_freedom: &Ve
     can_turn && !is_isotropic(inverse_inertia_body)
 }
 
+/// The step of free rotation over a time h of a body with that angular velocity in world axes; none where that stays what
+/// it is.
+#[inline(always)]
+pub(crate) fn free_step(
+    rotation: &UnitQuaternion<f64>,
+    angular: &Vector3<f64>,
+    inverse_inertia_body: &Vector3<f64>,
+    rotation_freedom: &Vector3<f64>,
+    h: f64,
+) -> Option<FreeRotation> {
+    if !wobbles(inverse_inertia_body, rotation_freedom) || *angular == Vector3::zeros() {
+        return None;
+    }
+    let spin = rotation.inverse_transform_vector(angular);
+    Some(rotate(&inverse_inertia_body.map(f64::recip), &spin, h))
+}
+
 /// The angular velocity, world axes, and the rotation after a time h of a body that is not round; none
 /// where the angular velocity stays what it is.
 #[inline(always)]
@@ -99,11 +116,7 @@ pub(crate) fn free_rotation(
     rotation_freedom: &Vector3<f64>,
     h: f64,
 ) -> Option<(Vector3<f64>, UnitQuaternion<f64>)> {
-    if !wobbles(inverse_inertia_body, rotation_freedom) || *angular == Vector3::zeros() {
-        return None;
-    }
-    let spin = rotation.inverse_transform_vector(angular);
-    let turned = rotate(&inverse_inertia_body.map(f64::recip), &spin, h);
+    let turned = free_step(rotation, angular, inverse_inertia_body, rotation_freedom, h)?;
     let rotation = rotation * turned.turn;
     Some((rotation * turned.angular, rotation))
 }

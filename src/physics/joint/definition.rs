@@ -197,10 +197,10 @@ impl JointDefinition {
         self.function.is_some() || self.laws.iter().flat_map(|laws| laws.iter()).any(CoordinateLaw::is_driven)
     }
 
-    /// Whether it may do work on its bodies.
+    /// Whether it may do work on its bodies: limits, friction and what is held rigidly take energy alone.
     pub fn may_do_work(&self) -> bool {
-        let of_laws = || self.laws.iter().flat_map(|laws| laws.iter()).any(CoordinateLaw::may_do_work);
-        self.function.is_some() || self.is_soft() || of_laws()
+        let mut laws = self.laws.iter().flat_map(|laws| laws.iter());
+        self.is_driven() || self.is_soft() || laws.any(CoordinateLaw::may_lag)
     }
 
     /// Whether pieces have the same rows but for the numbers of their laws.

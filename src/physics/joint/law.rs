@@ -90,14 +90,9 @@ impl CoordinateLaw {
         }
     }
 
-    /// Whether it may do work on the bodies: it is a motor or a spring. Limits and friction take energy alone.
-    pub fn may_do_work(&self) -> bool {
-        match self.part {
-            LawPart::Rate(rate) => rate != 0.0,
-            LawPart::Motion(_) => self.is_driven() || self.most < f64::INFINITY,
-            LawPart::Spring { .. } => true,
-            LawPart::Limit { .. } => false,
-        }
+    /// Whether it may lag behind a place that it is to keep, and then do work on its way there.
+    pub fn may_lag(&self) -> bool {
+        matches!(self.part, LawPart::Motion(_)) && self.most < f64::INFINITY
     }
 
     /// Whether it is a spring.

@@ -15,7 +15,7 @@ pub struct Drawn {
     pub spec: SceneSpec,
     /// Size of its bodies in the mean, m: lengths and speeds go with it.
     pub scale: f64,
-    /// Whether motors or springs may do work on it.
+    /// Whether motors may do work on it.
     pub is_driven: bool,
 }
 

@@ -20,7 +20,7 @@
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::constants::{FRAME_SPEED, FRAME_TURN, UNMOVED_WHITENING};
-use crate::physics::body::free_rotation::{rotate, wobbles};
+use crate::physics::body::free_rotation::{free_step, wobbles};
 use crate::physics::body::{Body, RigidBody};
 use crate::physics::lanes::{Lanes, READ_ONLY, Record, WIDTH, add_scaled, dot, vector};
 use crate::physics::scalar::Scalar;
@@ -222,12 +222,9 @@ impl<S: Scalar + Default> ClaimedBody<'_, '_, S> {
         let linear_kick = body.inverse_mass.component_mul(&body.force) * h;
         let angular_kick =
             if body.kind == RigidBody::Dynamic { to_spin.tr_mul(&body.torque) * h } else { Vector3::zeros() };
-        let Body { rotation, inverse_inertia_body, rotation_freedom, .. } = body;
-        let mut angular = body.angular;
-        if angular != Vector3::zeros() && wobbles(inverse_inertia_body, rotation_freedom) {
-            let spin = rotation.inverse_transform_vector(&angular);
-            angular = rotation * rotate(&inverse_inertia_body.map(f64::recip), &spin, step).angular;
-        }
+        let Body { rotation, angular, inverse_inertia_body, rotation_freedom, .. } = body;
+        let turned = free_step(rotation, angular, inverse_inertia_body, rotation_freedom, step);
+        let angular = turned.map_or(*angular, |turned| rotation * turned.angular);
         let (linear_drag, angular_drag) = body.drag;
         let keep = |drag: f64| Vector3::repeat(1.0 / (1.0 + drag * h));
         let SharedBodies { velocity, displacement, carried, .. } = *self.bodies;
@@ -316,9 +313,10 @@ impl<S: Scalar + Default> ClaimedBody<'_, '_, S> {
         body.linear = half(&velocity, 0);
         body.angular = to_spin * half(&velocity, 3);
         body.has_stepped = true;
-        let spin = body.rotation.inverse_transform_vector(&body.angular);
+        let wobbles = wobbles(&body.inverse_inertia_body, &body.rotation_freedom);
+        let spin = wobbles.then(|| body.rotation.inverse_transform_vector(&body.angular));
         body.advance(&half(&moved, 0), &(to_spin * half(&moved, 3)));
-        if wobbles(&body.inverse_inertia_body, &body.rotation_freedom) {
+        if let Some(spin) = spin {
             body.angular = body.rotation * spin;
         }
     }

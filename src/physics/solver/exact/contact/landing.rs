@@ -40,6 +40,7 @@ pub(super) struct Standings {
 pub(super) struct LandingSearch {
     low: f64,
     high: f64,
+    /// Of the step of length `low`; at first, of the start.
     pub at_low: Standings,
     at_high: Standings,
     /// Width of the bracket before the last trial, if that went by a cubic.
