@@ -1,14 +1,11 @@
 //! Contact points by face clipping (Sutherland–Hodgman; Ericson 2005, 8.3; Catto, GDC 2007).
 //!
-//! The face that gave the normal is the *reference*, the face of the other shape most against it
-//! the *incident* one. The incident face is cut by the sides of the reference face, and what is
+//! The face that gave the normal is the *reference*; of the faces of the other shape that hold its foremost vertex, the one most
+//! against it is the *incident* one. The incident face is cut by the sides of the reference face, and what is
 //! left below the reference plane, or above it by no more than the gap asked for, are the contact
 //! points, each with its own depth, negative above, half-way between the two surfaces. Of more than
 //! [`MAX_POINTS`] the deepest and those that span the most area are kept ([`keep_spread`]), touching
 //! ones before others ([`keep_touching_spread`]).
-//!
-//! The face of an irregular hull that is most against the reference need not hold the vertex that
-//! is foremost. Then even the deepest point may be less deep, or farther, than the shapes are.
 
 use nalgebra::Vector3;
 

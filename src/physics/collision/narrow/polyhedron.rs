@@ -154,7 +154,7 @@ pub(crate) trait Convex {
 pub(crate) trait Polyhedron: Convex {
     fn face_count(&self) -> usize;
     fn face(&self, index: usize) -> Plane;
-    /// The face whose normal is nearest to a direction.
+    /// The face whose normal is nearest to a direction, of those that hold a foremost vertex.
     fn face_toward(&self, direction: &Vector3<f64>) -> usize;
     /// Replaces what is in `corners` by those of a face, counter-clockwise seen from outside.
     fn corners(&self, face: usize, corners: &mut Vec<Vector3<f64>>);
@@ -275,7 +275,16 @@ impl Polyhedron for Hull {
     }
 
     fn face_toward(&self, direction: &Vector3<f64>) -> usize {
-        first_max(self.faces.iter().map(|face| face.normal.dot(direction)))
+        let looks = |face: &Face| face.normal.dot(direction);
+        let level = self.reach(direction) * (1.0 - NEAREST);
+        let is_foremost =
+            |face: &Face| face.vertices.iter().any(|&at| self.vertices[at as usize].dot(direction) >= level);
+        let nearest = first_max(self.faces.iter().map(looks));
+        if is_foremost(&self.faces[nearest]) {
+            return nearest;
+        }
+        // Beside a flat face a corner may stand out.
+        first_max(self.faces.iter().map(|face| if is_foremost(face) { looks(face) } else { f64::NEG_INFINITY }))
     }
 
     fn corners(&self, face: usize, corners: &mut Vec<Vector3<f64>>) {

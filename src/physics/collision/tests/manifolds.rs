@@ -3,11 +3,13 @@ use std::f64::consts::{FRAC_PI_4, SQRT_2};
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use super::hulls::{hull_body, random_hull};
 use super::{assert_close, body, deepest, exact, random_pair, touch, upright};
 use crate::physics::body::Body;
-use crate::physics::collision::manifold::ContactPoint;
+use crate::physics::collision::manifold::{ContactPoint, PartPair};
+use crate::physics::collision::narrow::contact_pair::{self, PairSearch};
 use crate::physics::settings::{ContactModel, SolverSettings};
-use crate::physics::shape::{Collider, Geometry};
+use crate::physics::shape::{Collider, Geometry, TriangleMesh};
 use crate::physics::testing::Random;
 
 fn unit_cube() -> Collider {
@@ -348,4 +350,35 @@ fn points_are_in_world_axes_anywhere() {
             }
         }
     }
+}
+
+/// Of an irregular hull the face that looks down most need not hold its lowest corner.
+#[test]
+fn over_a_flat_face_the_deepest_point_is_where_a_hull_is_lowest() {
+    let mut random = Random::new(74);
+    let slab = upright(&Collider::cuboid(20.0, 2.0, 20.0), [0.0, -1.0, 0.0]);
+    let field = TriangleMesh::height_field([20.0, 20.0], [2, 2], |_, _| 0.0).expect("a field");
+    let grounds = [slab, upright(&Collider::mesh(field), [0.0; 3])];
+    let (mut search, mut points, mut beside) = (PairSearch::default(), Vec::new(), 0);
+    for case in 0..2000 {
+        let hull = random_hull(&mut random);
+        let rotation = random.rotation();
+        let heights = hull.vertices.iter().map(|vertex| (rotation * vertex).y);
+        let lowest = heights.fold(f64::INFINITY, f64::min);
+        let faces = hull.faces.iter().map(|face| ((rotation * face.normal).y, face));
+        let (_, flattest) = faces.min_by(|one, other| one.0.total_cmp(&other.0)).expect("faces");
+        let level = |vertex: &u32| (rotation * hull.vertices[*vertex as usize]).y;
+        beside += u32::from(flattest.vertices.iter().all(|vertex| level(vertex) > lowest + 1e-9));
+        let depth = 0.1 * -lowest * random.within(-1.0, 1.0);
+        let above = hull_body(hull, Vector3::new(0.3, -lowest - depth, -0.2), rotation);
+        for below in &grounds {
+            points.clear();
+            (search.is_exact, search.last) = (true, None);
+            let overlap = contact_pair::touch([below, &above], PartPair::default(), 1.0, &mut search, &mut points);
+            assert!(overlap.expect("in reach").normal.y > 1.0 - 1e-12, "case {case}");
+            let found = points.iter().map(|point| point.depth).fold(f64::NEG_INFINITY, f64::max);
+            assert!((found - depth).abs() < 1e-12, "case {case}: {found} m of {depth}");
+        }
+    }
+    assert!(beside > 10, "{beside} hulls stand on a corner beside a flat face");
 }
