@@ -202,7 +202,7 @@ pub(crate) fn turning_speed(body: &Body) -> f64 {
 }
 
 /// Acceleration under the forces on a body, m/s².
-fn pull(body: &Body) -> f64 {
+pub(super) fn pull(body: &Body) -> f64 {
     body.inverse_mass.component_mul(&body.force).norm()
 }
 

@@ -33,6 +33,7 @@ pub(crate) use broad::bounding_tree::BoundingBox;
 pub(crate) use broad::in_step::may_collide;
 pub(crate) use broad::near_pairs::NearPairs;
 pub(crate) use classic::vector_set::VectorSet;
+pub(crate) use continuous::time_of_impact::{Course, course, overlapping_way, pass_by};
 pub(crate) use gap::{closing_distance, fastest_approach, own_reach, turning_speed};
 pub(crate) use lag::LaggedContacts;
 pub(crate) use manifold::{ContactPoint, Contacts, FeatureId, Manifold, Overlap, Pair, PairKey, PartPair};
@@ -53,7 +54,7 @@ use super::schedule::PhysicsSystems;
 use super::settings::{contacts_are_of_2009, contacts_last};
 use broad::near_pairs;
 use classic::sweep_and_sort;
-use continuous::hold_back;
+use continuous::{hold_back, thrown};
 
 pub(super) fn plugin(app: &mut App) {
     app.keep_resource::<sweep_and_sort::SweptPairs>()
@@ -75,6 +76,10 @@ pub(super) fn plugin(app: &mut App) {
                 slots::graph::update_graph.in_set(PhysicsSystems::NarrowPhase).run_if(contacts_last),
                 hold_back::hold_back
                     .after(PhysicsSystems::Solve)
+                    .before(PhysicsSystems::WriteBack)
+                    .run_if(contacts_last),
+                thrown::hold_thrown_back
+                    .after(hold_back::hold_back)
                     .before(PhysicsSystems::WriteBack)
                     .run_if(contacts_last),
                 lag::swap_contacts.after(PhysicsSystems::NarrowPhase).before(PhysicsSystems::Islands),

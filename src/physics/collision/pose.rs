@@ -7,8 +7,8 @@ use crate::physics::body::Body;
 /// A place and a rotation, in some axes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pose {
-    offset: Vector3<f64>,
-    rotation: UnitQuaternion<f64>,
+    pub offset: Vector3<f64>,
+    pub rotation: UnitQuaternion<f64>,
 }
 
 impl Pose {

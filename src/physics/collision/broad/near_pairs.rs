@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 
+use super::bounding_tree::BoundingBox;
 use super::in_step::InStep;
 use super::pair_slots::PairSlot;
 use super::part_pairs::PartPairs;
@@ -71,6 +72,13 @@ pub(crate) fn update_pairs(
 }
 
 impl NearPairs {
+    /// Replaces what is in `found` by the bodies that may come into a box, ascending; half-spaces are everywhere.
+    pub fn in_box(&self, bounds: &BoundingBox, stack: &mut Vec<u32>, found: &mut Vec<u32>) {
+        found.clear();
+        self.pairs.in_box(bounds, stack, found);
+        found.sort_unstable();
+    }
+
     /// The pair of a slot.
     pub fn pair(&self, slot: PairSlot) -> Option<Pair> {
         self.pairs.pairs().get(slot)

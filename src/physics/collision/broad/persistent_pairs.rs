@@ -130,6 +130,12 @@ impl PersistentPairs {
         &self.pairs
     }
 
+    /// Adds the half-spaces, and the bodies whose fat boxes overlap a box.
+    pub fn in_box(&self, bounds: &BoundingBox, stack: &mut Vec<u32>, found: &mut Vec<u32>) {
+        found.extend(self.half_spaces.iter().map(|plane| plane.body));
+        self.tree.query(bounds, stack, |body| found.push(body));
+    }
+
     /// Adds a pair of parts of two bodies that are a pair. It goes when that goes.
     pub fn insert_parts(&mut self, pair: Pair, parts: PartPair) -> PairSlot {
         self.pairs.insert_parts(pair, parts)

@@ -22,6 +22,11 @@ impl Start {
         Self { position, rotation, linear, angular }
     }
 
+    /// Somewhere, with no velocity that is known.
+    pub fn at(position: Vector3<f64>, rotation: UnitQuaternion<f64>) -> Self {
+        Self { position, rotation, linear: Vector3::zeros(), angular: Vector3::zeros() }
+    }
+
     /// The centre of mass after a time, s.
     pub fn after(&self, time: f64) -> Vector3<f64> {
         self.position + self.linear * time

@@ -21,7 +21,7 @@ use crate::physics::contact::{rebound, restitution_threshold};
 use crate::physics::{Bodies, Body, ContactGraph, ContactPoint, Geometry, Pair, SolverSettings, world_inverse_inertia};
 
 /// The body with its core for its shape; a compound is all core.
-fn core(body: Body) -> Body {
+pub(super) fn core(body: Body) -> Body {
     if matches!(body.geometry, Some(Geometry::Parts(_))) {
         return body;
     }
@@ -98,7 +98,7 @@ pub(crate) fn hold_back(
 
 /// Puts the fast bodies of two where they are on their paths at a time, s. A body that is not fast, or is kinematic,
 /// ends where it was, and takes along what it has met.
-fn hold(bodies: &mut [Body], pair: [usize; 2], paths: &[Body; 2], fast: [bool; 2], time: f64) {
+pub(super) fn hold(bodies: &mut [Body], pair: [usize; 2], paths: &[Body; 2], fast: [bool; 2], time: f64) {
     let held = [0, 1].map(|one| fast[one] && bodies[pair[one]].is_dynamic());
     for one in (0..2).filter(|&one| held[one]) {
         let (mut position, mut rotation) = advanced(&paths[one], time);
@@ -116,7 +116,7 @@ fn hold(bodies: &mut [Body], pair: [usize; 2], paths: &[Body; 2], fast: [bool; 2
 
 /// Takes the approach out of two bodies where they met, by an impulse along the normal at the first point, or has them
 /// bounce from over the `threshold`, m/s: what is left of it would push soft contacts in by as much as a core is thick.
-fn stop(bodies: &mut [Body], pair: [usize; 2], impact: &Impact, points: &[ContactPoint], threshold: f64) {
+pub(super) fn stop(bodies: &mut [Body], pair: [usize; 2], impact: &Impact, points: &[ContactPoint], threshold: f64) {
     let (Some(point), n) = (points.first(), impact.overlap.normal) else { return };
     let arms = impact.at.map(|center| point.point - center);
     let turning = |one: usize| {

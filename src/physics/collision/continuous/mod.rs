@@ -2,4 +2,5 @@
 
 pub(super) mod fast_pair;
 pub(super) mod hold_back;
+pub(super) mod thrown;
 pub(super) mod time_of_impact;

@@ -67,6 +67,17 @@ pub(crate) fn move_far([a, b]: [&Body; 2], parts: PartPair, h: f64) -> [bool; 2]
     [is_fast(a, shapes[0]), is_fast(b, shapes[1])]
 }
 
+/// How far two bodies, or those parts of them, may go against each other at least until what overlapped first does no more, m:
+/// through a solid by as much as it is thick; what of a mesh a solid's middle has passed does not overlap it.
+pub(crate) fn overlapping_way([a, b]: [&Body; 2], parts: PartPair) -> f64 {
+    let shapes = [(a, parts.a), (b, parts.b)].map(|(body, part)| Placed::of(body, part).map(|placed| placed.shape));
+    let solid = |shape: &PartShape| match shape {
+        PartShape::Solid(shape) => shape.inner_radius(),
+        PartShape::Facet(..) => 0.0,
+    };
+    shapes.iter().flatten().map(solid).sum()
+}
+
 /// Where a body's velocity takes it.
 pub(crate) fn advanced(body: &Body, time: f64) -> (Vector3<f64>, UnitQuaternion<f64>) {
     (body.position + body.linear * time, rotation_by(&(body.angular * time)) * body.rotation)

@@ -185,6 +185,16 @@ impl ContactGraph {
         self.watches.iter_mut().zip(&self.slots).for_each(|(watch, slot)| *watch = Watch::new(slot.pair));
     }
 
+    /// Where a body was before the step.
+    pub(in crate::physics::collision) fn start(&self, body: u32) -> Pose {
+        self.travels.start(body)
+    }
+
+    /// How far a body could move in the step at its velocities before it, m.
+    pub(in crate::physics::collision) fn own_way(&self, body: u32) -> f64 {
+        self.travels.own_way(body)
+    }
+
     /// Whether a step looks at a slot.
     pub fn is_active(&self, slot: PairSlot) -> bool {
         self.active.contains(slot.0)

@@ -48,6 +48,17 @@ impl Travels {
         self.ways.clear();
     }
 
+    /// Where a body was before the step.
+    pub fn start(&self, body: u32) -> Pose {
+        self.seen[body as usize]
+    }
+
+    /// How far it could move in the step at its velocities then, m.
+    pub fn own_way(&self, body: u32) -> f64 {
+        let Way { gone, ahead } = self.ways[body as usize];
+        ahead - gone
+    }
+
     /// Follows the bodies to where they are now, before a step of h, s.
     pub fn follow(&mut self, bodies: &Bodies, h: f64, threads: u32) {
         let known = self.seen.len();

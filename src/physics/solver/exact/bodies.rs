@@ -46,6 +46,18 @@ pub(super) fn put(state: &MemberState, body: &mut Body) {
     body.angular = state.angular;
 }
 
+/// How far a body goes, m, and by which vector it turns, the shorter way, rad, from one state to another.
+pub(super) fn displacement([start, end]: [&MemberState; 2]) -> [Vector3<f64>; 2] {
+    [end.position - start.position, (end.rotation * start.rotation.inverse()).scaled_axis()]
+}
+
+/// A body at the first of two states with the constant velocities that take it to the other in a time h, s.
+pub(super) fn on_its_way(body: &Body, states: [&MemberState; 2], h: f64) -> Body {
+    let [linear, angular] = displacement(states).map(|way| way / h);
+    let MemberState { position, rotation, .. } = *states[0];
+    Body { position, rotation, linear, angular, ..body.clone() }
+}
+
 pub(super) fn member(body: &Body) -> Member {
     if !body.is_dynamic() {
         return Member::FIXED;

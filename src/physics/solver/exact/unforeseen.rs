@@ -1,17 +1,18 @@
 //! Contacts that nobody could foresee. Pairs are looked for before the step, as far as the bodies can come by themselves
-//! ([`own_reach`]). What is hit goes further, and may lie in something at the end that was out of its reach. So where a body
-//! went further, what it overlaps there is looked for, and the groups of both are to be taken through the step again, as one
-//! that has the pair.
+//! ([`own_reach`]). What is hit goes further, and may lie in something at the end that was out of its reach, or have passed through
+//! it. So where a body went further, what it overlaps there is looked for, and what it meets on a straight way from its start
+//! ([`course`]), and the groups of both are to be taken through the step again, as one that has the pair.
 
 use nalgebra::Vector3;
 
-use super::bodies::state_of;
+use super::bodies::{on_its_way, state_of};
 use super::constants::UNFORESEEN;
 use super::exact_group::{ExactGroup, LeftParts};
 use super::mechanism::MemberState;
 use crate::physics::body::{Bodies, Body};
 use crate::physics::collision::{
-    ContactPoint, Pair, PairKey, PairSearch, PartPair, may_collide, own_reach, parts_within, touch,
+    ContactPoint, Course, Pair, PairKey, PairSearch, PartPair, course, fastest_approach, may_collide, own_reach,
+    parts_within, pass_by, touch,
 };
 use crate::physics::joint::JoinedPairs;
 use crate::physics::settings::SolverSettings;
@@ -31,7 +32,7 @@ pub(super) struct UnforeseenPairs {
 }
 
 impl UnforeseenPairs {
-    /// Looks for the pairs that overlap at the end of the step and are in no group. Whether there are any.
+    /// Looks for the pairs that overlap at the end of the step, or have met before, and are in no group. Whether there are any.
     pub fn find(
         &mut self,
         groups: &[ExactGroup],
@@ -61,7 +62,7 @@ impl UnforeseenPairs {
         }));
         of_groups.for_each(|(body, end)| ends[body as usize] = *end);
         for at in 0..self.far.len() {
-            self.find_about(self.far[at], groups, bodies, joined);
+            self.find_about(self.far[at], groups, bodies, joined, settings.step());
         }
         self.pairs.sort_unstable_by_key(|key| (key.pair, key.parts));
         !self.pairs.is_empty()
@@ -88,13 +89,13 @@ impl UnforeseenPairs {
     }
 
     /// The pairs of one of the bodies that went far.
-    fn find_about(&mut self, body: u32, groups: &[ExactGroup], bodies: &Bodies, joined: &JoinedPairs) {
-        let (own, place) = (&bodies.list[body as usize], self.ends[body as usize].position);
+    fn find_about(&mut self, body: u32, groups: &[ExactGroup], bodies: &Bodies, joined: &JoinedPairs, h: f64) {
+        let (own, end) = (&bodies.list[body as usize], self.ends[body as usize].position);
         for (other, there) in (0..).zip(&bodies.list) {
             let is_known = self.far.binary_search(&other).is_ok() && other < body;
-            let reach = own.radius + there.radius;
-            // Half-spaces are infinite.
-            let is_near = (self.ends[other as usize].position - place).norm_squared() <= reach * reach;
+            let from = there.position - own.position;
+            let way = self.ends[other as usize].position - end - from;
+            let is_near = !pass_by(&from, &way, own.radius + there.radius);
             let may_meet = other != body && !is_known && is_near && !bodies.asleep.contains(other);
             if !may_meet || there.touches_nothing() || !may_collide([own, there], joined, [body, other]) {
                 continue;
@@ -104,15 +105,17 @@ impl UnforeseenPairs {
             } else {
                 Pair { a: other, b: body }
             };
-            self.find_between(pair, groups, bodies);
+            self.find_between(pair, groups, bodies, h);
         }
     }
 
-    /// The parts of a pair of bodies, or the two, that overlap and are in no group.
-    fn find_between(&mut self, pair: Pair, groups: &[ExactGroup], bodies: &Bodies) {
+    /// The parts of a pair of bodies, or the two, that overlap or have met and are in no group.
+    fn find_between(&mut self, pair: Pair, groups: &[ExactGroup], bodies: &Bodies, h: f64) {
         let Self { ends, parts: near, search, points, pairs, .. } = self;
-        let [a, b] = [pair.a, pair.b].map(|body| at(&bodies.list[body as usize], &ends[body as usize]));
-        parts_within(&a, &b, 0.0, near);
+        let both = [pair.a, pair.b].map(|body| (&bodies.list[body as usize], &ends[body as usize]));
+        let [on_way_a, on_way_b] = both.map(|(body, end)| on_its_way(body, [&state_of(body), end], h));
+        let [a, b] = both.map(|(body, end)| at(body, end));
+        parts_within(&on_way_a, &on_way_b, fastest_approach(&on_way_a, &on_way_b) * h, near);
         for &parts in &*near {
             if groups.iter().any(|group| group.has_pair(pair, parts)) {
                 continue;
@@ -120,7 +123,8 @@ impl UnforeseenPairs {
             (search.last, search.is_exact) = (None, true);
             points.clear();
             let overlaps = touch([&a, &b], parts, 0.0, search, points).is_some();
-            if overlaps && points.iter().any(|point| point.depth > UNFORESEEN) {
+            let is_in = overlaps && points.iter().any(|point| point.depth > UNFORESEEN);
+            if is_in || matches!(course([&on_way_a, &on_way_b], parts, h, search, points), Course::Impact(_)) {
                 pairs.push(PairKey { slot: None, pair, parts });
             }
         }

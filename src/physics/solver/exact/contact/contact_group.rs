@@ -18,6 +18,7 @@ use super::super::constants::{
 };
 use super::super::mechanism::{MechanismLink, Member, MemberState, number_rows};
 use super::super::stepper::StepEffort;
+use super::crossings::{Crossings, Passage};
 use super::gap_points::{GapPoint, GapPoints, PointSearch, ReachablePair};
 use super::group_solver::{GroupSolver, GroupView};
 use super::impacts::{Impacts, approach};
@@ -100,6 +101,7 @@ pub(crate) struct ContactGroup {
     /// Whether the smooth step ends where something lands.
     lands: bool,
     landing: LandingSearch,
+    crossings: Crossings,
     impacts: Impacts,
     loads: PointLoads,
     /// Mean of each link over the step: force on B, and torque about its anchor.
@@ -386,16 +388,20 @@ impl ContactGroup {
         }
         let cuts = self.effort.cuts;
         let mut overlap = self.smooth_step(most, false, now, start);
-        while !self.smooth.is_true || self.missed() > MISSED || self.exceeded_energy().is_some() {
-            if most <= terms.h * SHORTEST_STEP || self.is_spent() {
+        loop {
+            if self.smooth.is_true && self.missed() <= MISSED && self.exceeded_energy().is_none() {
+                let Some(half_through) = self.half_through(most) else { break };
+                most = half_through;
+            } else if most <= terms.h * SHORTEST_STEP || self.is_spent() {
                 if !self.smooth.is_true {
                     most = most.min(self.rough_step() * terms.h);
                     overlap = self.smooth_step(most, true, now, start);
                 }
                 self.lose_gain();
                 break;
+            } else {
+                most *= 0.5;
             }
-            most *= 0.5;
             self.effort.cuts += 1;
             overlap = self.smooth_step(most, false, now, start);
         }
@@ -456,6 +462,13 @@ impl ContactGroup {
         limits.find(links, &smooth.end, now + h);
         standings.find([points, &smooth.points], &smooth.end, free, limits, free_rows);
         standings.deepest()
+    }
+
+    /// When a pair is half through that has passed through within the smooth step of h, s.
+    fn half_through(&mut self, h: f64) -> Option<f64> {
+        let Self { crossings, pairs, free, shapes, states, smooth, points, .. } = self;
+        let passage = Passage { h, states: [states, &smooth.end], points: [points, &smooth.points] };
+        crossings.first(pairs, free, shapes, &passage)
     }
 
     /// How much deeper held pairs overlap at the end of the smooth step than before, m: contacts that no forecast had.
