@@ -4,7 +4,6 @@
 mod draw;
 
 use std::convert::Infallible;
-use std::ops::Range;
 use std::path::Path;
 
 use plumb::lab::{Metrics, Plan, measure};
@@ -48,13 +47,18 @@ impl Limits {
 }
 
 /// Runs scenes of a method and tells which do not keep within its limits.
-fn broken(seeds: Range<u64>, settings: SolverSettings, seconds: f64, limits: &Limits) -> Vec<String> {
+fn broken(
+    seeds: impl IntoIterator<Item = u64>,
+    settings: SolverSettings,
+    seconds: f64,
+    limits: &Limits,
+) -> Vec<String> {
     let of_seed = |seed| {
         let drawn = scene(seed, 8);
         let wrong = limits.broken_by(&drawn, &run(&drawn, settings, seconds));
         (!wrong.is_empty()).then(|| format!("seed {seed}: {}", wrong.join(", ")))
     };
-    seeds.filter_map(of_seed).collect()
+    seeds.into_iter().filter_map(of_seed).collect()
 }
 
 /// No more than what settles to its tolerance leaves.
@@ -80,10 +84,8 @@ fn a_game_holds_together_in_scenes_drawn_by_lot() {
 #[test]
 fn a_contact_is_solved_for_the_bodies_that_it_is_of() {
     let limits = Limits { overlap: 0.03, ..GAME };
-    for seed in [22, 216, 399, 424] {
-        let broken = broken(seed..seed + 1, SolverSettings::game(), 3.0, &limits);
-        assert!(broken.is_empty(), "{broken:#?}");
-    }
+    let broken = broken([22, 216, 399, 424], SolverSettings::game(), 3.0, &limits);
+    assert!(broken.is_empty(), "{broken:#?}");
 }
 
 /// Short rods and sliders with limits that turn by half a radian a step as they land: neither gives energy, and a smooth step
@@ -96,6 +98,15 @@ fn what_lands_with_limits_on_its_joints_gains_no_energy() {
         let rise = metrics.shares.energy_rise.unwrap();
         assert!(rise < 1e-9, "{hz} Hz: {rise:e}");
     }
+}
+
+/// Each of these once did not: a corner of a hull that stands out beside a flat face (155), a ball that bounces as it goes through a
+/// mesh (497), impacts of joined bodies that gave energy (504), a step that was solved for another motion (1141), a landing in next
+/// to no time (1580).
+#[test]
+fn accurate_keeps_to_its_laws_where_it_once_did_not() {
+    let broken = broken([155, 497, 504, 1141, 1580], SolverSettings::accurate(), 3.0, &ACCURATE);
+    assert!(broken.is_empty(), "{broken:#?}");
 }
 
 #[test]

@@ -237,7 +237,8 @@ impl<A: Polyhedron, B: Polyhedron> Test<'_, A, B> {
         self.try_last(last)?;
         let last_face = |of_b: bool| last.and_then(Feature::face).filter(|face| face.0 == of_b).map(|(_, face)| face);
         let of_a = self.pair.least_face(f64::INFINITY, last_face(false), self.axes);
-        let of_a = of_a.map_err(Feature::FaceOfA)?.expect("some face is the best");
+        // None is the best of what is nowhere: a solve that came to nothing may leave a place that is not a number.
+        let of_a = of_a.map_err(Feature::FaceOfA)?.ok_or(Feature::FaceOfA(0))?;
         let of_b = self.swapped.least_face(scale.limit(of_a.depth), last_face(true), self.axes);
         let least = match of_b.map_err(Feature::FaceOfB)? {
             None => {

@@ -206,6 +206,11 @@ pub(super) const MISSED: f64 = 1e-6;
 /// Kinetic energy that rounding and order may make in a smooth step, as a share of what there is. Seen by: energy on
 /// `pile` and `dominoes`.
 pub(super) const ENERGY_GAINED: f64 = 3e-3;
+/// The same of an impact. Seen by: `impacts_of_joined_bodies_give_no_energy`.
+pub(super) const ENERGY_OF_IMPACT: f64 = 1e-9;
+/// The same of a step of a mechanism, beyond which its equations were solved for another motion than the one that goes on. Seen by:
+/// `accurate_keeps_to_its_laws_where_it_once_did_not`.
+pub(super) const ENERGY_OF_ANOTHER: f64 = 0.03;
 /// Kinetic energy over mass that counts as none, J/kg: that of 1.4e-4 m/s, with which [`FLICKERING_ERROR`] is closed in 7 ms.
 /// With less, heaps that come to rest are cut to pieces in each step.
 pub(super) const NO_ENERGY: f64 = 1e-8;

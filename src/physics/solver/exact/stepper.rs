@@ -7,13 +7,15 @@
 //! the rest of a step that has taken [`MOST_EVALUATIONS`] and [`MOST_JOINT_EVALUATIONS`]. Whatever becomes of a
 //! mechanism, a step ends.
 
+use nalgebra::Vector3;
+
 use super::constants::{
-    CONVERGED_BEFORE_LONGER, EULER_DIVISIONS, LONGEST_TURN, MOST_DIVISIONS, MOST_EVALUATIONS, MOST_JOINT_EVALUATIONS,
-    PARTED, RESTING_SPEED,
+    CONVERGED_BEFORE_LONGER, ENERGY_OF_ANOTHER, EULER_DIVISIONS, LONGEST_TURN, MOST_DIVISIONS, MOST_EVALUATIONS,
+    MOST_JOINT_EVALUATIONS, NO_ENERGY, PARTED, RESTING_SPEED,
 };
 use super::gauss::{Gauss, StageIterations};
 use super::lockstep::Lockstep;
-use super::mechanism::Mechanism;
+use super::mechanism::{Mechanism, Member, MemberState};
 use super::projection::JointProjection;
 use super::rattle::Rattle;
 use crate::physics::constraint::row::Wrench;
@@ -57,6 +59,8 @@ pub(crate) struct Stepper {
     converged: u32,
     /// Whether the mechanism was moved, or tied together, by somebody else since the last step.
     is_new: bool,
+    /// Where it was before the step at hand.
+    before: Vec<MemberState>,
     /// Mean of each link's load over the step: force on B, and torque about B's anchor.
     pub loads: Vec<Wrench<f64>>,
 }
@@ -129,8 +133,29 @@ impl Stepper {
         }
     }
 
-    /// One step of h, s, from that time. Where it does not converge the mechanism stays where it was.
+    /// One step of h, s, from that time. Where it does not converge, or to a motion that takes energy from nowhere, the
+    /// mechanism stays where it was.
     pub(super) fn step(
+        &mut self,
+        mechanism: &mut Mechanism,
+        integrator: ExactIntegrator,
+        time: f64,
+        h: f64,
+    ) -> StageIterations {
+        if !conserves(mechanism) {
+            return self.integrate(mechanism, integrator, time, h);
+        }
+        self.before.clone_from(&mechanism.states);
+        let iterations = self.integrate(mechanism, integrator, time, h);
+        if !iterations.converged || !has_gained(mechanism, &self.before) {
+            return iterations;
+        }
+        mechanism.states.clone_from(&self.before);
+        self.forget_history();
+        StageIterations { converged: false, ..iterations }
+    }
+
+    fn integrate(
         &mut self,
         mechanism: &mut Mechanism,
         integrator: ExactIntegrator,
@@ -245,6 +270,26 @@ impl Stepper {
     }
 }
 
+/// Whether nothing but constant forces does work on what moves.
+fn conserves(Mechanism { members, links, states, moving, .. }: &Mechanism) -> bool {
+    let is_pushed = |member: &Member| member.torque != Vector3::zeros();
+    states[*moving..].iter().all(MemberState::is_still)
+        && !links.iter().any(|link| link.may_do_work() || link.is_driven())
+        && !members[..*moving].iter().any(is_pushed)
+}
+
+/// Whether it has more energy than it had before and than forces have given it.
+fn has_gained(Mechanism { members, states, moving, .. }: &Mechanism, before: &[MemberState]) -> bool {
+    let (mut was, mut is, mut work) = (0.0, 0.0, 0.0);
+    for ((member, state), before) in members.iter().zip(states).zip(before).take(*moving) {
+        was += member.kinetic_energy(before);
+        is += member.kinetic_energy(state);
+        work += member.force.dot(&(state.position - before.position));
+    }
+    let mass: f64 = members[..*moving].iter().map(|member| member.mass).sum();
+    is - was - work > ENERGY_OF_ANOTHER * is.max(was) + NO_ENERGY * mass
+}
+
 /// Turn of a free body in a substep of a step of h, s, that is divided so often, rad. Joined bodies need no such bound:
 /// their iterations tell by not converging.
 fn turn_of(mechanism: &Mechanism, h: f64, divisions: u32) -> f64 {
@@ -258,11 +303,10 @@ fn turn_of(mechanism: &Mechanism, h: f64, divisions: u32) -> f64 {
 #[cfg(test)]
 mod tests {
     use bevy::prelude::default;
-    use nalgebra::Vector3;
 
     use super::*;
     use crate::physics::joint::{Frame, JointDefinition, Laws, Softness};
-    use crate::physics::solver::exact::mechanism::{MechanismLink, Member, MemberState};
+    use crate::physics::solver::exact::mechanism::MechanismLink;
 
     /// A ball of 2 kg under a fixed point, on a spring and a rod of 1 m that hangs from it, all by Euler's steps: at rest
     /// the spring carries both, and its stretch is what the weight makes of it for the masses of its two bodies alone.

@@ -410,13 +410,21 @@ impl ContactGroup {
         if !self.lands {
             return most;
         }
+        let h = self.land_within(most, now, start);
+        // In next to no time solves may come to anything.
+        self.lose_gain();
+        h
+    }
+
+    /// A smooth step up to the first landing within h, s, which was tried. Returns its length.
+    fn land_within(&mut self, h: f64, now: f64, start: &StepStart) -> f64 {
         let Self { limits, links, states, free, free_rows, points, .. } = self;
         limits.find(links, states, now);
-        self.landing.begin(most, &self.standings);
+        self.landing.begin(h, &self.standings);
         self.landing.at_low.find([points, points], states, free, limits, free_rows);
         for _ in 0..MOST_TRIALS {
-            let Some(h) = self.landing.next(terms.h).filter(|_| !self.is_spent()) else { break };
-            overlap = self.smooth_step(h, false, now, start);
+            let Some(h) = self.landing.next(start.terms.h).filter(|_| !self.is_spent()) else { break };
+            let overlap = self.smooth_step(h, false, now, start);
             if (0.0..=LANDED).contains(&overlap) {
                 return h;
             }
@@ -425,7 +433,7 @@ impl ContactGroup {
         // As near as rounding, or the work that it may take, lets it come: on the far side, but before it where the motion jumps, as
         // where something else is met as well.
         let (low, high) = self.landing.bracket();
-        if self.smooth_step(high, false, now, start) > MISSED && low > NO_TIME * terms.h {
+        if self.smooth_step(high, false, now, start) > MISSED && low > NO_TIME * start.terms.h {
             self.smooth_step(low, false, now, start);
             return low;
         }
@@ -484,7 +492,8 @@ impl ContactGroup {
     /// overlap is no loss of those that fall.
     fn exceeded_energy(&self) -> Option<f64> {
         let Self { smooth, members, moving, states, links, .. } = self;
-        let is_driven = !states[*moving..].iter().all(MemberState::is_still);
+        let is_driven = !states[*moving..].iter().all(MemberState::is_still)
+            || members[..*moving].iter().any(|member| member.torque != Vector3::zeros());
         if is_driven || links.iter().any(MechanismLink::may_do_work) {
             return None;
         }

@@ -5,10 +5,14 @@
 //! joints and the contacts that rest hold. That makes others come together; again, until none does. So an impact passes
 //! through a row of balls from one to the next, as it does through real ones, whose contact times do not overlap if
 //! there is any gap between them.
+//!
+//! With friction, or with joints that turn an impact aside, Newton's law may give more energy than there was (Kane's paradox:
+//! Stronge 2000, 8.2.4). With e = 0 none does: there T⁺ − T⁻ = λ·u⁺ − ½ λᵀ(J M⁻¹ Jᵀ)λ, and λ·u⁺ ≤ 0. So where an impact would
+//! give energy, it has as much of e as leaves what there was.
 
 use nalgebra::Vector3;
 
-use super::super::constants::{IMPACTS_OF_A_PAIR, TOLERANCE, TOUCHING};
+use super::super::constants::{ENERGY_OF_IMPACT, IMPACTS_OF_A_PAIR, TOLERANCE, TOUCHING};
 use super::super::mechanism::MemberState;
 use super::super::row_mode::RowLaw;
 use super::gap_points::{GapPoint, GapPoints, ReachablePair};
@@ -27,6 +31,10 @@ pub(super) struct Impacts {
     gains: Vec<f64>,
     row_gains: Vec<f64>,
     limits: LimitRows,
+    /// Before the impact at hand.
+    start: Vec<MemberState>,
+    /// After it, with all of e.
+    bounced: Vec<MemberState>,
 }
 
 /// What bounces.
@@ -90,17 +98,13 @@ impl Impacts {
                 if bounces { -rebound(pairs[pair].surface.restitution, approach, 0.0) } else { 0.0 }
             };
             self.gains.extend(self.held.iter().map(gain));
-            self.solver.impulses.contacts.clear();
-            self.solver.impulses.contacts.resize(self.held.len(), Vector3::zeros());
-            self.solver.row_impulses.clear();
-            self.solver.row_impulses.resize(self.solver.rows.len(), 0.0);
             self.row_gains.clear();
-            self.row_gains.extend(self.solver.laws.iter().zip(&self.solver.rows).map(|(law, told)| law.bias(told)));
+            self.row_gains.resize(self.solver.rows.len(), 0.0);
             let bounces = |limit: &&LimitRow| !ends && First::Limit(limit.row) == first;
             for limit in self.limits.list.iter().filter(bounces) {
                 self.row_gains[limit.row] = -limit.side * rebound(limit.restitution, limit.approach(), 0.0);
             }
-            self.solver.solve(states, &self.gains, &self.row_gains, TOLERANCE, 0.0);
+            self.bounce(view, states);
             self.failures += u32::from(!self.solver.is_solved);
             note(&self.held, &self.solver);
             count += 1;
@@ -109,5 +113,62 @@ impl Impacts {
             }
             self.limits.find(view.links, states, time);
         }
+    }
+
+    /// Takes the velocities over an impact that is set, with as much of the gains as gives no energy.
+    fn bounce(&mut self, view: GroupView, states: &mut [MemberState]) {
+        self.start.clear();
+        self.start.extend_from_slice(states);
+        self.solve(1.0, states);
+        // Motors have no part in it.
+        let rows = self.solver.laws.iter().zip(&self.solver.rows);
+        let is_moved = rows.filter(|(law, _)| !matches!(law, RowLaw::Boxed(..))).any(|(_, row)| row.time_rate != 0.0);
+        if is_moved || !states[view.moving..].iter().all(MemberState::is_still) {
+            return;
+        }
+        let energy = |states: &[MemberState]| -> f64 {
+            view.members.iter().zip(states).take(view.moving).map(|(member, state)| member.kinetic_energy(state)).sum()
+        };
+        let most = energy(&self.start) * (1.0 + ENERGY_OF_IMPACT);
+        let with_all = energy(states);
+        if with_all <= most {
+            return;
+        }
+        self.bounced.clear();
+        self.bounced.extend_from_slice(states);
+        self.restart(0.0, states);
+        let with_none = energy(states);
+        // Along the way from one to the other energy is a parabola.
+        for (bounced, state) in self.bounced.iter_mut().zip(&*states) {
+            (bounced.linear, bounced.angular) = (bounced.linear - state.linear, bounced.angular - state.angular);
+        }
+        let square = energy(&self.bounced);
+        let slope = with_all - with_none - square;
+        let left = (energy(&self.start) - with_none).max(0.0);
+        let share = 2.0 * left / (slope + (slope * slope + 4.0 * square * left).sqrt());
+        if share.is_finite() {
+            self.restart(share.clamp(0.0, 1.0), states);
+            if energy(states) > most {
+                self.restart(0.0, states);
+            }
+        }
+    }
+
+    /// Does the impact again with that share of the gains.
+    fn restart(&mut self, share: f64, states: &mut [MemberState]) {
+        states.clone_from_slice(&self.start);
+        self.solve(share, states);
+    }
+
+    fn solve(&mut self, share: f64, states: &mut [MemberState]) {
+        let Self { solver, held, gains, row_gains, .. } = self;
+        solver.impulses.contacts.clear();
+        solver.impulses.contacts.resize(held.len(), Vector3::zeros());
+        solver.row_impulses.clear();
+        solver.row_impulses.resize(solver.rows.len(), 0.0);
+        let biases = solver.laws.iter().zip(&solver.rows).map(|(law, told)| law.bias(told));
+        let row_gains: Vec<f64> = biases.zip(&*row_gains).map(|(bias, gain)| bias + share * gain).collect();
+        let gains: Vec<f64> = gains.iter().map(|gain| share * gain).collect();
+        solver.solve(states, &gains, &row_gains, TOLERANCE, 0.0);
     }
 }
