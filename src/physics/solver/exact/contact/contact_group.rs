@@ -387,33 +387,47 @@ impl ContactGroup {
             return most;
         }
         let cuts = self.effort.cuts;
-        let mut overlap = self.smooth_step(most, false, now, start);
         loop {
-            if self.smooth.is_true && self.missed() <= MISSED && self.exceeded_energy().is_none() {
-                let Some(half_through) = self.half_through(most) else { break };
-                most = half_through;
-            } else if most <= terms.h * SHORTEST_STEP || self.is_spent() {
-                if !self.smooth.is_true {
-                    most = most.min(self.rough_step() * terms.h);
-                    overlap = self.smooth_step(most, true, now, start);
-                }
+            let overlap = self.true_step(&mut most, now, start);
+            stride.note(most, self.effort.cuts > cuts);
+            self.lands = overlap > LANDED;
+            if !self.lands {
+                return most;
+            }
+            let h = self.land_within(most, now, start);
+            if self.smooth.is_true || h <= terms.h * SHORTEST_STEP || self.is_spent() {
+                // In next to no time solves may come to anything.
                 self.lose_gain();
-                break;
+                return h;
+            }
+            // Of a step up to there no forecast comes true, though that of a longer one did.
+            most = 0.5 * h;
+            self.effort.cuts += 1;
+        }
+    }
+
+    /// A smooth step from `now`, s, of that length, s, or as long as a forecast comes true. The deepest overlap at its end, m.
+    fn true_step(&mut self, most: &mut f64, now: f64, start: &StepStart) -> f64 {
+        let shortest = start.terms.h * SHORTEST_STEP;
+        loop {
+            let overlap = self.smooth_step(*most, false, now, start);
+            if self.smooth.is_true && self.missed() <= MISSED && self.exceeded_energy().is_none() {
+                let Some(half_through) = self.half_through(*most) else { return overlap };
+                *most = half_through;
+            } else if *most <= shortest || self.is_spent() {
+                if self.smooth.is_true {
+                    self.lose_gain();
+                    return overlap;
+                }
+                *most = most.min(self.rough_step() * start.terms.h);
+                let overlap = self.smooth_step(*most, true, now, start);
+                self.lose_gain();
+                return overlap;
             } else {
-                most *= 0.5;
+                *most *= 0.5;
             }
             self.effort.cuts += 1;
-            overlap = self.smooth_step(most, false, now, start);
         }
-        stride.note(most, self.effort.cuts > cuts);
-        self.lands = overlap > LANDED;
-        if !self.lands {
-            return most;
-        }
-        let h = self.land_within(most, now, start);
-        // In next to no time solves may come to anything.
-        self.lose_gain();
-        h
     }
 
     /// A smooth step up to the first landing within h, s, which was tried. Returns its length.
