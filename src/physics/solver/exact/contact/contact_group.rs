@@ -486,7 +486,7 @@ impl ContactGroup {
         standings.deepest()
     }
 
-    /// When a pair is half through that has passed through within the smooth step of h, s.
+    /// The time, s, at which a pair that has passed through within the smooth step of h, s, is half through, if there is one.
     fn half_through(&mut self, h: f64) -> Option<f64> {
         let Self { crossings, pairs, free, shapes, states, smooth, points, .. } = self;
         let passage = Passage { h, states: [states, &smooth.end], points: [points, &smooth.points] };

@@ -2,7 +2,7 @@
 //!
 //! A pair that is left free, since it bounces, or whose points no forecast has, goes where its bodies go. One that moves by more
 //! than it is thick is taken along a straight way from where it was to where it came ([`course`]); where that meets something on
-//! the way, the smooth step is to end when the pair is half through, and what is there is seen.
+//! the way, the smooth step is to end when the pair is half through: there its overlap is seen.
 
 use super::super::bodies::{displacement, on_its_way};
 use super::super::constants::TOUCHING;
@@ -31,8 +31,8 @@ pub(super) struct Passage<'a> {
 }
 
 impl Crossings {
-    /// When the first pair is half through that has passed through at the end, s; none where no pair has. `shapes` are the
-    /// bodies, wherever they are.
+    /// The time, s, at which the first of the pairs that have passed through at the end is half through, if there are any. `shapes`
+    /// are the bodies, wherever they are.
     pub fn first(&mut self, pairs: &[ReachablePair], free: &[bool], shapes: &[Body], passage: &Passage) -> Option<f64> {
         let times = pairs.iter().enumerate().filter_map(|(index, pair)| {
             let [at_start, at_end] = passage.points.map(|points| points.of(index));

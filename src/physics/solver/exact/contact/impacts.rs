@@ -6,8 +6,8 @@
 //! through a row of balls from one to the next, as it does through real ones, whose contact times do not overlap if
 //! there is any gap between them.
 //!
-//! With friction, or with joints that turn an impact aside, Newton's law may give more energy than there was (Kane's paradox:
-//! Stronge 2000, 8.2.4). With e = 0 none does: there T⁺ − T⁻ = λ·u⁺ − ½ λᵀ(J M⁻¹ Jᵀ)λ, and λ·u⁺ ≤ 0. So where an impact would
+//! With friction, or with joints that turn an impact aside, Newton's law may give more energy than there was (Kane 1984, *A
+//! dynamics puzzle*). With e = 0 none does: there T⁺ − T⁻ = λ·u⁺ − ½ λᵀ(J M⁻¹ Jᵀ)λ, and λ·u⁺ ≤ 0. So where an impact would
 //! give energy, it has as much of e as leaves what there was.
 
 use nalgebra::Vector3;

@@ -3,9 +3,8 @@
 //!
 //! [`contact_group`] takes bodies in reach of each other through a step: joints that somebody left apart
 //! ([`joint_gaps`]), contact points ([`gap_points`]), impacts ([`impacts`]) and steps between them ([`smooth_step`], which
-//! follows points by [`held_points`] and mixes its forecasts by [`mixing`]), up to where something lands ([`landing`]), or has half
-//! passed through something ([`crossings`]). All
-//! solve by the cone solver ([`group_solver`], set to [`posed_rows`]); what points carry is added up ([`point_loads`]). Where
+//! follows points by [`held_points`] and mixes its forecasts by [`mixing`]), up to where something lands ([`landing`]), or is half
+//! through something ([`crossings`]). All solve by the cone solver ([`group_solver`], set to [`posed_rows`]); what points carry is added up ([`point_loads`]). Where
 //! nothing moves any more, a step is the last one again ([`rest`]). The hardest of these solves are kept for whoever wants
 //! them ([`hardest_solve`]).
 
