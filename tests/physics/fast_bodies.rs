@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
-use plumb::physics::{Diagnostics, TriangleMesh};
+use plumb::physics::Diagnostics;
 use plumb::prelude::*;
 
 use crate::rig::*;
@@ -401,10 +401,9 @@ fn what_is_thrown_within_a_step_stops_at_what_was_out_of_its_reach() {
 #[test]
 fn what_bounces_passes_through_nothing_by_accurate() {
     let bouncy = SurfaceMaterial { restitution: 0.5, ..SMOOTH };
-    let field = TriangleMesh::height_field([4.0, 4.0], [8, 8], |_, _| 0.0).expect("a field");
     let onto_side = DQuat::from_rotation_z(-FRAC_PI_2);
     let obstacles = [
-        (RigidBody::Static, Collider::mesh(field), onto_side, 0.0),
+        (RigidBody::Static, flat(4.0, 8), onto_side, 0.0),
         (RigidBody::Static, Collider::cuboid(0.01, 4.0, 4.0), DQuat::IDENTITY, 0.005),
         (RigidBody::Static, Collider::sphere(0.1), DQuat::IDENTITY, 0.1),
         (RigidBody::Dynamic, Collider::sphere(0.1), DQuat::IDENTITY, 0.1),
@@ -437,11 +436,10 @@ fn what_bounces_passes_through_nothing_by_accurate() {
 /// What is hit may go farther than it is thick, through what it was too slow to reach when the step began.
 #[test]
 fn what_is_thrown_within_a_step_passes_through_no_wall() {
-    let field = || Collider::mesh(TriangleMesh::height_field([4.0, 4.0], [8, 8], |_, _| 0.0).expect("a field"));
     let facing = DQuat::from_rotation_z(FRAC_PI_2);
     let walls = [
         (Collider::cuboid(0.02, 4.0, 4.0), DQuat::IDENTITY, 0.01),
-        (field(), facing, 0.0),
+        (flat(4.0, 8), facing, 0.0),
         (Collider::half_space(), facing, 0.0),
     ];
     for (preset, settings) in [("game", awake_game()), ("accurate", SolverSettings::accurate())] {

@@ -12,10 +12,6 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::rig::*;
 
-fn flat(size: f64, squares: u32) -> Collider {
-    Collider::mesh(TriangleMesh::height_field([size; 2], [squares; 2], |_, _| 0.0).expect("a field"))
-}
-
 fn floor(world: &mut World, collider: Collider) -> Entity {
     world.spawn((RigidBody::Static, collider)).id()
 }

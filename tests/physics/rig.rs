@@ -7,7 +7,7 @@ mod runge_kutta;
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPoolBuilder};
-use plumb::physics::{Diagnostics, Shape, hash_state};
+use plumb::physics::{Diagnostics, Shape, TriangleMesh, hash_state};
 use plumb::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -61,6 +61,11 @@ pub fn weightless(settings: SolverSettings) -> World {
 /// The ground: y ≤ 0.
 pub fn ground(world: &mut World) -> Entity {
     world.spawn((RigidBody::Static, Collider::half_space(), Transform::default())).id()
+}
+
+/// A flat mesh of so many squares along each side.
+pub fn flat(size: f64, squares: u32) -> Collider {
+    Collider::mesh(TriangleMesh::height_field([size; 2], [squares; 2], |_, _| 0.0).expect("a field"))
 }
 
 /// A dynamic body of that shape there.

@@ -193,6 +193,23 @@ impl MemberState {
     }
 }
 
+/// Kinetic energy of each member, J.
+pub(super) fn kinetic_energies<'a>(members: &'a [Member], states: &'a [MemberState]) -> impl Iterator<Item = f64> + 'a {
+    members.iter().zip(states).map(|(member, state)| member.kinetic_energy(state))
+}
+
+/// Whether nothing but constant forces does work on the members that move, the first so many.
+pub(super) fn only_forces_work(
+    members: &[Member],
+    moving: usize,
+    states: &[MemberState],
+    links: &[MechanismLink],
+) -> bool {
+    states[moving..].iter().all(MemberState::is_still)
+        && members[..moving].iter().all(|member| member.torque == Vector3::zeros())
+        && !links.iter().any(MechanismLink::may_do_work)
+}
+
 /// A joint between two members.
 #[derive(Clone, Debug)]
 pub(crate) struct MechanismLink {

@@ -7,15 +7,13 @@
 //! the rest of a step that has taken [`MOST_EVALUATIONS`] and [`MOST_JOINT_EVALUATIONS`]. Whatever becomes of a
 //! mechanism, a step ends.
 
-use nalgebra::Vector3;
-
 use super::constants::{
     CONVERGED_BEFORE_LONGER, ENERGY_OF_ANOTHER, EULER_DIVISIONS, LONGEST_TURN, MOST_DIVISIONS, MOST_EVALUATIONS,
     MOST_JOINT_EVALUATIONS, NO_ENERGY, PARTED, RESTING_SPEED,
 };
 use super::gauss::{Gauss, StageIterations};
 use super::lockstep::Lockstep;
-use super::mechanism::{Mechanism, Member, MemberState};
+use super::mechanism::{Mechanism, MemberState, kinetic_energies, only_forces_work};
 use super::projection::JointProjection;
 use super::rattle::Rattle;
 use crate::physics::constraint::row::Wrench;
@@ -142,7 +140,8 @@ impl Stepper {
         time: f64,
         h: f64,
     ) -> StageIterations {
-        if !conserves(mechanism) {
+        let Mechanism { members, moving, states, links, .. } = &*mechanism;
+        if !only_forces_work(members, *moving, states, links) {
             return self.integrate(mechanism, integrator, time, h);
         }
         self.before.clone_from(&mechanism.states);
@@ -270,23 +269,13 @@ impl Stepper {
     }
 }
 
-/// Whether nothing but constant forces does work on what moves.
-fn conserves(Mechanism { members, links, states, moving, .. }: &Mechanism) -> bool {
-    let is_pushed = |member: &Member| member.torque != Vector3::zeros();
-    states[*moving..].iter().all(MemberState::is_still)
-        && !links.iter().any(|link| link.may_do_work() || link.is_driven())
-        && !members[..*moving].iter().any(is_pushed)
-}
-
 /// Whether it has more energy than it had before and than forces have given it.
 fn has_gained(Mechanism { members, states, moving, .. }: &Mechanism, before: &[MemberState]) -> bool {
-    let (mut was, mut is, mut work) = (0.0, 0.0, 0.0);
-    for ((member, state), before) in members.iter().zip(states).zip(before).take(*moving) {
-        was += member.kinetic_energy(before);
-        is += member.kinetic_energy(state);
-        work += member.force.dot(&(state.position - before.position));
-    }
-    let mass: f64 = members[..*moving].iter().map(|member| member.mass).sum();
+    let members = &members[..*moving];
+    let [was, is] = [before, states].map(|states| kinetic_energies(members, states).sum::<f64>());
+    let ways = members.iter().zip(states.iter().zip(before));
+    let work: f64 = ways.map(|(member, (state, before))| member.force.dot(&(state.position - before.position))).sum();
+    let mass: f64 = members.iter().map(|member| member.mass).sum();
     is - was - work > ENERGY_OF_ANOTHER * is.max(was) + NO_ENERGY * mass
 }
 
@@ -303,10 +292,11 @@ fn turn_of(mechanism: &Mechanism, h: f64, divisions: u32) -> f64 {
 #[cfg(test)]
 mod tests {
     use bevy::prelude::default;
+    use nalgebra::Vector3;
 
     use super::*;
     use crate::physics::joint::{Frame, JointDefinition, Laws, Softness};
-    use crate::physics::solver::exact::mechanism::MechanismLink;
+    use crate::physics::solver::exact::mechanism::{MechanismLink, Member};
 
     /// A ball of 2 kg under a fixed point, on a spring and a rod of 1 m that hangs from it, all by Euler's steps: at rest
     /// the spring carries both, and its stretch is what the weight makes of it for the masses of its two bodies alone.

@@ -16,7 +16,7 @@ use super::super::constants::{
     ENERGY_GAINED, FIRST_GROWTH, GROWTH_AFTER_CUT, LANDED, LEAST_BOUNCE, LEAST_GROWTH, MISSED, MOST_LANDINGS,
     MOST_TRIALS, NO_ENERGY, NO_TIME, ROUGH_STEP, ROUGH_TOLERANCE, SHORTEST_STEP, TOLERANCE, TOUCHING,
 };
-use super::super::mechanism::{MechanismLink, Member, MemberState, number_rows};
+use super::super::mechanism::{MechanismLink, Member, MemberState, kinetic_energies, number_rows, only_forces_work};
 use super::super::stepper::StepEffort;
 use super::crossings::{Crossings, Passage};
 use super::gap_points::{GapPoint, GapPoints, PointSearch, ReachablePair};
@@ -506,9 +506,7 @@ impl ContactGroup {
     /// overlap is no loss of those that fall.
     fn exceeded_energy(&self) -> Option<f64> {
         let Self { smooth, members, moving, states, links, .. } = self;
-        let is_driven = !states[*moving..].iter().all(MemberState::is_still)
-            || members[..*moving].iter().any(|member| member.torque != Vector3::zeros());
-        if is_driven || links.iter().any(MechanismLink::may_do_work) {
+        if !only_forces_work(members, *moving, states, links) {
             return None;
         }
         let work: f64 = members
@@ -524,8 +522,8 @@ impl ContactGroup {
     }
 
     /// Of each body that moves, J.
-    fn kinetic_energies(&self, states: &[MemberState]) -> impl Iterator<Item = f64> {
-        self.members.iter().zip(states).take(self.moving).map(|(member, state)| member.kinetic_energy(state))
+    fn kinetic_energies<'a>(&'a self, states: &'a [MemberState]) -> impl Iterator<Item = f64> + 'a {
+        kinetic_energies(&self.members[..self.moving], states)
     }
 
     /// The last resort may be a solve that came to nothing, whose impulses fling bodies away. What a step gains it loses

@@ -36,15 +36,18 @@ impl Crossings {
     pub fn first(&mut self, pairs: &[ReachablePair], free: &[bool], shapes: &[Body], passage: &Passage) -> Option<f64> {
         let times = pairs.iter().enumerate().filter_map(|(index, pair)| {
             let [at_start, at_end] = passage.points.map(|points| points.of(index));
+            let touching = at_end.iter().find(|point| point.gap <= TOUCHING);
+            let is_held = !free[index] && !at_start.is_empty();
+            if touching.is_some() && is_held {
+                return None;
+            }
             let ends = pair.ends.map(|end| end as usize);
             let through = overlapping_way(ends.map(|end| &shapes[end]), pair.key.parts);
             let [[way_a, turn_a], [way_b, turn_b]] =
                 ends.map(|end| displacement(passage.states.map(|states| &states[end])));
             let turning = turn_a.norm() * shapes[ends[0]].radius + turn_b.norm() * shapes[ends[1]].radius;
             let way = (way_a - way_b).norm() + turning;
-            let touching = at_end.iter().find(|point| point.gap <= TOUCHING);
-            let is_held = !free[index] && !at_start.is_empty();
-            if way <= through || touching.is_some() && is_held {
+            if way <= through {
                 return None;
             }
             let met = match self.follow(pair, shapes, passage) {

@@ -13,7 +13,7 @@
 use nalgebra::Vector3;
 
 use super::super::constants::{ENERGY_OF_IMPACT, IMPACTS_OF_A_PAIR, TOLERANCE, TOUCHING};
-use super::super::mechanism::MemberState;
+use super::super::mechanism::{MemberState, kinetic_energies};
 use super::super::row_mode::RowLaw;
 use super::gap_points::{GapPoint, GapPoints, ReachablePair};
 use super::group_solver::{GroupSolver, GroupView};
@@ -126,9 +126,7 @@ impl Impacts {
         if is_moved || !states[view.moving..].iter().all(MemberState::is_still) {
             return;
         }
-        let energy = |states: &[MemberState]| -> f64 {
-            view.members.iter().zip(states).take(view.moving).map(|(member, state)| member.kinetic_energy(state)).sum()
-        };
+        let energy = |states: &[MemberState]| kinetic_energies(&view.members[..view.moving], states).sum::<f64>();
         let most = energy(&self.start) * (1.0 + ENERGY_OF_IMPACT);
         let with_all = energy(states);
         if with_all <= most {
