@@ -9,6 +9,9 @@
 //! With friction, or with joints that turn an impact aside, Newton's law may give more energy than there was (Kane 1984, *A
 //! dynamics puzzle*). With e = 0 none does: there T⁺ − T⁻ = λ·u⁺ − ½ λᵀ(J M⁻¹ Jᵀ)λ, and λ·u⁺ ≤ 0. So where an impact would
 //! give energy, it has as much of e as leaves what there was.
+//!
+//! An impact whose solve does not come to an end may leave its points coming together as they did. It would be due again at once,
+//! and as often as a step may be cut. Such an impact passes without friction: that is a convex problem.
 
 use nalgebra::Vector3;
 
@@ -105,7 +108,24 @@ impl Impacts {
                 self.row_gains[limit.row] = -limit.side * rebound(limit.restitution, limit.approach(), 0.0);
             }
             self.bounce(view, states);
-            self.failures += u32::from(!self.solver.is_solved);
+            if !self.solver.is_solved {
+                self.failures += 1;
+                let left = match first {
+                    First::Pair(pair) => approach(points.of(pair), states),
+                    First::Limit(row) => {
+                        self.limits.find(view.links, states, time);
+                        let own = self.limits.list.iter().find(|limit| limit.row == row);
+                        own.map_or(0.0, LimitRow::approach)
+                    }
+                };
+                // Nothing of it has passed: it would be due again and again.
+                if !ends && left > least {
+                    states.clone_from_slice(&self.start);
+                    self.held.iter_mut().for_each(|point| point.friction = 0.0);
+                    self.solver.set(view, states, time, self.held.iter(), bounds);
+                    self.bounce(view, states);
+                }
+            }
             note(&self.held, &self.solver);
             count += 1;
             if ends {
