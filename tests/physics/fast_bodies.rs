@@ -475,3 +475,56 @@ fn what_is_thrown_within_a_step_passes_through_no_wall() {
         }
     }
 }
+
+/// Bodies on joints that come at a wall: one end stops, the other whips on, through the wall if nothing holds all of them back, and
+/// joints part if that holds one back alone.
+#[test]
+fn what_hangs_together_passes_through_no_wall() {
+    let walls = [
+        (Collider::cuboid(0.01, 20.0, 20.0), DQuat::IDENTITY, 0.005),
+        (flat(20.0, 8), DQuat::from_rotation_z(-FRAC_PI_2), 0.0),
+    ];
+    let ball = |radius| Collider::sphere(radius);
+    let rods = vec![(Collider::cuboid(0.5, 0.1, 0.1), -0.26), (Collider::cuboid(0.5, 0.1, 0.1), 0.26)];
+    let plates = vec![(Collider::cuboid(0.3, 0.02, 0.3), -0.16), (Collider::cuboid(0.3, 0.02, 0.3), 0.16)];
+    let beads = (-2..=2).map(|place| (ball(0.08), 0.2 * f64::from(place))).collect::<Vec<_>>();
+    for (name, parts) in [("rods", rods), ("plates", plates), ("beads", beads)] {
+        let mut gaps = Vec::new();
+        for (wall, turned, half) in walls.clone() {
+            for (speed, phase) in
+                [20.0, 50.0, 100.0, 400.0].into_iter().flat_map(|speed| phases().map(move |at| (speed, at)))
+            {
+                let mut world = world();
+                world.init_resource::<Diagnostics>();
+                put(&mut world, RigidBody::Static, wall.clone(), DVec3::ZERO, DVec3::ZERO, turned);
+                let turn = DQuat::from_euler(EulerRot::XYZ, TAU * phase, 5.0 * phase, 3.0 * phase);
+                let (middle, spin) = (DVec3::X * (half + 1.0 + phase * speed * H), 20.0 * (turn * DVec3::Z));
+                let bodies: Vec<Entity> = parts
+                    .iter()
+                    .map(|(collider, along)| {
+                        let arm = turn * DVec3::X * *along;
+                        let linear = spin.cross(arm) - DVec3::X * speed;
+                        let body = thrown(&mut world, collider.clone(), middle + arm, linear, turn);
+                        world.entity_mut(body).insert(Velocity { linear, angular: spin });
+                        body
+                    })
+                    .collect();
+                for (bodies, parts) in bodies.windows(2).zip(parts.windows(2)) {
+                    let between = 0.5 * (parts[0].1 + parts[1].1);
+                    let anchors = [parts[0].1, parts[1].1].map(|along| DVec3::X * (between - along));
+                    world.spawn(BallJoint::new(bodies[0], bodies[1]).with_anchors(anchors[0], anchors[1]));
+                }
+                for index in 1..=20 {
+                    step(&mut world);
+                    for &body in &bodies {
+                        let x = position(&world, body).x;
+                        assert!(x > half, "{name}, {speed} m/s at {phase}, step {index}: {x} m");
+                    }
+                }
+                gaps.push(world.resource::<Diagnostics>().joint_error);
+            }
+        }
+        gaps.sort_by(f64::total_cmp);
+        assert!(gaps[gaps.len() / 2] < 1e-3, "{name}: {} m apart in the middle", gaps[gaps.len() / 2]);
+    }
+}

@@ -215,6 +215,10 @@ pub(super) const IMPACT_TOLERANCE: f64 = 0.01;
 /// it is held back. `fast_bodies::nothing_slides_out_of_the_corner_of_a_room`.
 pub(super) const CORE_SHARE: f64 = 0.5;
 
+/// The same of the core at which what is on joints is held: where its core does not touch yet, so that it is held in the next step
+/// as well.
+pub(super) const HELD_CORE_SHARE: f64 = 0.6;
+
 // The 2009 engine's way. A change of any but the first shows in every scene with `classic`.
 
 /// Moves for each body after which mending the order of the sweep is given up for sorting anew. *speed*.

@@ -33,6 +33,8 @@ pub(crate) use broad::bounding_tree::BoundingBox;
 pub(crate) use broad::in_step::may_collide;
 pub(crate) use broad::near_pairs::NearPairs;
 pub(crate) use classic::vector_set::VectorSet;
+pub(crate) use continuous::mechanisms::Mechanisms;
+pub(crate) use continuous::thrown::hold_thrown_back;
 pub(crate) use continuous::time_of_impact::{Course, course, overlapping_way, pass_by};
 pub(crate) use gap::{closing_distance, fastest_approach, own_reach, turning_speed};
 pub(crate) use lag::LaggedContacts;
@@ -54,19 +56,21 @@ use super::schedule::PhysicsSystems;
 use super::settings::{contacts_are_of_2009, contacts_last};
 use broad::near_pairs;
 use classic::sweep_and_sort;
-use continuous::{hold_back, thrown};
+use continuous::hold_back;
 
 pub(super) fn plugin(app: &mut App) {
     app.keep_resource::<sweep_and_sort::SweptPairs>()
         .keep_resource::<Contacts>()
         .keep_resource::<ContactGraph>()
         .keep_resource::<NearPairs>()
-        .keep_resource::<LaggedContacts>();
+        .keep_resource::<LaggedContacts>()
+        .keep_resource::<Mechanisms>();
     app.init_resource::<sweep_and_sort::SweptPairs>()
         .init_resource::<Contacts>()
         .init_resource::<ContactGraph>()
         .init_resource::<NearPairs>()
         .init_resource::<LaggedContacts>()
+        .init_resource::<Mechanisms>()
         .add_systems(
             crate::physics::schedule::PhysicsSchedule,
             (
@@ -78,10 +82,7 @@ pub(super) fn plugin(app: &mut App) {
                     .after(PhysicsSystems::Solve)
                     .before(PhysicsSystems::WriteBack)
                     .run_if(contacts_last),
-                thrown::hold_thrown_back
-                    .after(hold_back::hold_back)
-                    .before(PhysicsSystems::WriteBack)
-                    .run_if(contacts_last),
+                hold_thrown_back.after(hold_back::hold_back).before(PhysicsSystems::WriteBack).run_if(contacts_last),
                 lag::swap_contacts.after(PhysicsSystems::NarrowPhase).before(PhysicsSystems::Islands),
                 slots::export::export_contacts
                     .after(PhysicsSystems::NarrowPhase)

@@ -8,7 +8,7 @@
 //! a core touches, the body is held back: its approach goes out of its velocity, or comes back as its restitution says,
 //! and the next step finds a contact.
 //! Bodies on joints make no fast pairs: one held back by itself would tear its joints open, and what closes them again
-//! would throw it.
+//! would throw it. They are held back with all that joints hold to them ([`thrown`](super::thrown)).
 
 use bevy::prelude::*;
 use nalgebra::Vector3;
@@ -20,32 +20,32 @@ use crate::physics::collision::narrow::contact_pair::PairSearch;
 use crate::physics::contact::{rebound, restitution_threshold};
 use crate::physics::{Bodies, Body, ContactGraph, ContactPoint, Geometry, Pair, SolverSettings, world_inverse_inertia};
 
-/// The body with its core for its shape; a compound is all core.
-pub(super) fn core(body: Body) -> Body {
+/// The body with its core of that share of its thickness for its shape; a compound is all core.
+pub(super) fn core(body: Body, share: f64) -> Body {
     if matches!(body.geometry, Some(Geometry::Parts(_))) {
         return body;
     }
     let inner = inner_radius(&body);
     let geometry = match &body.geometry {
-        Some(Geometry::Cuboid { half }) => Geometry::Cuboid { half: half.add_scalar(-CORE_SHARE * inner) },
+        Some(Geometry::Cuboid { half }) => Geometry::Cuboid { half: half.add_scalar((share - 1.0) * inner) },
         Some(Geometry::Cone { radius, height, hull }) => {
-            Geometry::Cone { radius: CORE_SHARE * radius, height: CORE_SHARE * height, hull: hull.clone() }
+            Geometry::Cone { radius: share * radius, height: share * height, hull: hull.clone() }
         }
         Some(Geometry::Cylinder { radius, half, hull }) => {
-            let thinner = CORE_SHARE * inner;
+            let thinner = (1.0 - share) * inner;
             Geometry::Cylinder { radius: radius - thinner, half: half - thinner, hull: hull.clone() }
         }
         Some(Geometry::Capsule { half, hull, .. }) => {
-            Geometry::Capsule { radius: CORE_SHARE * inner, half: *half, hull: hull.clone() }
+            Geometry::Capsule { radius: share * inner, half: *half, hull: hull.clone() }
         }
-        _ => Geometry::Sphere { radius: CORE_SHARE * inner },
+        _ => Geometry::Sphere { radius: share * inner },
     };
     let radius = match &geometry {
         Geometry::Cuboid { half } => half.norm(),
         Geometry::Sphere { radius } => *radius,
         Geometry::Capsule { radius, half, .. } => radius + half,
         Geometry::Cylinder { radius, half, .. } => radius.hypot(*half),
-        _ => CORE_SHARE * body.radius,
+        _ => share * body.radius,
     };
     Body { geometry: Some(geometry), radius, ..body }
 }
@@ -86,7 +86,9 @@ pub(crate) fn hold_back(
         let paths: [Body; 2] =
             std::array::from_fn(|one| starts[one].path_to(&bodies.list[pair[one]], since, h - since));
         let [one, other] =
-            std::array::from_fn(|one| if fast[one] { core(paths[one].clone()) } else { paths[one].clone() });
+            std::array::from_fn(
+                |one| if fast[one] { core(paths[one].clone(), CORE_SHARE) } else { paths[one].clone() },
+            );
         search.last = None;
         let course = time_of_impact::course([&one, &other], parts, h - since, &mut search, &mut points);
         if let Course::Impact(impact) = course {

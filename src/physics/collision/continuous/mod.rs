@@ -2,5 +2,6 @@
 
 pub(super) mod fast_pair;
 pub(super) mod hold_back;
+pub(super) mod mechanisms;
 pub(super) mod thrown;
 pub(super) mod time_of_impact;

@@ -25,6 +25,7 @@ mod exact_group;
 mod free;
 mod gauss;
 mod held_links;
+mod held_mechanisms;
 mod lockstep;
 mod mechanism;
 mod projection;
@@ -50,7 +51,7 @@ use self::unforeseen::UnforeseenPairs;
 use super::cone::Deadline;
 use crate::physics::HardProblems;
 use crate::physics::body::Bodies;
-use crate::physics::collision::{ContactGraph, Contacts};
+use crate::physics::collision::{ContactGraph, Contacts, hold_thrown_back};
 use crate::physics::contact::restitution_threshold;
 use crate::physics::island::Islands;
 use crate::physics::joint::{Breakable, JoinedPairs, JointLoad, Joints};
@@ -69,6 +70,13 @@ pub(super) fn plugin(app: &mut App) {
             forget.run_if(|settings: Res<SolverSettings>| !is_exact(&settings)),
         )
             .in_set(PhysicsSystems::Solve),
+    );
+    app.add_systems(
+        PhysicsSchedule,
+        held_mechanisms::put_together
+            .after(hold_thrown_back)
+            .before(PhysicsSystems::WriteBack)
+            .run_if(|settings: Res<SolverSettings>| settings.method.keeps_contacts()),
     );
 }
 

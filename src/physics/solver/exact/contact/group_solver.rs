@@ -21,7 +21,7 @@ use crate::physics::solver::cone::{
 
 /// Bodies and links; the first `moving` bodies move.
 #[derive(Clone, Copy)]
-pub(super) struct GroupView<'a> {
+pub(in super::super) struct GroupView<'a> {
     pub members: &'a [Member],
     pub moving: usize,
     pub links: &'a [MechanismLink],

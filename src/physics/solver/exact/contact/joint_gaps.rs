@@ -31,7 +31,7 @@ pub(super) fn is_apart(law: RowLaw, row: &JointRow<f64>) -> bool {
 
 /// Closes gaps; with its buffers.
 #[derive(Clone, Default)]
-pub(super) struct JointGaps {
+pub(in super::super) struct JointGaps {
     projection: JointProjection,
     bounded: BoundedRows,
     rows: Vec<JointRow<f64>>,

@@ -26,3 +26,5 @@ mod smooth_step;
 
 pub(crate) use contact_group::PointForce;
 pub(super) use contact_group::{ContactGroup, ContactTerms};
+pub(super) use group_solver::GroupView;
+pub(super) use joint_gaps::JointGaps;
