@@ -484,10 +484,9 @@ fn what_hangs_together_passes_through_no_wall() {
         (Collider::cuboid(0.01, 20.0, 20.0), DQuat::IDENTITY, 0.005),
         (flat(20.0, 8), DQuat::from_rotation_z(-FRAC_PI_2), 0.0),
     ];
-    let ball = |radius| Collider::sphere(radius);
     let rods = vec![(Collider::cuboid(0.5, 0.1, 0.1), -0.26), (Collider::cuboid(0.5, 0.1, 0.1), 0.26)];
     let plates = vec![(Collider::cuboid(0.3, 0.02, 0.3), -0.16), (Collider::cuboid(0.3, 0.02, 0.3), 0.16)];
-    let beads = (-2..=2).map(|place| (ball(0.08), 0.2 * f64::from(place))).collect::<Vec<_>>();
+    let beads = (-2..=2).map(|place| (Collider::sphere(0.08), 0.2 * f64::from(place))).collect::<Vec<_>>();
     for (name, parts) in [("rods", rods), ("plates", plates), ("beads", beads)] {
         let mut gaps = Vec::new();
         for (wall, turned, half) in walls.clone() {

@@ -66,10 +66,7 @@ pub(crate) fn hold_thrown_back(
     let mut thrown = std::mem::take(&mut buffers.thrown);
     thrown.clear();
     let is_joined = |body: u32| joints.joined.contains(body);
-    let is_followed = |&body: &u32| {
-        let own = &bodies.list[body as usize];
-        if is_joined(body) { goes_far(&graph, own, body, h) } else { is_thrown(&graph, own, body, h) }
-    };
+    let is_followed = |&body: &u32| went_far(&graph, &bodies.list[body as usize], body, is_joined(body), h);
     thrown.extend(bodies.awake().filter(is_followed));
     mechanisms.begin_step();
     if thrown.iter().any(|&body| is_joined(body)) {
@@ -101,22 +98,17 @@ fn way(graph: &ContactGraph, end: &Body, index: u32, h: f64) -> Body {
     Start::at(start.offset, start.rotation).path_to(end, 0.0, h)
 }
 
-/// Whether a body went farther than it could by itself, and than it is thick.
-fn is_thrown(graph: &ContactGraph, body: &Body, index: u32, h: f64) -> bool {
+/// Whether a body without joints went farther than it could by itself, and than it is thick; one on joints, which has no pair that
+/// is fast, than it is thick, its turn included.
+fn went_far(graph: &ContactGraph, body: &Body, index: u32, is_joined: bool, h: f64) -> bool {
     if !body.is_dynamic() || body.touches_nothing() {
         return false;
     }
     let way = (body.position - graph.start(index).offset).norm();
+    if is_joined {
+        return way + turning_speed(body) * h > inner_radius(body);
+    }
     way > inner_radius(body) && way > graph.own_way(index) + pull(body) * h * h + SPECULATIVE_MARGIN * body.radius
-}
-
-/// Whether a body on joints went farther than it is thick, its turn included.
-fn goes_far(graph: &ContactGraph, body: &Body, index: u32, h: f64) -> bool {
-    if !body.is_dynamic() || body.touches_nothing() {
-        return false;
-    }
-    let way = (body.position - graph.start(index).offset).norm();
-    way + turning_speed(body) * h > inner_radius(body)
 }
 
 /// How much farther two bodies go into each other in the step of h, s, from where they meet, m.

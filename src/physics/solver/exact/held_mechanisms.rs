@@ -14,6 +14,7 @@ use crate::physics::joint::Joints;
 use crate::physics::settings::SolverSettings;
 use crate::physics::stats::StepStats;
 
+/// Puts those of this step together, in the order of their lowest bodies; velocities stay.
 pub(super) fn put_together(
     mechanisms: Res<Mechanisms>,
     joints: Res<Joints>,

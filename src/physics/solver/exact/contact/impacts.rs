@@ -108,23 +108,13 @@ impl Impacts {
                 self.row_gains[limit.row] = -limit.side * rebound(limit.restitution, limit.approach(), 0.0);
             }
             self.bounce(view, states);
-            if !self.solver.is_solved {
-                self.failures += 1;
-                let left = match first {
-                    First::Pair(pair) => approach(points.of(pair), states),
-                    First::Limit(row) => {
-                        self.limits.find(view.links, states, time);
-                        let own = self.limits.list.iter().find(|limit| limit.row == row);
-                        own.map_or(0.0, LimitRow::approach)
-                    }
-                };
-                // Nothing of it has passed: it would be due again and again.
-                if !ends && left > least {
-                    states.clone_from_slice(&self.start);
-                    self.held.iter_mut().for_each(|point| point.friction = 0.0);
-                    self.solver.set(view, states, time, self.held.iter(), bounds);
-                    self.bounce(view, states);
-                }
+            self.failures += u32::from(!self.solver.is_solved);
+            // Where nothing of it has passed it would be due again and again.
+            if !self.solver.is_solved && !ends && self.approach_of(first, view, time, points, states) > least {
+                states.clone_from_slice(&self.start);
+                self.held.iter_mut().for_each(|point| point.friction = 0.0);
+                self.solver.set(view, states, time, self.held.iter(), bounds);
+                self.bounce(view, states);
             }
             note(&self.held, &self.solver);
             count += 1;
@@ -132,6 +122,25 @@ impl Impacts {
                 return;
             }
             self.limits.find(view.links, states, time);
+        }
+    }
+
+    /// How fast its points come together, m/s, or the limit is approached, m/s or rad/s; negative where it parts.
+    fn approach_of(
+        &mut self,
+        first: First,
+        view: GroupView,
+        time: f64,
+        points: &GapPoints,
+        states: &[MemberState],
+    ) -> f64 {
+        match first {
+            First::Pair(pair) => approach(points.of(pair), states),
+            First::Limit(row) => {
+                self.limits.find(view.links, states, time);
+                let own = self.limits.list.iter().find(|limit| limit.row == row);
+                own.map_or(0.0, LimitRow::approach)
+            }
         }
     }
 
