@@ -56,6 +56,11 @@ pub(super) const GUESSED_SOFTNESS: f64 = 1e-5;
 /// ε of joints over that of contacts: they neither part nor slide, so that no step is too long for them, and redundant
 /// ones need the fewer proximal points the smaller it is.
 pub(super) const JOINT_SOFTNESS: f64 = 0.01;
+/// Mobility of a joint over what it is without turns of its bodies from which on its compliance grows no more with it. On a
+/// slider that is far out bodies would turn about levers of many times their size, were they not kept from it by other rows.
+/// With a compliance for such turns the joint gives way faster than what lands, so that no proximal point is better than none
+/// (`a_slider_that_is_far_out_bears_an_impact`).
+pub(super) const LEVER: f64 = 10.0;
 /// The least ε of joints.
 pub(super) const LEAST_JOINT_SOFTNESS: f64 = 1e-8;
 /// Factor on ε after a proximal point that was reached within so many iterations.

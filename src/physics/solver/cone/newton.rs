@@ -95,7 +95,7 @@ impl Iterate {
         linear.clear();
         for (point, velocity) in points.iter().zip(&*velocities) {
             let holds = point.is_movable() && (point.law == Law::Joint || !point.law.is_single() && velocity.x < 0.0);
-            let stiff = if holds { point.mass / of_law(point.law, softness) } else { 0.0 };
+            let stiff = if holds { point.mass / of_point(point, softness) } else { 0.0 };
             linear.stiffness.push(Matrix3::from_diagonal_element(stiff));
             linear.offset.push(-stiff * velocity);
         }
@@ -121,7 +121,7 @@ impl Iterate {
                 linear.offset.push(Vector3::zeros());
                 continue;
             }
-            let softness = of_law(point.law, softness);
+            let softness = of_point(point, softness);
             let velocity = velocity + (impulse - kept) * (softness / point.mass);
             let square = defect(point, impulse, &velocity).norm_squared();
             largest = f64::max(largest, square);
@@ -143,7 +143,7 @@ impl Iterate {
                 let impulse = self.impulses[index] + share * buffers.step[index];
                 let velocity = self.velocities[index]
                     + share * buffers.motion[index]
-                    + (impulse - self.kept[index]) * (of_law(point.law, softness) / point.mass);
+                    + (impulse - self.kept[index]) * (of_point(point, softness) / point.mass);
                 sum += defect(point, &impulse, &velocity).norm_squared();
             }
             sum
@@ -164,8 +164,8 @@ impl Iterate {
 }
 
 /// ε of a point.
-fn of_law(law: Law, softness: f64) -> f64 {
-    if law == Law::Joint { (JOINT_SOFTNESS * softness).max(LEAST_JOINT_SOFTNESS) } else { softness }
+fn of_point(point: &ConePoint, softness: f64) -> f64 {
+    if point.law == Law::Joint { (JOINT_SOFTNESS * point.slack * softness).max(LEAST_JOINT_SOFTNESS) } else { softness }
 }
 
 /// F/ρ for ũ.

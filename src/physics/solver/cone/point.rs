@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
+use super::constants::LEVER;
 use super::{BodyVector, ConeContact, ConeJoint, Elimination, Law, PointJacobian, Velocity, relative_velocity};
 
 /// A contact or a joint.
@@ -11,6 +12,8 @@ pub(super) struct ConePoint {
     /// ρ, kg: of a contact, the effective mass along its normal, of a joint the mean over directions; infinite where
     /// nothing moves.
     pub mass: f64,
+    /// How much of its compliance a joint has, up to 1: see [`LEVER`].
+    pub slack: f64,
     /// Its axes in the world, as columns: of a contact, the normal and two tangents.
     pub frame: Matrix3<f64>,
     /// A and B, where they move.
@@ -73,8 +76,13 @@ impl ConePoint {
             Law::Joint => side.columns.norm_squared() / 3.0,
             Law::Frictionless | Law::Friction(_) | Law::Within(..) => side.columns.column(0).norm_squared(),
         };
-        let mass = 1.0 / sides.iter().flatten().map(square).sum::<f64>();
-        Self { law, mass, frame, sides, block: None }
+        let mobility = sides.iter().flatten().map(square).sum::<f64>();
+        let shifted = |side: &PointSide| side.columns.fixed_rows::<3>(0).norm_squared() / 3.0;
+        let slack = match sides.iter().flatten().map(shifted).sum::<f64>() {
+            shift if law == Law::Joint && shift > 0.0 => (LEVER * shift / mobility).min(1.0),
+            _ => 1.0,
+        };
+        Self { law, mass: 1.0 / mobility, slack, frame, sides, block: None }
     }
 
     /// Masses along its axes, kg, none too large for a step of Gauss–Seidel: those across the normal, or of a joint, share the

@@ -1,5 +1,6 @@
-//! Proximal points: the problem with a compliance ε/ρ at each point about the present λ_k, a hundredth of it at joints,
-//! solved; its solution is λ_{k+1}. (Rockafellar 1976 for monotone maps; Coulomb's law is none.)
+//! Proximal points: the problem with a compliance ε/ρ at each point about the present λ_k, a hundredth of it at joints
+//! (where levers are long, of what it is with shorter ones), solved; its solution is λ_{k+1}. (Rockafellar 1976 for monotone
+//! maps; Coulomb's law is none.)
 //!
 //! Where ε is large, the compliant problem is nearly one for each point by itself, and solved in any case. ε falls with each
 //! point that is reached, the faster the fewer iterations that took, and grows after one that is not; from there it falls

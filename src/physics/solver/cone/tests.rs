@@ -1,10 +1,10 @@
 //! Against closed forms, enumerated modes of contact, and an independent residual.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::problem::{ConeEnd, ConeOutcome, Velocity};
 use super::problems::*;
-use super::{ConeSolver, PerPoint};
+use super::{ConeBody, ConeContact, ConeJoint, ConeSolver, PerPoint};
 use crate::physics::testing::Random;
 
 type V = Vector3<f64>;
@@ -403,6 +403,38 @@ fn joints_alone_are_what_the_dense_system_gives() {
     });
     let lambda = delassus.svd(true, true).solve(&-&free, 1e-10).expect("a least-squares solution");
     assert!(apart(&motion_of(&lambda), &velocities) < 1e-8);
+}
+
+/// A light body that turns easily, on a slider 30 m out from a heavy one that lands. The rotations that the slider holds keep the
+/// light one from turning about the lever, which mobilities of points alone do not tell.
+#[test]
+fn a_slider_that_is_far_out_bears_an_impact() {
+    let body = |mass: f64, inertia: f64| ConeBody {
+        inverse_mass: V::repeat(1.0 / mass),
+        inverse_inertia: Matrix3::from_diagonal_element(1.0 / inertia),
+    };
+    let bodies = [body(20.0, 0.2), body(2_000.0, 100.0)];
+    let arms = [V::new(30.0, 0.0, 0.0), V::zeros()];
+    let mut slider = ConeJoint::ball([Some(0), Some(1)], &arms);
+    slider.jacobians.iter_mut().for_each(|jacobian| jacobian.row_mut(0).fill(0.0));
+    let mut straight = ConeJoint::ball([Some(0), Some(1)], &[V::zeros(); 2]);
+    for (jacobian, sign) in straight.jacobians.iter_mut().zip([-1.0, 1.0]) {
+        jacobian.fill(0.0);
+        jacobian.fixed_columns_mut::<3>(3).fill_diagonal(sign);
+    }
+    let foot = [V::zeros(), V::new(0.2, -0.5, 0.1)];
+    let contact = ConeContact { bodies: [None, Some(1)], arms: foot, normal: V::y(), friction: 0.0 };
+    let mut solver = ConeSolver::default();
+    solver.set(&bodies, &[contact], &[slider, straight]);
+    let mut velocities = vec![[V::new(0.0, -0.5, 0.0), V::zeros()]; 2];
+    let bias = PerPoint { contacts: vec![V::zeros()], joints: vec![V::zeros(); 2] };
+    let outcome = solver.solve(&mut velocities, &bias, &mut bias.clone(), 1e-10, 0.0);
+    assert_eq!(outcome.end, ConeEnd::Converged, "{outcome:?}");
+    assert!(outcome.steps <= 8, "{outcome:?}");
+    let lands = between(&velocities, &contact.bodies, &foot).y;
+    let parts = between(&velocities, &slider.bodies, &arms).yz().norm();
+    let turns = (velocities[1][1] - velocities[0][1]).norm();
+    assert!(lands.abs().max(parts).max(turns) < 1e-8, "{lands:e}, {parts:e}, {turns:e}");
 }
 
 #[test]
