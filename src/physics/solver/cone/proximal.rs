@@ -4,12 +4,14 @@
 //!
 //! Where ε is large, the compliant problem is nearly one for each point by itself, and solved in any case. ε falls with each
 //! point that is reached, the faster the fewer iterations that took, and grows after one that is not; from there it falls
-//! slowly at first, since what was too stiff just now mostly still is.
+//! slowly at first, since what was too stiff just now mostly still is. A point that is reached is taken whatever its residual:
+//! λ_{k+1} is nearer to the solution, but what moves is ε/ρ (λ_k − λ_{k+1}), which is much where bodies that turn easily
+//! are held by others.
 
 use super::constants::{
     ENOUGH_RESIDUAL, FAR, FAR_PATIENCE, FIRST_SOFTNESS, GUESSED_SOFTNESS, LEAST_SOFTNESS, MISSED_FADES,
-    MISSED_SOFTNESS, MOST_SOFTNESS, MOST_STEPS, PATIENCE, PROXIMAL_ACCURACY, PROXIMAL_ITERATIONS, PROXIMAL_LOSS,
-    PROXIMAL_POINTS, SOFTNESS_FALLS, SOFTNESS_RISE, STALLED,
+    MISSED_SOFTNESS, MOST_SOFTNESS, MOST_STEPS, PATIENCE, PROXIMAL_ACCURACY, PROXIMAL_ITERATIONS, PROXIMAL_POINTS,
+    SOFTNESS_FALLS, SOFTNESS_RISE, STALLED,
 };
 use super::newton::NewtonBuffers;
 use super::{ConeEnd, Iterate};
@@ -30,8 +32,7 @@ impl Iterate {
             if residual.largest <= self.tolerance {
                 return true;
             }
-            let loss = if is_reached { PROXIMAL_LOSS } else { 1.0 };
-            if residual.norm <= loss * before.norm || softness >= MOST_SOFTNESS {
+            if is_reached || residual.norm <= before.norm || softness >= MOST_SOFTNESS {
                 if self.is_jammed() {
                     self.outcome.end = ConeEnd::NoRigidSolution;
                     return false;
