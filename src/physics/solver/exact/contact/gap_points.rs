@@ -88,6 +88,13 @@ impl GapPoints {
         Some(self.starts[pair] as usize + at)
     }
 
+    /// The indices of all points of the same features: facets of a mesh number theirs each for itself.
+    pub fn namesakes(&self, pair: u32, feature: FeatureId) -> impl Iterator<Item = usize> {
+        let first = self.starts[pair as usize] as usize;
+        let own = self.of(pair as usize).iter().zip(first..);
+        own.filter(move |(point, _)| point.feature == feature).map(|(_, index)| index)
+    }
+
     /// Finds them at the bodies' poses, up to a gap for each pair, m. Where a pair has fewer than `wanted`, as a cone that has
     /// lain on a box and is tilted about its edge by a forecast, those of the face that it lay on are as true, if they are as
     /// deep.

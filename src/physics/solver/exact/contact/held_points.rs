@@ -4,7 +4,7 @@
 //! corner on a face becomes an edge that crosses another, at the same place; the two ends of the line along which cones
 //! touch may change their names. A point whose features are gone, or elsewhere, goes on as the one that has taken its
 //! place. Else it would be held where it is no more, and the new one beside it, and forecasts would not come true however
-//! short the step.
+//! short the step. Of points of one name, as on two facets of a mesh, a point goes on as the nearest.
 
 use nalgebra::Vector3;
 
@@ -70,8 +70,9 @@ impl HeldPoints {
         };
         for held in &self.list {
             let most = SAME_NAME * least_radius(held) + way(held);
-            let named = points.position(held.pair, held.feature);
-            self.at_end.push(named.filter(|&found| square(held, found) <= most * most));
+            let named = points.namesakes(held.pair, held.feature).map(|found| (square(held, found), found));
+            let nearest = named.min_by(|one, other| one.0.total_cmp(&other.0));
+            self.at_end.push(nearest.filter(|(square, _)| *square <= most * most).map(|(_, found)| found));
         }
         self.at_end.iter().flatten().for_each(|&found| self.taken[found] = true);
         for (index, point) in points.list.iter().enumerate() {
@@ -198,6 +199,17 @@ mod tests {
         assert_eq!((points.at_end[0], points.list[0].feature), (Some(0), FeatureId(7)), "renamed");
         let (points, _) = after([0.3, 0.0, 0.0], &held, vec![point(7, [0.35, 0.0, 0.0], 0.0)]);
         assert_eq!(points.at_end, [None], "another point");
+    }
+
+    /// A corner on one facet, and another on the next, where each facet numbers its own.
+    #[test]
+    fn of_two_points_of_one_name_each_goes_on_as_itself() {
+        let held = [point(2, [-0.05, 0.0, 0.0], 0.02), point(2, [0.05, 0.0, 0.0], 0.0)];
+        let found = vec![point(2, [-0.05, 0.0, 0.0], 0.02), point(2, [0.05, 0.0, 0.0], -1e-3)];
+        let (mut points, found) = after([0.001, 0.0, 0.0], &held, found);
+        assert_eq!(points.at_end, [Some(0), Some(1)]);
+        points.meet(&found, &[GROUND; 2], &[GROUND; 2], 0.1, |_| false);
+        assert_eq!(points.list.len(), 2, "met what it holds");
     }
 
     /// A plane that has tilted by 0.1 rad on the way.
